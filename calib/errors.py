@@ -1,0 +1,77 @@
+"""The errors a user can cause, as one tree.
+
+    BrakeCalError
+    ├── InputError            exit code 3: a file the user gave
+    │   ├── LogError          a log: missing, unreadable, unfit for the job
+    │   ├── VehicleError      a vehicle file
+    │   ├── ChannelMapError   a channel map
+    │   ├── LimitsError       a limits file
+    │   └── ModelError        a model file
+    └── StoreError            exit code 4: the table store, or a table in it
+        ├── TableNotFound     no table of that name or version
+        └── DamagedTable      the content is not what its digest says
+
+The command line catches only the root. A message says what was wrong, what came, what was
+expected and where to look.
+"""
+
+
+class BrakeCalError(Exception):
+    """Root of every error that a user can cause and mend."""
+
+    exit_code = 1
+
+    def __init__(self, what: str, *, where: object = None, expected: str = "", do: str = ""):
+        """Build the message.
+
+        Parameters
+        ----------
+        what : what was wrong and what came.
+        where : the file, channel or key.
+        expected : what would have been right.
+        do : the next step for the user.
+        """
+        self.what, self.where, self.expected, self.do = what, where, expected, do
+        head = f"{where}: {what}" if where is not None else what
+        parts = [head, f"expected {expected}" if expected else "", do]
+        super().__init__("; ".join(part for part in parts if part))
+
+
+class InputError(BrakeCalError):
+    """A file from the user cannot be used."""
+
+    exit_code = 3
+
+
+class LogError(InputError):
+    """A log is missing, unreadable or unfit for the job."""
+
+
+class VehicleError(InputError):
+    """A vehicle file is missing, unreadable or implausible."""
+
+
+class ChannelMapError(InputError):
+    """A channel map is unreadable or does not fit the log."""
+
+
+class LimitsError(InputError):
+    """A limits file is unreadable or names an unknown figure."""
+
+
+class ModelError(InputError):
+    """A model file is unreadable or names an unknown effect."""
+
+
+class StoreError(BrakeCalError):
+    """The table store is damaged or refuses."""
+
+    exit_code = 4
+
+
+class TableNotFound(StoreError):
+    """The store has no table of that name or version."""
+
+
+class DamagedTable(StoreError):
+    """A table file does not hold what its digest promises."""

@@ -1,0 +1,63 @@
+"""The one page of names: each quantity once, with symbol, unit and sign.
+
+Everything inside the program is SI; bar, km/h, rpm and cm^2 exist only at the doors. Forces,
+torques and slips are positive magnitudes when they brake. ``a_x`` keeps the sign of ISO 8855:
+forward positive, so that braking is negative; ``z = -a_x/g`` is positive when braking.
+"""
+
+from dataclasses import dataclass
+
+G = 9.80665
+"""Standard gravity [m/s^2], ISO 80000-3."""
+
+AXLES = ("f", "r")
+WHEELS = ("fl", "fr", "rl", "rr")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One logged quantity.
+
+    Attributes
+    ----------
+    name : canonical channel name.
+    symbol : symbol in the paper, or the customary one.
+    unit : unit of the canonical log file.
+    si : unit inside the program; the two differ only where a log is read or written.
+    meaning : what it is, with its sign.
+    required : whether every log must have it.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    si: str
+    meaning: str
+    required: bool = False
+
+
+def _per_wheel(name: str, symbol: str, unit: str, si: str, meaning: str, required: bool = False):
+    return [
+        Quantity(f"{name}_{w}", f"{symbol}_{w}", unit, si, f"{meaning}, {w}", required)
+        for w in WHEELS
+    ]
+
+
+CHANNELS: dict[str, Quantity] = {
+    q.name: q
+    for q in [
+        Quantity("time", "t", "s", "s", "time, increasing", True),
+        Quantity("p_mc", "P_mc", "bar", "Pa", "master-cylinder pressure", True),
+        Quantity("a_x", "a_x", "m/s^2", "m/s^2", "acceleration at the c.g., forward positive", True),
+        *_per_wheel("omega", "omega", "rad/s", "rad/s", "wheel speed", True),
+        Quantity("v", "V", "m/s", "m/s", "reference speed over ground"),
+        *_per_wheel("p", "P", "bar", "Pa", "wheel pressure"),
+        Quantity("T_disc_f", "T_f", "degC", "degC", "front disc temperature"),
+        Quantity("T_disc_r", "T_r", "degC", "degC", "rear disc temperature"),
+        Quantity("steering", "delta", "rad", "rad", "steering-wheel angle, left positive"),
+    ]
+}
+"""The canonical channels, in the order in which a log is written."""
+
+TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": "1"}
+"""Truth channels of a simulation, by prefix. Never read by fit, estimator or diagnosis."""

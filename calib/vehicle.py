@@ -1,0 +1,90 @@
+"""Tables I and II of the paper as a frozen record, read from a TOML file.
+
+Wheel values are per wheel. ``friction_faces`` counts the pad faces of one caliper (two for a disc
+brake): (2) of the paper is for one face.
+"""
+
+import hashlib
+import json
+import math
+import re
+import tomllib
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from calib.errors import VehicleError
+from calib.names import G
+from calib.units import UnknownUnit, to_si
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Axle:
+    """One axle of Table I; every value is for one wheel.
+
+    Attributes
+    ----------
+    rolling_radius : R [m], effective, unbraked.
+    wheel_inertia : J_w [kg m^2], about the wheel axis. Not in the paper.
+    piston_area : A [m^2], all pistons that press one pad.
+    effective_radius : r [m], of the disc.
+    friction_faces : pad faces of one brake [1].
+    pad_friction : mu_p,n [1], nominal.
+    """
+
+    rolling_radius: float
+    wheel_inertia: float
+    piston_area: float
+    effective_radius: float
+    friction_faces: int
+    pad_friction: float
+
+    @property
+    def torque_gain(self) -> float:
+        """C of (3) for one wheel [m^3]: faces * A * r, so that T_b = mu_p C P."""
+        return self.friction_faces * self.piston_area * self.effective_radius
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """Table II of the paper, both axles, and the effects known beforehand.
+
+    Attributes
+    ----------
+    name : names the tables fitted with it.
+    mass : M_v [kg], as driven.
+    cg_to_front_axle, cg_to_rear_axle : l_f, l_r [m].
+    cg_height : h [m].
+    track_width : l_w [m].
+    front, rear : the axles.
+    mass_tolerance : one standard deviation of the relative error of the mass [1].
+    effects : parameters of known effects [SI], by effect and parameter name.
+    """
+
+    name: str
+    mass: float
+    cg_to_front_axle: float
+    cg_to_rear_axle: float
+    cg_height: float
+    track_width: float
+    front: Axle
+    rear: Axle
+    mass_tolerance: float = 0.005
+    effects: dict[str, dict[str, float]] = field(default_factory=dict)
+
+    @property
+    def wheelbase(self) -> float:
+        """L = l_f + l_r [m]."""
+        return self.cg_to_front_axle + self.cg_to_rear_axle
+
+    @property
+    def weight(self) -> float:
+        """M_v g [N]."""
+        return self.mass * G
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the canonical content."""
+        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
