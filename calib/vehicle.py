@@ -7,15 +7,14 @@ brake): (2) of the paper is for one face.
 import hashlib
 import json
 import math
-import re
-import tomllib
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from calib.errors import VehicleError
+from calib.files import write_whole
 from calib.names import G
-from calib.units import UnknownUnit, to_si
+from calib.toml import check_keys, quantity, read_toml
 
 SCHEMA = 1
 
@@ -88,3 +87,183 @@ class Vehicle:
     def digest(self) -> str:
         """SHA-256 of the canonical content."""
         return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A value of the vehicle file: its SI unit and the range in which it is believable [SI]."""
+
+    si: str
+    low: float
+    high: float
+
+
+# From a microcar to a heavy coach. A value outside is a slip of the unit or of the decimal point.
+CHASSIS = {
+    "mass": Bound("kg", 300, 60_000),
+    "cg_to_front_axle": Bound("m", 0.2, 10),
+    "cg_to_rear_axle": Bound("m", 0.2, 10),
+    "cg_height": Bound("m", 0.1, 3),
+    "track_width": Bound("m", 0.5, 3.5),
+    "mass_tolerance": Bound("1", 0, 0.2),
+}
+AXLE = {
+    "rolling_radius": Bound("m", 0.1, 1.0),
+    "wheel_inertia": Bound("kg*m^2", 0.01, 200),
+    "piston_area": Bound("m^2", 0.5e-4, 500e-4),
+    "effective_radius": Bound("m", 0.03, 0.5),
+    "friction_faces": Bound("1", 1, 12),
+    "pad_friction": Bound("1", 0.05, 1.0),
+}
+OPTIONAL = ("mass_tolerance",)
+_FORBIDDEN_IN_NAME = frozenset('@/\\:*?"<>|')
+
+
+def checked(vehicle: Vehicle, where: object = None) -> Vehicle:
+    """Return the vehicle if every value is believable.
+
+    Raises VehicleError naming ``where`` (the vehicle's name by default), the value and its bounds.
+    It sees slips, not small errors: a mass that is 10 % wrong passes.
+    """
+    where = vehicle.name if where is None else where
+    _check_name(vehicle.name, where)
+    for key, bound in CHASSIS.items():
+        _within(getattr(vehicle, key), bound, f"{where}: chassis.{key}")
+    for axle in ("front", "rear"):
+        for key, bound in AXLE.items():
+            _within(getattr(getattr(vehicle, axle), key), bound, f"{where}: {axle}.{key}")
+    _check_geometry(vehicle, where)
+    for effect, parameters in vehicle.effects.items():
+        for key, value in parameters.items():
+            _within(value, Bound("SI", -1e12, 1e12), f"{where}: effects.{effect}.{key}")
+    return vehicle
+
+
+def _check_name(name: str, where: object) -> None:
+    """A table is named after its vehicle, so the name must do as a folder and before an ``@``."""
+    bad = not name.strip() or name.startswith(".") or name != name.strip()
+    if bad or not name.isprintable() or _FORBIDDEN_IN_NAME & set(name):
+        raise VehicleError(
+            f"name {name!r} cannot name a table",
+            where=where,
+            expected='letters, digits, "-", "_" or "."',
+        )
+
+
+def _within(value: float, bound: Bound, where: str) -> None:
+    if not (math.isfinite(value) and bound.low <= value <= bound.high):
+        raise VehicleError(
+            f"{value:g} {bound.si} is not believable",
+            where=where,
+            expected=f"{bound.low:g} to {bound.high:g} {bound.si}",
+            do="check the sign, the unit and the decimal point",
+        )
+
+
+def _check_geometry(vehicle: Vehicle, where: object) -> None:
+    if vehicle.cg_height >= vehicle.wheelbase:
+        raise VehicleError(
+            f"cg_height {vehicle.cg_height:g} m is not below the wheelbase {vehicle.wheelbase:g} m",
+            where=f"{where}: chassis",
+            expected="cg_height < cg_to_front_axle + cg_to_rear_axle",
+        )
+    for name, axle in (("front", vehicle.front), ("rear", vehicle.rear)):
+        if axle.effective_radius >= axle.rolling_radius:
+            raise VehicleError(
+                f"effective_radius {axle.effective_radius:g} m is not below rolling_radius "
+                f"{axle.rolling_radius:g} m",
+                where=f"{where}: {name}",
+                expected="a disc that fits into the wheel",
+            )
+        if axle.friction_faces != int(axle.friction_faces):
+            raise VehicleError(
+                f"friction_faces {axle.friction_faces:g}",
+                where=f"{where}: {name}",
+                expected="a whole number: 2 for a disc brake",
+            )
+
+
+def read_vehicle(path: Path) -> Vehicle:
+    """Read a vehicle file (TOML, ``schema = 1``, quantities as strings with units).
+
+    ``[chassis]``, ``[front]`` and ``[rear]`` as in the records above; ``[effects.<name>]``, if
+    any, hold the known parameters of that effect. Their names are not checked here: the catalogue
+    of effects lies further down and does so.
+
+    Raises VehicleError for a file that is missing, not TOML, of another schema; for a missing or
+    unknown key; for a wrong unit; for a value that is not believable.
+    """
+    path = Path(path)
+    table = read_toml(path, SCHEMA, VehicleError)
+    required = ("name", "chassis", "front", "rear")
+    check_keys(table, (*required, "effects"), required, path, VehicleError)
+    if not isinstance(table["name"], str):
+        raise VehicleError(f"name {table['name']!r}", where=path, expected="a string")
+    vehicle = Vehicle(
+        name=table["name"],
+        **_section(table["chassis"], CHASSIS, f"{path}: chassis"),
+        front=_axle(table["front"], f"{path}: front"),
+        rear=_axle(table["rear"], f"{path}: rear"),
+        effects=_effects(table.get("effects", {}), path),
+    )
+    return checked(vehicle, path)
+
+
+def _section(table: object, bounds: dict[str, Bound], where: str) -> dict[str, float]:
+    required = [key for key in bounds if key not in OPTIONAL]
+    values = check_keys(table, bounds, required, where, VehicleError)
+    return {
+        key: quantity(value, bounds[key].si, f"{where}.{key}", VehicleError)
+        for key, value in values.items()
+    }
+
+
+def _axle(table: object, where: str) -> Axle:
+    values: dict[str, Any] = dict(_section(table, AXLE, where))
+    faces = values["friction_faces"]
+    return Axle(**{**values, "friction_faces": int(faces) if faces == int(faces) else faces})
+
+
+def _effects(table: object, path: Path) -> dict[str, dict[str, float]]:
+    where = f"{path}: effects"
+    if not isinstance(table, dict):
+        raise VehicleError(f"{table!r} is not a table", where=where, expected="[effects.<name>]")
+    effects = {}
+    for name, parameters in table.items():
+        if not isinstance(parameters, dict):
+            raise VehicleError(
+                f"{name} = {parameters!r} is not a table", where=where, expected=f"[effects.{name}]"
+            )
+        effects[name] = {
+            key: quantity(value, None, f"{where}.{name}.{key}", VehicleError)
+            for key, value in parameters.items()
+        }
+    return effects
+
+
+def write_vehicle(vehicle: Vehicle, path: Path) -> None:
+    """Write a vehicle file that `read_vehicle` reads back exactly. All values are in SI.
+
+    Raises VehicleError for a value that is not believable, OSError if ``path`` cannot be written.
+    """
+    checked(vehicle)
+    lines = [f"schema = {SCHEMA}", f"name = {json.dumps(vehicle.name, ensure_ascii=False)}"]
+    lines += ["", "[chassis]", *(_line(k, getattr(vehicle, k), b.si) for k, b in CHASSIS.items())]
+    for name in ("front", "rear"):
+        axle = getattr(vehicle, name)
+        values = {f.name: getattr(axle, f.name) for f in fields(Axle)}
+        lines += ["", f"[{name}]", *(_line(k, v, AXLE[k].si) for k, v in values.items())]
+    for effect, parameters in vehicle.effects.items():
+        lines += ["", f"[effects.{_key(effect)}]  # SI"]
+        lines += [_line(key, value, "1") for key, value in parameters.items()]
+    write_whole(Path(path), "\n".join([*lines, ""]).encode())
+
+
+def _line(key: str, value: float, si: str) -> str:
+    number = repr(value) if isinstance(value, int) else repr(float(value))
+    return f"{_key(key)} = {number}" if si == "1" else f'{_key(key)} = "{number} {si}"'
+
+
+def _key(name: str) -> str:
+    bare = name.isascii() and name.replace("-", "_").isidentifier()
+    return name if bare else json.dumps(name, ensure_ascii=False)
