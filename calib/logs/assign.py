@@ -1,0 +1,169 @@
+"""Which column of a file is which channel."""
+
+import difflib
+from dataclasses import dataclass
+
+from calib.errors import ChannelMapError, LogError
+from calib.logs.channel_map import ChannelMap, Mapping
+from calib.logs.source import Array, Column
+from calib.names import CHANNELS, TRUTH_UNITS
+from calib.units import UnknownUnit, si_of, unit_of
+
+TRUTH = "true_"
+
+
+@dataclass(frozen=True)
+class Assigned:
+    """A column that is taken: its index in the file, and how it becomes a channel in SI."""
+
+    channel: str
+    index: int
+    unit: str
+    si: str
+    mapping: Mapping
+
+    def to_si(self, written: Array) -> Array:
+        """Values in SI, shape (n,)."""
+        return self.mapping.to_si(written, self.unit, self.si)
+
+
+def assign(
+    columns: tuple[Column, ...],
+    channel_map: ChannelMap | None,
+    require: tuple[str, ...],
+    where: str,
+) -> tuple[list[Assigned], tuple[str, ...]]:
+    """Decide what to take from a file.
+
+    Parameters
+    ----------
+    columns : as the file has them.
+    channel_map : foreign names, or None. A mapped channel hides a column of its own name.
+    require : channels that must be there.
+    where : the file's path, for messages.
+
+    Returns
+    -------
+    The columns to take, and the names of those that are left. Raises LogError for a required
+    channel that is missing, one that is there twice, a missing or unknown unit; ChannelMapError
+    for a source that the file does not have.
+    """
+    mapped = channel_map.channels if channel_map else {}
+    taken = [_mapped(name, entry, columns, channel_map, where) for name, entry in mapped.items()]
+    sources = {item.index for item in taken}
+    for index, column in enumerate(columns):
+        if index not in sources and column.name not in mapped:
+            item = _canonical(column, index, where)
+            taken += [item] if item else []
+    _refuse_twice(taken, where)
+    names = {item.channel for item in taken}
+    indices = {item.index for item in taken}
+    ignored = tuple(c.name for i, c in enumerate(columns) if i not in indices)
+    _refuse_missing([name for name in require if name not in names], ignored, where)
+    return taken, ignored
+
+
+def _mapped(
+    name: str,
+    entry: Mapping,
+    columns: tuple[Column, ...],
+    channel_map: ChannelMap | None,
+    where: str,
+) -> Assigned:
+    found = [i for i, column in enumerate(columns) if column.name == entry.source.strip()]
+    names = [column.name for column in columns]
+    if not found:
+        raise ChannelMapError(
+            f"{where} has no column {entry.source!r} for {name}",
+            where=channel_map.where if channel_map else None,
+            expected=f"one of {', '.join(repr(n) for n in names)}",
+            do=_suggestion(entry.source, names),
+        )
+    if len(found) > 1:
+        raise LogError(
+            f"{len(found)} columns are called {entry.source!r}",
+            where=f"{where}: {name}",
+            expected="one",
+            do="rename one of them",
+        )
+    column = columns[found[0]]
+    unit = _known_unit(entry.unit or column.unit, CHANNELS[name].si, f"{where}: {name}")
+    return Assigned(name, found[0], unit, CHANNELS[name].si, entry)
+
+
+def _canonical(column: Column, index: int, where: str) -> Assigned | None:
+    """The channel that a column is by its own name, or None if it is none of ours."""
+    if column.name in CHANNELS:
+        si = CHANNELS[column.name].si
+    elif column.name.startswith(TRUTH):
+        found = _truth_si(column)
+        if found is None:
+            return None
+        si = found
+    else:
+        return None
+    unit = _known_unit(column.unit, si, f"{where}: {column.name}")
+    return Assigned(column.name, index, unit, si, Mapping(column.name))
+
+
+def _truth_si(column: Column) -> str | None:
+    """SI unit of a truth channel: by its name if we know it, else by what its unit measures."""
+    for prefix, si in TRUTH_UNITS.items():
+        if column.name.startswith(f"{prefix}_"):
+            return si
+    try:
+        return si_of(column.unit or "")
+    except UnknownUnit:
+        return None
+
+
+def _known_unit(unit: str | None, si: str, where: str) -> str:
+    if not unit:
+        raise LogError(
+            "the unit is missing",
+            where=where,
+            expected=f"a unit in the header, such as [{si}]",
+            do="name it in the header or in a channel map",
+        )
+    try:
+        unit_of(unit, si)
+    except UnknownUnit as cause:
+        raise LogError(
+            str(cause), where=where, do="mend the header or use a channel map"
+        ) from cause
+    return unit
+
+
+def _refuse_twice(taken: list[Assigned], where: str) -> None:
+    seen: set[str] = set()
+    for item in taken:
+        if item.channel in seen:
+            raise LogError(
+                "the channel is there twice",
+                where=f"{where}: {item.channel}",
+                expected="one column of that name",
+                do="rename or delete one of them",
+            )
+        seen.add(item.channel)
+
+
+def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) -> None:
+    if not missing:
+        return
+    hints = [hint for name in missing if (hint := _suggestion(name, list(ignored), name))]
+    have = ", ".join(repr(name) for name in ignored) or "nothing else"
+    raise LogError(
+        f"channel{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing",
+        where=where,
+        expected=f"columns called so; the log also has {have}",
+        do="; ".join([*hints, "name foreign columns in a channel map (--map)"]),
+    )
+
+
+def _suggestion(word: str, names: list[str], channel: str = "") -> str:
+    by_lower = {name.lower(): name for name in names}
+    close = difflib.get_close_matches(word.lower(), by_lower, n=1)
+    if not close:
+        return ""
+    meant = f"is {by_lower[close[0]]!r} meant"
+    return f"{meant} to be {channel}?" if channel else f"{meant}?"

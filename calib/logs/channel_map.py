@@ -1,0 +1,111 @@
+"""A channel map: which column of a foreign log is which channel, with unit and sign.
+
+schema = 1
+
+[channels.p_mc]
+source = "Brake pressure"     # the column's name in the log
+unit = "kPa"                  # optional: overrides the header's
+sign = 1                      # optional: -1 turns the channel round
+scale = 1.0                   # optional: value = sign * (scale * written + offset), in `unit`
+offset = 0.0
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from calib.errors import ChannelMapError
+from calib.logs.source import Array
+from calib.names import CHANNELS
+from calib.toml import check_keys, quantity, read_toml
+from calib.units import UnknownUnit, to_si, unit_of
+
+SCHEMA = 1
+KEYS = ("source", "unit", "sign", "scale", "offset")
+
+
+@dataclass(frozen=True)
+class Mapping:
+    """One channel's origin.
+
+    Attributes
+    ----------
+    source : name of the column, as the file has it without its unit.
+    unit : unit of the values after scale and offset; None takes the header's.
+    sign, scale, offset : value = sign * (scale * written + offset).
+    """
+
+    source: str
+    unit: str | None = None
+    sign: int = 1
+    scale: float = 1.0
+    offset: float = 0.0
+
+    def to_si(self, written: Array, unit: str, si: str) -> Array:
+        """Values in SI, shape (n,), from what the file holds. Raises UnknownUnit."""
+        return to_si(self.sign * (self.scale * written + self.offset), unit, si)
+
+
+@dataclass(frozen=True)
+class ChannelMap:
+    """The mapped channels by canonical name, and the file they came from."""
+
+    where: str
+    channels: dict[str, Mapping]
+
+
+def read_channel_map(path: Path) -> ChannelMap:
+    """Read a channel map.
+
+    Raises ChannelMapError for a file that is missing or not TOML, an unknown channel or key, a
+    source that is a truth channel, an unknown unit, or a sign other than 1 and -1.
+    """
+    path = Path(path)
+    table = read_toml(path, SCHEMA, ChannelMapError)
+    check_keys(table, ("channels",), ("channels",), path, ChannelMapError)
+    where = f"{path}: channels"
+    channels = check_keys(table["channels"], tuple(CHANNELS), (), where, ChannelMapError)
+    return ChannelMap(
+        str(path), {name: _mapping(name, entry, where) for name, entry in channels.items()}
+    )
+
+
+def _mapping(name: str, entry: object, where: str) -> Mapping:
+    where = f"{where}.{name}"
+    values = dict(check_keys(entry, KEYS, ("source",), where, ChannelMapError))
+    _check_source(values["source"], where)
+    _check_unit(values.get("unit"), name, where)
+    if values.get("sign", 1) not in (1, -1) or isinstance(values.get("sign"), bool):
+        raise ChannelMapError(
+            f"sign {values['sign']!r}", where=where, expected="1 or -1 (use scale for factors)"
+        )
+    for key in ("scale", "offset"):
+        if key in values:
+            values[key] = quantity(values[key], "1", f"{where}.{key}", ChannelMapError)
+    if values.get("scale") == 0:
+        raise ChannelMapError(
+            "scale 0 would wipe the channel out", where=where, expected="a factor"
+        )
+    return Mapping(**values)
+
+
+def _check_source(source: Any, where: str) -> None:
+    if not isinstance(source, str) or not source.strip():
+        raise ChannelMapError(
+            f"source {source!r}", where=where, expected="the name of a column of the log"
+        )
+    if source.startswith("true_"):
+        raise ChannelMapError(
+            f"source {source!r} is a truth channel",
+            where=where,
+            expected="a measured column; truth only serves to score",
+        )
+
+
+def _check_unit(unit: Any, name: str, where: str) -> None:
+    if unit is None:
+        return
+    try:
+        unit_of(str(unit), CHANNELS[name].si)
+    except UnknownUnit as cause:
+        raise ChannelMapError(str(cause), where=f"{where}.unit") from cause

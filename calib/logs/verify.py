@@ -1,0 +1,84 @@
+"""Is what was read a log at all: complete values, a clock that runs forward, enough samples."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import LogError
+from calib.logs.source import Array
+from calib.names import CHANNELS
+
+MIN_SAMPLES = 50
+"""Below this there is nothing to filter, let alone to fit: a quarter of a second at 200 Hz."""
+
+
+def complete_channels(
+    channels: dict[str, Array], require: tuple[str, ...], where: str
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """Keep the channels that have a finite value in every row.
+
+    Parameters
+    ----------
+    channels : by name, each of shape (n,), NaN where the file has no value.
+    require : channels that must not be empty.
+    where : the file's path, for messages.
+
+    Returns
+    -------
+    The complete channels, and a note on each that was dropped. Raises LogError for an empty
+    channel that is required, and for holes in any of the channels that every log must have.
+    """
+    kept, notes = {}, []
+    for name, values in channels.items():
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size == 0:
+            kept[name] = values
+        elif np.isnan(values).all():
+            if name in require:
+                raise _empty(name, values.size, where)
+            notes.append(f"{name} is empty and was left out")
+        elif name in CHANNELS and CHANNELS[name].required:
+            raise _holes(name, values, bad, where)
+        else:
+            notes.append(
+                f"{name} has no value in {bad.size} of {values.size} rows, "
+                f"first in row {bad[0] + 1}, and was left out"
+            )
+    return kept, tuple(notes)
+
+
+def _empty(name: str, rows: int, where: str) -> LogError:
+    return LogError(
+        f"the channel is empty: no value in {rows} rows",
+        where=f"{where}: {name}",
+        expected="a value in every row",
+        do="see with `brake-cal check` what the log can still be used for",
+    )
+
+
+def _holes(name: str, values: Array, bad: NDArray[np.intp], where: str) -> LogError:
+    first = int(bad[0])
+    kind = "no value" if np.isnan(values[first]) else "an infinite value"
+    return LogError(
+        f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1}",
+        where=f"{where}: {name}",
+        expected="a finite value in every row",
+        do="export all channels on one clock, or cut the log before the gap",
+    )
+
+
+def check_clock(time: Array, where: str) -> None:
+    """Check that there are enough samples [s] and that time increases. Raises LogError."""
+    if time.size < MIN_SAMPLES:
+        raise LogError(f"only {time.size} samples", where=where, expected=f"at least {MIN_SAMPLES}")
+    wrong = np.flatnonzero(np.diff(time) <= 0)
+    if wrong.size == 0:
+        return
+    row = int(wrong[0]) + 1
+    back = time[row] < time[row - 1]
+    raise LogError(
+        f"time {'goes back' if back else 'stands still'} in row {row + 1}: "
+        f"{time[row]:.6g} s after {time[row - 1]:.6g} s ({wrong.size} such rows)",
+        where=f"{where}: time",
+        expected="strictly increasing time",
+        do="export again, or delete the repeated rows",
+    )

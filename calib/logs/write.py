@@ -1,0 +1,96 @@
+"""Write a log in canonical names and units, as CSV or Parquet."""
+
+import io
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from calib.files import write_whole
+from calib.logs.assign import TRUTH
+from calib.logs.log import Array, Log
+from calib.logs.parquet import UNIT_KEY
+from calib.names import CHANNELS, TRUTH_UNITS
+from calib.units import from_si
+
+# Decimals of the CSV file, in canonical units: each step is below a tenth of what the usual sensor
+# resolves, so that printing adds nothing to the noise.
+DECIMALS = {
+    "time": 6,
+    "p": 4,
+    "a": 5,
+    "omega": 5,
+    "v": 5,
+    "T": 2,
+    "steering": 6,
+    "true_Tb": 3,
+    "true_Fx": 3,
+    "true_Fz": 3,
+    "true_mu_pad": 6,
+}
+
+
+def write_csv(log: Log, path: Path) -> None:
+    """Write ``log`` as CSV with header cells ``name [unit]``, truth channels last.
+
+    Read back it is the same to the printed decimals. Raises ValueError for a value that is not
+    finite, OSError if ``path`` cannot be written.
+    """
+    columns = list(_columns(log))
+    header = ",".join(f"{name} [{unit}]" for name, unit, _ in columns)
+    formats = [f"%.{_decimals(name)}f" for name, _, _ in columns]
+    text = io.StringIO()
+    # Adding 0.0 makes a rounded -0.0 a plain zero.
+    rounded = [np.round(values, _decimals(name)) + 0.0 for name, _, values in columns]
+    table = np.column_stack(rounded)
+    np.savetxt(text, table, fmt=formats, delimiter=",", header=header, comments="")
+    write_whole(Path(path), text.getvalue().encode())
+
+
+def write_parquet(log: Log, path: Path) -> None:
+    """Write ``log`` as Parquet, the unit of each channel in its field metadata.
+
+    Read back it is the same to rounding error. Raises as `write_csv`.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    columns = list(_columns(log))
+    fields = [
+        pa.field(name, pa.float64(), metadata={UNIT_KEY: unit.encode()})
+        for name, unit, _ in columns
+    ]
+    table = pa.Table.from_arrays(
+        [pa.array(values) for _, _, values in columns], schema=pa.schema(fields)
+    )
+    buffer = pa.BufferOutputStream()
+    pq.write_table(table, buffer, compression="zstd", use_dictionary=False)
+    write_whole(Path(path), buffer.getvalue().to_pybytes())
+
+
+def _columns(log: Log) -> Iterator[tuple[str, str, Array]]:
+    """Name, canonical unit and values in that unit, in the order of the page of names."""
+    for name, quantity in CHANNELS.items():
+        if name in log.channels:
+            yield name, quantity.unit, _written(name, log[name], quantity.unit, quantity.si)
+    for name, values in log.truth.items():
+        unit = _truth_unit(name)
+        yield name, unit, _written(name, values, unit, unit)
+
+
+def _written(name: str, values: Array, unit: str, si: str) -> Array:
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name} holds values that are not finite")
+    return from_si(values, unit, si)
+
+
+def _truth_unit(name: str) -> str:
+    for prefix, unit in TRUTH_UNITS.items():
+        if name.startswith(f"{prefix}_"):
+            return unit
+    raise ValueError(f"truth channel {name!r} has no unit on the page of names")
+
+
+def _decimals(name: str) -> int:
+    stem = name.split("_")[0] if not name.startswith(TRUTH) else name.rpartition("_")[0]
+    return DECIMALS[stem]

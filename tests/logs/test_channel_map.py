@@ -1,0 +1,106 @@
+"""Channel maps: foreign names, units and signs."""
+
+import pytest
+
+from calib.errors import ChannelMapError, LogError
+from calib.logs.channel_map import Mapping, read_channel_map
+from calib.logs.read import read_log
+
+HEADER = "Zeit [ms],Brake pressure,Decel [g],FL [rpm],FR [rpm],RL [rpm],RR [rpm],p_mc [bar]"
+ROW = "{},{},0.5,60,60,60,60,999"
+MAP = """schema = 1
+[channels.time]
+source = "Zeit"
+[channels.p_mc]
+source = "Brake pressure"
+unit = "kPa"
+scale = 2.0
+offset = -10.0
+[channels.a_x]
+source = "Decel"
+sign = -1
+"""
+MAP += "".join(
+    f'[channels.omega_{wheel}]\nsource = "{wheel.upper()}"\n' for wheel in ("fl", "fr", "rl", "rr")
+)
+
+
+@pytest.fixture
+def log_file(tmp_path):
+    path = tmp_path / "run.csv"
+    rows = [ROW.format(5 * i, 10 + i) for i in range(60)]
+    path.write_text("\n".join([HEADER, *rows, ""]))
+    return path
+
+
+def write_map(tmp_path, text):
+    path = tmp_path / "map.toml"
+    path.write_text(text)
+    return path
+
+
+def refusal(path):
+    with pytest.raises(ChannelMapError) as error:
+        read_channel_map(path)
+    assert error.value.exit_code == 3
+    assert str(path) in str(error.value)
+    return str(error.value)
+
+
+def test_names_units_signs_scale_and_offset(tmp_path, log_file):
+    log = read_log(log_file, write_map(tmp_path, MAP))
+    assert log.time[1] == pytest.approx(0.005)
+    assert log["p_mc"][0] == pytest.approx((2 * 10 - 10) * 1e3)
+    assert log["p_mc"][1] == pytest.approx((2 * 11 - 10) * 1e3)
+    assert log["a_x"][0] == pytest.approx(-0.5 * 9.80665)
+    assert log["omega_fl"][0] == pytest.approx(2 * 3.141592653589793)
+    assert log.ignored == ("p_mc",)  # hidden by the map
+
+
+def test_a_map_may_be_read_before(tmp_path, log_file):
+    channel_map = read_channel_map(write_map(tmp_path, MAP))
+    assert channel_map.channels["time"] == Mapping("Zeit")
+    assert read_log(log_file, channel_map)["a_x"][0] < 0
+
+
+def test_source_that_the_log_does_not_have(tmp_path, log_file):
+    path = write_map(tmp_path, MAP.replace('"Decel"', '"Deccel"'))
+    with pytest.raises(ChannelMapError, match=r"no column 'Deccel' for a_x.*is 'Decel' meant"):
+        read_log(log_file, path)
+
+
+def test_source_that_is_there_twice(tmp_path, log_file):
+    log_file.write_text(log_file.read_text().replace("p_mc [bar]", "Decel [g]"))
+    with pytest.raises(LogError, match="2 columns are called 'Decel'"):
+        read_log(log_file, write_map(tmp_path, MAP))
+
+
+def test_mapped_channel_still_needs_a_unit(tmp_path, log_file):
+    path = write_map(tmp_path, MAP.replace('unit = "kPa"\n', ""))
+    with pytest.raises(LogError, match="p_mc: the unit is missing"):
+        read_log(log_file, path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("[channels.a_x]", "[channels.ax]", ("'ax'", "did you mean 'a_x'?")),
+        ("sign = -1", "sing = -1", ("'sing'", "did you mean 'sign'?")),
+        ("sign = -1", "sign = -2", ("sign -2", "1 or -1")),
+        ('source = "Decel"\n', "", ("channels.a_x", "'source' is missing")),
+        ('source = "Decel"\n', "source = 5\n", ("source 5",)),
+        ('"Decel"', '"true_ax"', ("truth",)),
+        ('"kPa"', '"kPo"', ("channels.p_mc.unit", "'kPo'", "did you mean 'kPa'")),
+        ("scale = 2.0", "scale = 0", ("scale 0",)),
+        ("scale = 2.0", 'scale = "two"', ("channels.p_mc.scale", "'two'")),
+        ("schema = 1", "schema = 9", ("schema 9",)),
+        ("[channels.a_x]", "[channels.a_x", ("not TOML",)),
+    ],
+)
+def test_slips_are_named(tmp_path, old, new, words):
+    message = refusal(write_map(tmp_path, MAP.replace(old, new, 1)))
+    assert [word for word in words if word not in message] == []
+
+
+def test_no_file(tmp_path):
+    assert "no such file" in refusal(tmp_path / "none.toml")
