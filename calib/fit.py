@@ -1,0 +1,231 @@
+"""From ramps to a table: the whole of `brake-cal fit` in one place.
+
+    logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table
+"""
+
+from dataclasses import asdict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib import __version__, curves, identify, resistance
+from calib.check import problems_for
+from calib.errors import LogError
+from calib.forces import front_biased_up_to
+from calib.identify import Identified, Run
+from calib.logs.log import Log
+from calib.resistance import Resistance
+from calib.signals import BITE, Blocks, Noise, blocks, sensor_noise, signals
+from calib.table import (
+    Calibration,
+    LogReference,
+    Provenance,
+    Table,
+    TyrePosterior,
+    Value,
+)
+from calib.vehicle import Vehicle
+
+
+Array = NDArray[np.float64]
+
+OUTLIER = 4.0
+"""Residuals past this many sigma are named."""
+
+
+def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
+    """Fit one table from the ramps among ``logs``; logs without braking serve as coast logs.
+
+    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead.
+    """
+    ramps, coasts = sort_logs(vehicle, logs)
+    known = resistance.identify(vehicle, [(b, noise.z) for _, b, noise in ramps + coasts])
+    runs = [
+        identify.prepare(vehicle, log.name, b, noise, known.effects) for log, b, noise in ramps
+    ]
+    found = identify.identify(vehicle, runs)
+    z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
+    peak = curves.find_peak(vehicle, found, z_max)
+    z_end = peak.z if peak.real else z_max
+    quality = figures(vehicle, found, runs, peak, z_max)
+    return Table(
+        name=vehicle.name,
+        vehicle=vehicle,
+        difference=curves.difference_curve(vehicle, found, runs, z_end),
+        paper=curves.paper_table(vehicle, found, runs, z_end),
+        tyre=curves.tyre_curve(vehicle, found, runs, z_max),
+        posterior=TyrePosterior(
+            names=identify.PARAMETERS,
+            mean=tuple(float(v) for v in found.mean),
+            covariance=tuple(tuple(float(v) for v in row) for row in found.covariance),
+        ),
+        calibration=calibration(vehicle, found, runs, known),
+        effects=resistance_values(known),
+        noise=asdict(worst_noise([run.noise for run in runs])),
+        quality=quality,
+        remarks=remarks(vehicle, found, runs, known, peak, len(coasts)),
+        provenance=Provenance(
+            logs=tuple(
+                LogReference(log.name, log.digest, role)
+                for role, group in (("ramp", ramps), ("coast", coasts))
+                for log, _, _ in group
+            ),
+            settings=settings(),
+            program=f"brake-cal {__version__}",
+        ),
+    )
+
+
+Prepared = tuple[Log, Blocks, Noise]
+
+
+def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[Prepared]]:
+    """Ramps and coast logs, each with blocks and noise, in the order of their digests.
+
+    The order of the command line must not change a bit of the table.
+    """
+    ramps, coasts = [], []
+    for log in sorted(logs, key=lambda item: item.digest):
+        s = signals(log, vehicle)
+        b = blocks(s)
+        prepared = (log, b, sensor_noise(log, b))
+        if np.max(np.maximum(s.p_f, s.p_r)) < BITE:
+            coasts.append(prepared)
+            continue
+        problems = problems_for(log, "fit")
+        if problems:
+            raise LogError(
+                "this run will not do for a fit: " + "; ".join(problems),
+                where=log.source,
+                do="see `brake-cal check`",
+            )
+        ramps.append(prepared)
+    if not ramps:
+        raise LogError(
+            "none of the logs holds a braking",
+            where=", ".join(log.source for log in logs),
+            expected="at least one ramp: 1 s unbraked, then pressure rising over 5 s or more",
+        )
+    return ramps, coasts
+
+
+def calibration(
+    vehicle: Vehicle, found: Identified, runs: list[Run], known: Resistance
+) -> Calibration:
+    """Pad level and ratio with sigma: noise, drag and the mass for the level; the posterior's ratio."""
+    scale = float(np.mean(found.pad_scale))
+    sigma_z = np.mean([_sigma_level(vehicle, run, known) for run in runs])
+    between = float(np.std(found.pad_scale)) / np.sqrt(len(runs))
+    relative = float(np.sqrt(sigma_z**2 + between**2 + vehicle.mass_tolerance**2))
+    rho, sigma_rho = float(found.mean[5]), float(np.sqrt(found.covariance[5, 5]))
+    B_f, B_r = identify.brake_forces(vehicle, np.ones(()), np.ones(()), rho)
+    share = float(B_f / (B_f + B_r))
+    half = float(np.exp(0.5 * rho))
+    mu_f = scale * vehicle.front.pad_friction * half
+    mu_r = scale * vehicle.rear.pad_friction / half
+    return Calibration(
+        pad_scale=Value(scale, scale * relative),
+        pad_log_ratio=Value(rho, sigma_rho),
+        pad_friction_f=Value(mu_f, mu_f * float(np.hypot(relative, (1.0 - share) * sigma_rho))),
+        pad_friction_r=Value(mu_r, mu_r * float(np.hypot(relative, share * sigma_rho))),
+    )
+
+
+def _sigma_level(vehicle: Vehicle, run: Run, known: Resistance) -> float:
+    """Relative sigma of the pad scale of a run from the noise of z and the resistance."""
+    braked = run.use & ~run.blocks.lead_in
+    z = run.blocks.z[braked]
+    noise = run.noise.z / np.sqrt(run.blocks.length * float(z @ z))
+    resist = known.sigma_z(vehicle, run.blocks.speed[braked])
+    return float(np.hypot(noise, (resist @ z) / (z @ z)))
+
+
+def resistance_values(known: Resistance) -> dict[str, dict[str, Value]]:
+    """The resistance as named effects with sigma."""
+    sigma = np.sqrt(np.diag(np.asarray(known.covariance)))
+    return {
+        effect: {name: Value(float(value), float(s)) for name, value in parameters.items()}
+        for (effect, parameters), s in zip(known.effects.items(), sigma, strict=True)
+    }
+
+
+def worst_noise(noises: list[Noise]) -> Noise:
+    """The largest of each: an estimator must not promise more than the worst run."""
+    return Noise(**{key: max(asdict(n)[key] for n in noises) for key in asdict(noises[0])})
+
+
+def figures(
+    vehicle: Vehicle, found: Identified, runs: list[Run], peak: curves.Peak, z_max: float
+) -> dict[str, float]:
+    """Quality figures of the fit, each a plain number."""
+    eta_rms = float(np.sqrt(np.mean(np.concatenate([e for e, _ in found.residuals]) ** 2)))
+    slip = np.concatenate([s for _, s in found.residuals])
+    return {
+        "deceleration_max": z_max,
+        "front_biased_up_to": min(front_biased_up_to(vehicle), 9.99),
+        "eta_peak": peak.eta,
+        "eta_peak_deceleration": peak.z,
+        "eta_peak_is_real": float(peak.real),
+        "residual_eta_rms_sigma": eta_rms,
+        "residual_slip_rms_sigma": float(np.sqrt(np.mean(slip**2))) if slip.size else 0.0,
+        "outliers": float(sum(len(outliers(run, found, i)) for i, run in enumerate(runs))),
+        "pad_ratio_nominal_weight": found.nominal_weight,
+        "runs": float(len(runs)),
+    }
+
+
+def outliers(run: Run, found: Identified, index: int) -> list[float]:
+    """Times [s] of the blocks of a run whose eta lies past ``OUTLIER`` sigma."""
+    residual = found.residuals[index][0]
+    return [float(t) for t in run.blocks.end[run.use][np.abs(residual) > OUTLIER]]
+
+
+def remarks(
+    vehicle: Vehicle,
+    found: Identified,
+    runs: list[Run],
+    known: Resistance,
+    peak: curves.Peak,
+    coasts: int,
+) -> tuple[str, ...]:
+    """What the user must know of this table, in words."""
+    said = []
+    for i, (run, zero) in enumerate(zip(runs, found.eta_zero, strict=True)):
+        said.append(f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)")
+        times = outliers(run, found, i)
+        if times:
+            listed = ", ".join(f"{t:.2f}" for t in times[:5])
+            said.append(f"{run.name}: {len(times)} outlying blocks of eta, at {listed} s")
+    if not known.known and not coasts:
+        said.append(
+            "drag and rolling resistance share one lead-in: their sum is measured, their parts "
+            "are usual values; add a coast log, or give them in the vehicle file"
+        )
+    if all(run.blocks.v is None for run in runs):
+        said.append(
+            "no reference speed: slip stiffness and pad ratio cannot be told apart, the ratio "
+            "rests on the vehicle file"
+        )
+    if peak.real:
+        said.append(
+            f"eta peaks at {peak.z:.2f} g: f1 and f2 of eta end there, beyond it use the tyre curve"
+        )
+    rho, sigma = float(found.mean[5]), float(np.sqrt(found.covariance[5, 5]))
+    if found.nominal_weight < 0.5:
+        said.append(
+            f"the pads were not in the ratio of the vehicle file: front/rear {np.exp(rho):.2f} "
+            f"times nominal, 95 % {np.exp(rho - 1.96 * sigma):.2f} to {np.exp(rho + 1.96 * sigma):.2f}"
+        )
+    return tuple(said)
+
+
+def settings() -> dict[str, float]:
+    """The constants the result rests on."""
+    from calib.signals import BLOCK
+
+    return {
+        "block": BLOCK,
+        "bite_pressure": BITE,
+        "model_error": identify.MODEL_ERROR,
+        "nominal_odds": identify.NOMINAL_ODDS,
+    }

@@ -1,0 +1,348 @@
+"""The split between the axles: an extended Kalman filter over everything that is uncertain.
+
+The level says what both axles brake together; the filter says how it is split. Its state carries
+the pads' ratio and all that could be mistaken for it:
+
+    rho        ln of the pads' ratio front over rear, relative to nominal
+    s, w       the surface: stiffness and peak relative to the table's (`calib.tyre`)
+    xi         load that pitch has moved beyond the quasi-static, over W (a Gauss-Markov process)
+    eta0, sl0  zeros of eta and of the slip: radii of this day
+    lag        clock offset between v and the wheels [s]
+    q c b2 b3  the table's tyre, and
+    rho0       the table's pad ratio, with the covariance of the fit
+
+Measured every block: eta always, the mean slip where v is known. In front of the first braking the
+same equations zero eta and the slip. A pad ratio that cannot be told from the table's is given back
+as the table's (`calib.evidence`).
+
+Causal; one step a block. Not for ABS, for a turn, or beyond the tyre's peak.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.evidence import weigh
+from calib.names import G
+from calib.signals import Blocks, Noise
+from calib.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+
+RHO, S, W, XI, ETA0, SLIP0, LAG, Q, C, B2, B3, RHO0 = range(12)
+STATES = 12
+FROM_TABLE = (C, B2, B3, Q, LAG, RHO0)
+"""Where the table's posterior (`calib.identify.PARAMETERS`) goes."""
+
+
+@dataclass(frozen=True)
+class Priors:
+    """What is believed before the stop. Each with its reason; tests/studies/coverage.py tries them.
+
+    ``ratio`` sigma of rho when the pads do not change alike: a wet front and a dry rear pad differ
+    by a quarter. ``ratio_odds`` odds that they do change alike. ``stiffness`` sigma of s: tile to
+    dry asphalt spans 0.6 to 1.1. ``peak_per_stiffness``, ``peak``: a softer surface also peaks
+    earlier; mean of w - 1 per unit of s, and sigma around it. ``zero`` radii agree within 1 %.
+    ``pitch`` load moved late or too far, per unit of what a pitch filter of ``pitch_time`` [s] holds
+    back; ``pitch_memory`` [s] how long it lasts: body pitch at 1 to 2 Hz. ``drift`` random walk of
+    rho, s and w [1/sqrt(s)]. ``sync`` [s] misalignment of pressure and wheels while pressure moves.
+    ``model`` relative error of a predicted slip. ``foreign`` error of the ratio per unit of s: on a
+    strange surface the two axles need not share one curve.
+    """
+
+    ratio: float = 0.25
+    ratio_odds: float = 1.0
+    stiffness: float = 0.35
+    peak_per_stiffness: float = -5.0
+    peak: float = 1.0
+    zero: float = 0.01
+    pitch: float = 0.6
+    pitch_time: float = 0.6
+    pitch_memory: float = 0.3
+    drift_ratio: float = 0.01
+    drift_surface: float = 0.02
+    sync: float = 0.02
+    model: float = 0.02
+    foreign: float = 0.25
+    change_gate: float = 12.0
+    change_stiffness: float = 0.15
+    change_peak: float = 0.5
+    change_calm: float = 0.03
+    change_pause: int = 4
+
+
+@dataclass(frozen=True)
+class Split:
+    """The filter's answer per block, shapes (k,), [1].
+
+    ``log_ratio`` rho with ``sigma``; ``nominal_weight`` that the pads have the table's ratio;
+    ``stiffness`` s; ``xi``; ``innovation_eta``, ``innovation_slip`` over their sigma (NaN where not
+    measured); ``changes`` times of surface changes [s].
+    """
+
+    log_ratio: Array
+    sigma: Array
+    nominal_weight: Array
+    stiffness: Array
+    stiffness_sigma: Array
+    innovation_eta: Array
+    innovation_slip: Array
+    changes: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What the filter is told of each block besides the sensors, shapes (k,).
+
+    ``nominal_f``, ``nominal_r`` brake forces of nominal pads [N]; ``level`` common factor on them
+    (NaN: not braked); ``moment_f``, ``moment_r`` other forces at the road [N]; ``load_f``,
+    ``load_r`` [N]; ``tyre_sum`` all tyre forces [N]; ``slip`` measured mean slip [1] or None.
+    """
+
+    nominal_f: Array
+    nominal_r: Array
+    level: Array
+    moment_f: Array
+    moment_r: Array
+    load_f: Array
+    load_r: Array
+    tyre_sum: Array
+    slip: Array | None
+
+
+def initial(
+    mean: Array, covariance: Array, priors: Priors
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """State (12,) and covariance (12, 12) before the stop, from the table's posterior."""
+    x, P = np.zeros(STATES), np.zeros((STATES, STATES))
+    table = list(FROM_TABLE)
+    x[table], P[np.ix_(table, table)] = mean, covariance
+    x[W] = 1.0
+    # the pads of today: the table's ratio, and free around it
+    x[RHO] = x[RHO0]
+    P[RHO, :] = P[RHO0, :]
+    P[:, RHO] = P[:, RHO0]
+    P[RHO, RHO] = P[RHO0, RHO0] + priors.ratio**2
+    _widen_surface(P, priors, priors.stiffness, priors.peak)
+    P[ETA0, ETA0] = P[SLIP0, SLIP0] = priors.zero**2
+    return x, P
+
+
+def _widen_surface(P: Array, priors: Priors, stiffness: float, peak: float) -> None:
+    k, v = priors.peak_per_stiffness, stiffness**2
+    P[S, S] += v
+    P[S, W] += k * v
+    P[W, S] += k * v
+    P[W, W] += k * k * v + peak**2
+
+
+def split(
+    vehicle: Vehicle,
+    b: Blocks,
+    demand: Demand,
+    noise: Noise,
+    mean: Array,
+    covariance: Array,
+    priors: Priors,
+) -> Split:
+    """Run the filter over the blocks of a stop."""
+    x, P = initial(mean, covariance, priors)
+    steps = _steps(vehicle, b, demand, noise, priors)
+    count = b.end.size
+    states, variances = np.empty((count, STATES)), np.empty((count, 5))
+    innovation = np.full((count, 2), np.nan)
+    changes: list[float] = []
+    decay = math.exp(-b.length / priors.pitch_memory)
+    fresh = 1.0 - decay * decay
+    pause = 0
+    for k, step in enumerate(steps):
+        x[XI] *= decay
+        P[XI, :] *= decay
+        P[:, XI] *= decay
+        P[XI, XI] += fresh * step.pitch_variance
+        P[RHO, RHO] += step.drift_ratio
+        P[S, S] += step.drift_surface
+        P[W, W] += step.drift_surface
+        if step.moving:
+            surprise = _measure(x, P, step, innovation[k])
+            pause = max(pause - 1, 0)
+            if surprise > priors.change_gate and step.calm and pause == 0:
+                _widen_surface(P, priors, priors.change_stiffness, priors.change_peak)
+                changes.append(float(b.end[k]))
+                pause = priors.change_pause
+        states[k] = x
+        variances[k] = P[RHO, RHO], P[RHO0, RHO0], P[RHO, RHO0], P[S, S], P[XI, XI]
+    return _answer(states, variances, innovation, tuple(changes), priors)
+
+
+@dataclass(slots=True)
+class _Step:
+    """The numbers of one block as plain floats: the loop touches no array twice."""
+
+    brake_f: float
+    brake_r: float
+    level: float
+    moment_f: float
+    moment_r: float
+    load_f: float
+    load_r: float
+    free: float
+    weight: float
+    eta: float
+    slip: float
+    lag_gain: float
+    var_eta: float
+    var_slip: float
+    relative: float
+    pitch_variance: float
+    drift_ratio: float
+    drift_surface: float
+    moving: bool
+    calm: bool
+
+
+def _steps(
+    vehicle: Vehicle, b: Blocks, d: Demand, noise: Noise, priors: Priors
+) -> list[_Step]:
+    gain = 1.0 - math.exp(-b.length / priors.pitch_time)
+    held = np.abs(b.z - _lagged(b.z, gain))
+    transfer = vehicle.cg_height / vehicle.wheelbase
+    p = np.maximum(b.p_f, b.p_r)
+    rate = np.abs(np.diff(p, prepend=p[0])) / b.length
+    braked = np.isfinite(d.level)
+    relative = priors.model + np.where(braked, priors.sync * rate / np.maximum(p, 3e5), 0.0)
+    speed = np.maximum(b.speed, 1.0)
+    omega = np.maximum(b.omega_f, 1.0)
+    sensor = noise.omega**2 / omega**2 / b.length
+    count = b.end.size
+    columns = (
+        d.nominal_f,
+        d.nominal_r,
+        np.nan_to_num(d.level),
+        d.moment_f,
+        d.moment_r,
+        d.load_f,
+        d.load_r,
+        d.tyre_sum / vehicle.weight,
+        np.full(count, vehicle.weight),
+        b.eta,
+        np.full(count, np.nan) if d.slip is None else d.slip,
+        G * b.z / speed,
+        2.0 * sensor,
+        sensor + noise.v**2 / speed**2 / b.length,
+        relative,
+        (priors.pitch * held * transfer) ** 2,
+        np.full(count, priors.drift_ratio**2 * b.length),
+        np.full(count, priors.drift_surface**2 * b.length),
+    )
+    moving = (b.speed > 3.0).tolist()
+    calm = (held < priors.change_calm).tolist()
+    rows = np.column_stack(columns).tolist()
+    return [_Step(*row, m, c) for row, m, c in zip(rows, moving, calm, strict=True)]
+
+
+def _lagged(x: Array, gain: float) -> Array:
+    from scipy.signal import lfilter
+
+    start = [(1.0 - gain) * x[0]]
+    return np.asarray(lfilter([gain], [1.0, gain - 1.0], x, zi=start)[0])
+
+
+def _measure(x: Array, P: Array, step: _Step, innovation: Array) -> float:
+    """Take in eta and, where there is one, the slip; return the mean squared innovation."""
+    eta, row, _, _ = _predict(x, step)
+    signal = step.relative * (eta - 1.0 - float(x[ETA0]))
+    innovation[0] = _update(x, P, row, step.eta - eta, step.var_eta + signal * signal)
+    if math.isnan(step.slip):
+        return float(innovation[0]) ** 2
+    _, _, slip, row = _predict(x, step)
+    signal = step.relative * (slip - float(x[SLIP0]))
+    innovation[1] = _update(x, P, row, step.slip - slip, step.var_slip + signal * signal)
+    return 0.5 * (float(innovation[0]) ** 2 + float(innovation[1]) ** 2)
+
+
+def _update(x: Array, P: Array, row: Array, error: float, variance: float) -> float:
+    """Scalar Kalman update in place; returns the innovation over its sigma."""
+    along = P @ row
+    total = float(row @ along) + variance
+    x += along * (error / total)
+    P -= np.outer(along, along / total)
+    return error / math.sqrt(total)
+
+
+def _predict(x: Array, step: _Step) -> tuple[float, Array, float, Array]:
+    """Eta and mean slip with their gradients (12,).
+
+    F_f = (phi B + moment)/(F_zf - xi W), slip by `calib.tyre`, eta by (22).
+    """
+    rho, s, w, xi, eta0, slip0, lag, q, c, b2, b3, _ = x.tolist()
+    W_ = step.weight
+    load_f, load_r = step.load_f - xi * W_, step.load_r + xi * W_
+    half = math.exp(0.5 * rho)
+    B_f, B_r = step.brake_f * half, step.brake_r / half
+    if step.level > 0.0:
+        phi = B_f / (B_f + B_r)
+        total = step.level * (step.brake_f + step.brake_r)
+        turn = phi * (1.0 - phi) * total
+        F_f = (phi * total + step.moment_f) / load_f
+        F_r = ((1.0 - phi) * total + step.moment_r) / load_r
+    else:
+        turn, F_f, F_r = 0.0, step.free, step.free
+    out = []
+    for F, load, sign in ((F_f, load_f, 1.0), (F_r, load_r, -1.0)):
+        relative = 2.0 * load / W_
+        E = math.exp(c - s) * relative**q
+        u = F * w
+        slip = E * F * (1.0 + b2 * u + b3 * u * u)
+        slope = E * (1.0 + 2.0 * b2 * u + 3.0 * b3 * u * u)
+        out.append(
+            (
+                slip,
+                slope * sign * turn / load,
+                -slip,
+                E * F * F * (b2 + 2.0 * b3 * u),
+                sign * W_ / load * (slope * F - slip * q) if turn else 0.0,
+                slip * math.log(relative),
+                slip,
+                E * F * u,
+                E * F * u * u,
+            )
+        )
+    front, rear = out
+    slip_f, slip_r = front[0], rear[0]
+    ratio = (1.0 - slip_r) / (1.0 - slip_f)
+    a, r = (1.0 + eta0) * ratio / (1.0 - slip_f), (1.0 + eta0) / (1.0 - slip_f)
+    share = step.load_f / W_
+    g_eta = [a * f - r * g for f, g in zip(front[1:], rear[1:], strict=True)]
+    g_slip = [share * f + (1.0 - share) * g for f, g in zip(front[1:], rear[1:], strict=True)]
+    lag_gain = step.lag_gain
+    row_eta = np.array([*g_eta[:4], ratio, 0.0, 0.0, *g_eta[4:], 0.0])
+    row_slip = np.array([*g_slip[:4], 0.0, 1.0, lag_gain, *g_slip[4:], 0.0])
+    mean = share * slip_f + (1.0 - share) * slip_r + slip0 + lag_gain * lag
+    return (1.0 + eta0) * ratio, row_eta, mean, row_slip
+
+
+def _answer(
+    x: Array, v: Array, innovation: Array, changes: tuple[float, ...], priors: Priors
+) -> Split:
+    """Weigh rho against the table's rho0 and add what a strange surface leaves open."""
+    foreign = (priors.foreign * x[:, S]) ** 2
+    deviation = x[:, RHO] - x[:, RHO0]
+    variance = np.maximum(v[:, 0] + v[:, 1] - 2.0 * v[:, 2], 1e-12) + foreign
+    found = weigh(deviation, np.sqrt(variance), priors.ratio, priors.ratio_odds)
+    # rho given the deviation: the rest of it moves along its correlation with the deviation
+    along = (v[:, 0] - v[:, 2] + foreign) / variance
+    mean = x[:, RHO] + along * (found.mean - deviation)
+    rest = np.maximum(v[:, 0] + foreign - along**2 * variance, 0.0)
+    return Split(
+        log_ratio=mean,
+        sigma=np.sqrt(rest + along**2 * found.sigma**2),
+        nominal_weight=found.nominal_weight,
+        stiffness=x[:, S],
+        stiffness_sigma=np.sqrt(np.maximum(v[:, 3], 0.0)),
+        innovation_eta=innovation[:, 0],
+        innovation_slip=innovation[:, 1],
+        changes=changes,
+    )

@@ -1,0 +1,108 @@
+"""Drag and rolling resistance from coasting: the effects known before any pad is judged.
+
+Unbraked, the force balance (5) with (1) reads
+
+    W z - sum(J d omega/dt)/R = 1/2 rho c_d A v^2 + c_rr W
+
+Each log gives it over the speeds it coasted through. One short lead-in fixes the sum at one speed
+and leaves the share to what is usual (the cards' typical values); a coast log over a wide range of
+speeds separates them. Wrong when the engine drives or brakes, on a slope the accelerometer does not
+see, or in wind.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.effects import aerodynamic_drag, rolling_resistance
+from calib.effects.aerodynamic_drag import AIR_DENSITY
+from calib.effects.effect import Parameters
+from calib.signals import Blocks
+from calib.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+
+MODEL_ERROR = 3e-4
+"""What a coast can be off in z for reasons not modelled: wind, road crown, a warm gearbox [1]."""
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """Drag area [m^2] and rolling coefficient [1]: ``mean`` (2,) and ``covariance`` (2, 2).
+
+    ``known`` is true where the vehicle file gave both.
+    """
+
+    mean: tuple[float, float]
+    covariance: tuple[tuple[float, float], tuple[float, float]]
+    known: bool = False
+
+    @property
+    def effects(self) -> dict[str, Parameters]:
+        """The two effects as the catalogue takes them."""
+        return {
+            "aerodynamic_drag": {"drag_area": self.mean[0]},
+            "rolling_resistance": {"coefficient": self.mean[1]},
+        }
+
+    def sigma_z(self, vehicle: Vehicle, v: Array) -> Array:
+        """Standard deviation of the resistance at speed ``v`` [m/s], as a deceleration [1]."""
+        gain = np.stack([_drag_gain(vehicle, v), np.ones_like(v)], axis=-1)
+        variance = np.einsum("...i,ij,...j->...", gain, np.asarray(self.covariance), gain)
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
+
+
+def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
+    """Drag and rolling resistance from the unbraked blocks of ``runs``.
+
+    Each run comes with the noise density of its z [s^0.5]. Values of the vehicle file are kept.
+    The answer is the mean of a Gaussian on the cards' typical values, cut at nought.
+    """
+    from scipy.optimize import lsq_linear
+
+    cards = (aerodynamic_drag.EFFECT.card, rolling_resistance.EFFECT.card)
+    priors = [card.parameters[0] for card in cards]
+    given = [
+        vehicle.effects.get(card.name, {}).get(p.name)
+        for card, p in zip(cards, priors, strict=True)
+    ]
+    centre = [p.typical if g is None else g for p, g in zip(priors, given, strict=True)]
+    # a given value is still a measured one: 2 % of the usual spread keeps the algebra regular
+    spread = [p.spread * (1.0 if g is None else 0.02) for p, g in zip(priors, given, strict=True)]
+    rows, sides = [np.diag(1.0 / np.asarray(spread))], [np.asarray(centre) / np.asarray(spread)]
+    for b, density in runs:
+        use = b.lead_in & (b.speed > 3.0)
+        count = int(use.sum())
+        if count < 4:
+            continue
+        resist = b.z[use] - _spin_share(vehicle, b)[use]
+        gain = np.column_stack([_drag_gain(vehicle, b.speed[use]), np.ones(count)])
+        # white within a run by density; the error not modelled is common to the run
+        sigma = np.sqrt(density**2 / b.length + count * MODEL_ERROR**2)
+        rows.append(gain / sigma)
+        sides.append(resist / sigma)
+    A, y = np.vstack(rows), np.concatenate(sides)
+    upper = [p.high for p in priors]
+    solution = lsq_linear(A, y, bounds=([p.low - 1e-12 for p in priors], upper)).x
+    covariance = np.linalg.inv(A.T @ A)
+    return Resistance(
+        mean=(max(float(solution[0]), 0.0), max(float(solution[1]), 0.0)),
+        covariance=(
+            (float(covariance[0, 0]), float(covariance[0, 1])),
+            (float(covariance[1, 0]), float(covariance[1, 1])),
+        ),
+        known=all(g is not None for g in given),
+    )
+
+
+def _drag_gain(vehicle: Vehicle, v: Array) -> Array:
+    return 0.5 * AIR_DENSITY * v**2 / vehicle.weight
+
+
+def _spin_share(vehicle: Vehicle, b: Blocks) -> Array:
+    """What the turning wheels add to W z [1]: they push on while they are slowed."""
+    front, rear = vehicle.front, vehicle.rear
+    torque_f = 2.0 * front.wheel_inertia * b.spin_f / front.rolling_radius
+    torque_r = 2.0 * rear.wheel_inertia * b.spin_r / rear.rolling_radius
+    return np.asarray((torque_f + torque_r) / vehicle.weight)

@@ -1,0 +1,50 @@
+"""One tyre curve for both axles, written as compliance: slip over normalised force.
+
+    slip = exp(c - s) (2 F_z/W)^q F (1 + b2 u + b3 u^2),   u = F w
+
+c = ln of the compliance at the table's surface, b2 and b3 its curvature, q the load exponent (a
+tyre is softer per load the more it carries); s and w are the surface: ln of its stiffness relative
+to the table's, and the table's peak relative to its own. The similarity in w follows Pacejka (Tyre
+and Vehicle Dynamics, ch. 4): a lower peak shrinks the curve along both axes.
+
+Written this way the unknown parameters act on the side that is measured (wheel speeds) and the
+well known force on the other, so that no noisy regressor biases the fit. Valid on the rising
+branch: slip must grow with force, so the curve ends where the tyre peaks.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+PARAMETERS = ("log_compliance", "curvature_2", "curvature_3", "load_exponent")
+
+
+@dataclass(frozen=True)
+class Tyre:
+    """Parameters of the compliance [1].
+
+    ``log_compliance`` c, ``curvature_2`` b2, ``curvature_3`` b3, ``load_exponent`` q, surface
+    ``log_stiffness`` s and ``peak_ratio`` w.
+    """
+
+    log_compliance: float
+    curvature_2: float
+    curvature_3: float
+    load_exponent: float
+    log_stiffness: float = 0.0
+    peak_ratio: float = 1.0
+
+    def slip(self, force: Array, relative_load: Array | float) -> Array:
+        """Slip [1] that carries the normalised ``force`` [1]; load is that of the axle over W/2."""
+        u = force * self.peak_ratio
+        gain = np.exp(self.log_compliance - self.log_stiffness) * relative_load**self.load_exponent
+        return gain * force * (1.0 + self.curvature_2 * u + self.curvature_3 * u * u)
+
+    def slope(self, force: Array, relative_load: Array | float) -> Array:
+        """d slip/d force [1]."""
+        u = force * self.peak_ratio
+        gain = np.exp(self.log_compliance - self.log_stiffness) * relative_load**self.load_exponent
+        return gain * (1.0 + 2.0 * self.curvature_2 * u + 3.0 * self.curvature_3 * u * u)
