@@ -1,0 +1,59 @@
+"""A log driven again by a model: its pressures, its first speed, its clock."""
+
+import numpy as np
+
+from calib.errors import LogError
+from calib.logs.log import Array, Log
+from calib.model import Model
+from calib.names import WHEELS
+from calib.simulate import simulate
+from calib.vehicle import Vehicle
+
+FIRST_SECONDS = 0.25
+"""Span [s] of the line that gives the first speed: it takes 0.02 m/s of noise to 0.006 m/s, and a
+brake that is just being applied bends v by less than 0.01 m/s in it."""
+
+
+def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
+    """Drive the model with the pressures of a log from its first speed, open loop.
+
+    Wheel pressures [Pa] are used where they are logged, ``p_mc`` elsewhere. Ends as `simulate`
+    does, at ``stop_speed`` [m/s] at the latest. Raises LogError if the log has no first speed,
+    ModelError if there is nothing to drive.
+    """
+    return simulate(
+        model,
+        log.time,
+        log["p_mc"],
+        first_speed(log, model.vehicle),
+        wheel_pressure={w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log},
+        stop_speed=stop_speed,
+        name=log.name,
+    )
+
+
+def first_speed(log: Log, vehicle: Vehicle) -> float:
+    """Speed [m/s] at the first sample, from a straight line through the first samples of ``v``.
+
+    Without ``v``, through the mean of R omega over the wheels: too low by their slip if the log
+    begins braked. Raises LogError if there are no two finite samples of it.
+    """
+    first = log.time - log.time[0] <= FIRST_SECONDS
+    speed = (log["v"] if "v" in log else _rolling_speed(log, vehicle))[first]
+    seen = np.isfinite(speed)
+    if np.count_nonzero(seen) < 2:
+        raise LogError(
+            f"no speed in the first {FIRST_SECONDS:g} s",
+            where=log.source,
+            expected="v, or wheel speeds, from the start",
+        )
+    t = (log.time[first] - log.time[0])[seen]
+    return float(np.polynomial.Polynomial.fit(t, speed[seen], 1)(0.0))
+
+
+def _rolling_speed(log: Log, vehicle: Vehicle) -> Array:
+    """Mean of R omega [m/s] over the wheels that are logged; NaN if none is."""
+    axle = {"f": vehicle.front, "r": vehicle.rear}
+    logged = [w for w in WHEELS if f"omega_{w}" in log]
+    speeds = [axle[w[0]].rolling_radius * log[f"omega_{w}"] for w in logged]
+    return np.asarray(np.mean(speeds, axis=0) if speeds else np.full(log.time.size, np.nan))

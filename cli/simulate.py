@@ -1,0 +1,151 @@
+"""`brake-cal simulate`: a log driven again by a model, or a manoeuvre that nobody has driven."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, say
+from cli.options import Json, example
+
+if TYPE_CHECKING:
+    from calib.logs.log import Log
+    from calib.model import Model
+
+EPILOG = example(
+    "brake-cal simulate --manoeuvre ramp --vehicle sample_logs/sedan/vehicle.toml --out ramp.csv",
+    "brake-cal simulate ramp.csv --vehicle sample_logs/sedan/vehicle.toml --out again.csv",
+)
+SPEED, RATE = "120 km/h", 200.0
+"""What is driven when nothing is said."""
+
+
+def simulate(
+    log: Annotated[
+        Path | None, typer.Argument(metavar="LOG", help="Log whose pressure is replayed.")
+    ] = None,
+    *,
+    vehicle: Annotated[Path, typer.Option(metavar="V.toml", help="Vehicle file.")],
+    out: Annotated[Path, typer.Option(metavar="SIM", help="Log to write: .csv or .parquet.")],
+    model: Annotated[
+        Path | None,
+        typer.Option(metavar="M.toml", help="Pads, tyre, effects; without it the vehicle's own."),
+    ] = None,
+    manoeuvre: Annotated[
+        str | None, typer.Option(metavar="NAME", help="ramp, step, stop, wave, staircase or coast.")
+    ] = None,
+    speed: Annotated[
+        str | None, typer.Option(help=f'First speed of the manoeuvre, "{SPEED}" if not given.')
+    ] = None,
+    pressure: Annotated[
+        str | None, typer.Option(help='Pressure of the manoeuvre, such as "60 bar".')
+    ] = None,
+    rate: Annotated[
+        float | None, typer.Option(help=f"Samples per second of the manoeuvre, {RATE:g}.")
+    ] = None,
+    noise: Annotated[
+        int | None, typer.Option(metavar="SEED", min=0, help="Add sensor noise with this seed.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Drive a model of the vehicle with the pressure of a LOG, or through a manoeuvre.
+
+    A log is replayed open loop: its pressures (of the wheels, where logged) from its first speed,
+    on its own clock. The result has the channels of a log and the truth behind them.
+    """
+    _check_usage(log, manoeuvre, {"--speed": speed, "--pressure": pressure, "--rate": rate}, out)
+    from calib.model import default_model, read_model
+    from calib.noise import add_noise
+    from calib.vehicle import read_vehicle
+
+    car = read_vehicle(vehicle)
+    driven = read_model(model, car) if model else default_model(car)
+    if log is not None:
+        result = _replay(driven, log)
+    else:
+        result = _drive(driven, str(manoeuvre), speed, pressure, RATE if rate is None else rate)
+    seen = result if noise is None else add_noise(result, noise)
+    _write(seen, out)
+    for note in seen.notes:
+        say(f"note: {note}")
+    if json:
+        emit_json({**_document(result, out, model), "digest": seen.digest, "notes": seen.notes})
+    else:
+        first, last = result["v"][0], result["v"][-1]
+        emit(f"{out}: {result.time.size} samples, {first:.1f} to {last:.1f} m/s")
+
+
+def _check_usage(
+    log: Path | None, manoeuvre: str | None, driving: dict[str, object], out: Path
+) -> None:
+    from calib.manoeuvre import NAMES
+
+    if (log is None) == (manoeuvre is None):
+        raise typer.BadParameter("give either a LOG or --manoeuvre", param_hint="LOG")
+    given = [option for option, value in driving.items() if value is not None]
+    if log is not None and given:
+        raise typer.BadParameter("only with --manoeuvre; a log has its own", param_hint=given)
+    if manoeuvre is not None and manoeuvre not in NAMES:
+        raise typer.BadParameter(f"one of {', '.join(NAMES)}", param_hint="--manoeuvre")
+    if out.suffix.lower() not in (".csv", ".parquet"):
+        raise typer.BadParameter("must end in .csv or .parquet", param_hint="--out")
+    if not out.absolute().parent.is_dir():
+        raise typer.BadParameter(f"no directory {out.parent}", param_hint="--out")
+    if log is not None and out.resolve() == log.resolve():
+        raise typer.BadParameter("would overwrite the LOG", param_hint="--out")
+
+
+def _replay(model: "Model", path: Path) -> "Log":
+    from calib.logs.read import read_log
+    from calib.replay import replay
+
+    say(f"replaying the pressure of {path} with {model.vehicle.name}")
+    return replay(model, read_log(path, require=("time", "p_mc")))
+
+
+def _drive(
+    model: "Model", name: str, speed: str | None, pressure: str | None, rate: float
+) -> "Log":
+    from calib.errors import ModelError
+    from calib.manoeuvre import manoeuvre
+    from calib.simulate import simulate
+
+    v0 = _quantity(speed or SPEED, "m/s", "--speed")
+    p = None if pressure is None else _quantity(pressure, "Pa", "--pressure")
+    try:
+        plan = manoeuvre(name, v0, p, rate)
+    except ModelError as error:
+        raise typer.BadParameter(str(error), param_hint="--manoeuvre") from None
+    say(f"driving a {name} with {model.vehicle.name} from {v0:.1f} m/s")
+    return simulate(model, plan.time, plan.pressure, v0, name=name)
+
+
+def _quantity(written: str, si: str, option: str) -> float:
+    from calib.errors import ModelError
+    from calib.toml import quantity
+
+    try:
+        return quantity(written, si, option, ModelError)
+    except ModelError as error:
+        raise typer.BadParameter(str(error), param_hint=option) from None
+
+
+def _write(log: "Log", out: Path) -> None:
+    from calib.logs.write import write_csv, write_parquet
+
+    (write_csv if out.suffix.lower() == ".csv" else write_parquet)(log, out)
+
+
+def _document(log: "Log", out: Path, model: Path | None) -> dict[str, object]:
+    return {
+        "schema": 1,
+        "out": out,
+        "name": log.name,
+        "source": log.source,
+        "model": model,
+        "samples": log.time.size,
+        "duration": float(log.time[-1] - log.time[0]),
+        "first_speed": float(log["v"][0]),
+        "last_speed": float(log["v"][-1]),
+        "channels": [*log.channels, *log.truth],
+    }
