@@ -1,0 +1,128 @@
+"""`brake-cal simulate` as the shell runs it."""
+
+import json
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from calib.errors import BrakeCalError
+from calib.logs.read import read_log
+from cli.simulate import EPILOG, simulate
+
+ROOT = Path(__file__).parents[2]
+SEDAN = ROOT / "sample_logs/sedan"
+VEHICLE = SEDAN / "vehicle.toml"
+
+app = typer.Typer(rich_markup_mode=None, pretty_exceptions_enable=False)
+app.command(epilog=EPILOG)(simulate)
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+def test_the_examples_of_the_help_work_as_printed(tmp_path, monkeypatch):
+    (tmp_path / "sample_logs").symlink_to(ROOT / "sample_logs")
+    monkeypatch.chdir(tmp_path)
+    commands = [line.split() for line in EPILOG.splitlines() if "brake-cal" in line]
+    assert commands
+    for words in commands:
+        assert words[:2] == ["brake-cal", "simulate"]
+        result = run(*shlex.split(" ".join(words[2:])))
+        assert result.exit_code == 0, result.output
+    assert (tmp_path / "ramp.csv").is_file()
+    assert (tmp_path / "again.csv").is_file()
+
+
+def test_a_log_is_replayed_on_its_own_clock(tmp_path):
+    out = tmp_path / "sim.parquet"
+    source = SEDAN / "ramp_wet_asphalt.csv"
+    result = run(source, "--vehicle", VEHICLE, "--out", out)
+    assert result.exit_code == 0
+    assert "replaying" in result.stderr
+    log, sim = read_log(source), read_log(out)
+    assert np.array_equal(sim.time, log.time[: sim.time.size])
+    assert np.allclose(sim["p_mc"], log["p_mc"][: sim.time.size])
+    assert "true_Tb_fl" in sim.truth
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_json_is_one_document_on_stdout(tmp_path):
+    out = tmp_path / "sim.csv"
+    result = run("--manoeuvre", "step", "--speed", "72 km/h", "--pressure", "2 MPa", "--rate", 100,
+                 "--vehicle", VEHICLE, "--out", out, "--json")  # fmt: skip
+    document = json.loads(result.stdout)
+    assert document["schema"] == 1
+    assert document["first_speed"] == pytest.approx(20.0)
+    sim = read_log(out)
+    assert document["samples"] == sim.time.size
+    assert np.max(sim["p_mc"]) == pytest.approx(20e5)
+    assert sim.sample_time == pytest.approx(0.01)
+    assert any("slower than" in note for note in document["notes"])
+
+
+def test_noise_is_repeatable_and_a_model_is_obeyed(tmp_path):
+    model = tmp_path / "model.toml"
+    model.write_text("schema = 1\n[pads]\nfront = 0.2\n")
+    written = {}
+    for name, more in {
+        "a": ("--noise", 1),
+        "b": ("--noise", 1),
+        "c": ("--noise", 2),
+        "d": ("--model", model),
+    }.items():
+        out = tmp_path / f"{name}.csv"
+        result = run("--manoeuvre", "stop", "--vehicle", VEHICLE, "--out", out, *more)
+        assert result.exit_code == 0
+        written[name] = out
+    assert written["a"].read_bytes() == written["b"].read_bytes() != written["c"].read_bytes()
+    assert set(read_log(written["d"]).truth["true_mu_pad_f"]) == {0.2}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ((), "either a LOG or --manoeuvre"),
+        ((SEDAN / "coast.csv", "--manoeuvre", "ramp"), "either a LOG or --manoeuvre"),
+        ((SEDAN / "coast.csv", "--speed", "20 m/s"), "only with --manoeuvre"),
+        (("--manoeuvre", "rmap"), "one of ramp"),
+        (("--manoeuvre", "coast", "--pressure", "10 bar"), "takes no pressure"),
+        (("--manoeuvre", "ramp", "--speed", "20"), "no unit"),
+        (("--manoeuvre", "ramp", "--speed", "20 bar"), "pressure"),
+        (("--manoeuvre", "ramp", "--rate", 5), "40 to 1000 Hz"),
+        (("--manoeuvre", "ramp", "--noise", -1), "--noise"),
+    ],
+)
+def test_usage_errors_end_with_2_and_write_nothing(tmp_path, arguments, says):
+    result = run(*arguments, "--vehicle", VEHICLE, "--out", tmp_path / "sim.csv")
+    assert result.exit_code == 2
+    assert says in " ".join(result.stderr.split())
+    assert not list(tmp_path.iterdir())
+
+
+def test_where_it_cannot_write_is_a_usage_error(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_bytes((SEDAN / "coast.csv").read_bytes())
+    for out in (tmp_path / "sim.mat", tmp_path / "none" / "sim.csv", log):
+        result = run(log, "--vehicle", VEHICLE, "--out", out)
+        assert result.exit_code == 2
+    assert log.read_bytes() == (SEDAN / "coast.csv").read_bytes()
+
+
+@pytest.mark.parametrize("bad", ["--vehicle", "--model", "LOG"])
+def test_bad_input_is_an_error_of_the_tree_and_writes_nothing(tmp_path, bad):
+    missing = tmp_path / "missing.csv"
+    arguments = {"--vehicle": VEHICLE, "--out": tmp_path / "sim.csv"}
+    log = SEDAN / "coast.csv"
+    if bad == "LOG":
+        log = missing
+    else:
+        arguments[bad] = missing
+    result = run(log, *(word for pair in arguments.items() for word in pair))
+    assert isinstance(result.exception, BrakeCalError)
+    assert result.exception.exit_code == 3
+    assert not list(tmp_path.iterdir())
