@@ -351,10 +351,16 @@ def test_refuses_what_cannot_be_driven(time, pressure, v0, says):
         simulate(model(), time, pressure, v0)
 
 
-def test_refuses_a_model_that_never_settles():
-    wild = {"aerodynamic_drag": {"drag_area": 1e5}}
-    with pytest.raises(ModelError):
-        simulate(model(wild), clock(20), np.zeros(4001), 33.0)
+def test_refuses_what_has_not_settled(monkeypatch):
+    monkeypatch.setattr("calib.simulate.PASSES", 2)
+    with pytest.raises(ModelError, match="did not settle in 2 passes"):
+        simulate(model(), clock(5), trace(ramp, clock(5)), 33.0)
+
+
+def test_refuses_an_axle_that_lifts():
+    huge = {"aerodynamic_drag": {"drag_area": 100.0}}
+    with pytest.raises(ModelError, match="rear axle would lift"):
+        simulate(model(huge), clock(1), np.zeros(201), 33.0)
 
 
 def test_unknown_wheel_is_refused():
