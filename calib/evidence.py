@@ -27,18 +27,23 @@ def weigh(
     sigma: Array | float,
     free_sigma: float,
     odds: float,
-    nominal_sigma: float = 0.005,
+    nominal_sigma: float,
 ) -> Weighed:
     """Weigh a measured ``deviation`` from nominal, of standard deviation ``sigma``.
 
     ``free_sigma`` is the spread under the free hypothesis, which must already be part of the
     measurement's posterior; ``odds`` are those of nominal before the measurement; ``nominal_sigma``
-    how exactly nominal holds. All of one unit.
+    how exactly nominal holds. All of one unit. A deviation far outside ``free_sigma`` is given back
+    as measured.
     """
     d, s = np.asarray(deviation, float), np.asarray(sigma, float)
     at_nominal = np.hypot(s, nominal_sigma)
+    # log of the Savage-Dickey ratio: posterior over prior density around nominal
     log_ratio = np.log(odds * free_sigma / at_nominal) - 0.5 * (d / at_nominal) ** 2
     weight = 1.0 / (1.0 + np.exp(-np.clip(log_ratio, -700.0, 700.0)))
-    mean = (1.0 - weight) * d
-    variance = weight * nominal_sigma**2 + (1.0 - weight) * s**2 + weight * (1.0 - weight) * d**2
+    kept = (nominal_sigma / at_nominal) ** 2
+    mean_nominal, variance_nominal = kept * d, kept * s**2
+    mean = weight * mean_nominal + (1.0 - weight) * d
+    between = weight * (1.0 - weight) * (d - mean_nominal) ** 2
+    variance = weight * variance_nominal + (1.0 - weight) * s**2 + between
     return Weighed(mean, np.sqrt(variance), weight)

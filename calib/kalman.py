@@ -5,7 +5,8 @@ the pads' ratio and all that could be mistaken for it:
 
     rho        ln of the pads' ratio front over rear, relative to nominal
     s, w       the surface: stiffness and peak relative to the table's (`calib.tyre`)
-    xi         load that pitch has moved beyond the quasi-static, over W (a Gauss-Markov process)
+    kappa      share of the load transfer that follows the body's pitch mode
+    xi         load moved otherwise than that, over W (a Gauss-Markov process)
     eta0, sl0  zeros of eta and of the slip: radii of this day
     lag        clock offset between v and the wheels [s]
     q c b2 b3  the table's tyre, and
@@ -31,8 +32,8 @@ from calib.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
-RHO, S, W, XI, ETA0, SLIP0, LAG, Q, C, B2, B3, RHO0 = range(12)
-STATES = 12
+RHO, S, W, XI, KAPPA, ETA0, SLIP0, LAG, Q, C, B2, B3, RHO0 = range(13)
+STATES = 13
 FROM_TABLE = (C, B2, B3, Q, LAG, RHO0)
 """Where the table's posterior (`calib.identify.PARAMETERS`) goes."""
 
@@ -42,11 +43,13 @@ class Priors:
     """What is believed before the stop. Each with its reason; tests/studies/coverage.py tries them.
 
     ``ratio`` sigma of rho when the pads do not change alike: a wet front and a dry rear pad differ
-    by a quarter. ``ratio_odds`` odds that they do change alike. ``stiffness`` sigma of s: tile to
+    by a quarter. ``ratio_odds`` odds that they do change alike, within ``ratio_alike``. ``stiffness`` sigma of s: tile to
     dry asphalt spans 0.6 to 1.1. ``peak_per_stiffness``, ``peak``: a softer surface also peaks
     earlier; mean of w - 1 per unit of s, and sigma around it. ``zero`` radii agree within 1 %.
-    ``pitch`` load moved late or too far, per unit of what a pitch filter of ``pitch_time`` [s] holds
-    back; ``pitch_memory`` [s] how long it lasts: body pitch at 1 to 2 Hz. ``drift`` random walk of
+    ``pitch_frequency`` [Hz], ``pitch_damping`` of a usual body (Gillespie, ch. 5); ``kappa``,
+    ``kappa_sigma`` how much of the load transfer goes through it: none on a stiff car, nearly all
+    without anti-dive. ``pitch`` what else is late or too far, per unit of what a filter of
+    ``pitch_time`` [s] holds back; ``pitch_memory`` [s] how long it lasts. ``drift`` random walk of
     rho, s and w [1/sqrt(s)]. ``sync`` [s] misalignment of pressure and wheels while pressure moves.
     ``model`` relative error of a predicted slip. ``foreign`` error of the ratio per unit of s: on a
     strange surface the two axles need not share one curve.
@@ -54,11 +57,16 @@ class Priors:
 
     ratio: float = 0.25
     ratio_odds: float = 1.0
+    ratio_alike: float = 0.02
     stiffness: float = 0.35
     peak_per_stiffness: float = -5.0
     peak: float = 1.0
     zero: float = 0.01
-    pitch: float = 0.6
+    pitch_frequency: float = 1.3
+    pitch_damping: float = 0.3
+    kappa: float = 0.4
+    kappa_sigma: float = 0.4
+    pitch: float = 0.25
     pitch_time: float = 0.6
     pitch_memory: float = 0.3
     drift_ratio: float = 0.01
@@ -78,7 +86,7 @@ class Split:
     """The filter's answer per block, shapes (k,), [1].
 
     ``log_ratio`` rho with ``sigma``; ``nominal_weight`` that the pads have the table's ratio;
-    ``stiffness`` s; ``xi``; ``innovation_eta``, ``innovation_slip`` over their sigma (NaN where not
+    ``stiffness`` s; ``xi``, ``kappa`` of the load transfer; ``innovation_eta``, ``innovation_slip`` over their sigma (NaN where not
     measured); ``changes`` times of surface changes [s].
     """
 
@@ -87,6 +95,8 @@ class Split:
     nominal_weight: Array
     stiffness: Array
     stiffness_sigma: Array
+    xi: Array
+    kappa: Array
     innovation_eta: Array
     innovation_slip: Array
     changes: tuple[float, ...]
@@ -98,7 +108,8 @@ class Demand:
 
     ``nominal_f``, ``nominal_r`` brake forces of nominal pads [N]; ``level`` common factor on them
     (NaN: not braked); ``moment_f``, ``moment_r`` other forces at the road [N]; ``load_f``,
-    ``load_r`` [N]; ``tyre_sum`` all tyre forces [N]; ``slip`` measured mean slip [1] or None.
+    ``load_r`` [N]; ``tyre_sum`` all tyre forces [N]; ``slip`` measured mean slip [1] or None;
+    ``psi`` load that the pitch mode has not yet moved, over W [1] (`pitch_deficit`).
     """
 
     nominal_f: Array
@@ -110,22 +121,25 @@ class Demand:
     load_r: Array
     tyre_sum: Array
     slip: Array | None
+    psi: Array
 
 
 def initial(
     mean: Array, covariance: Array, priors: Priors
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """State (12,) and covariance (12, 12) before the stop, from the table's posterior."""
+) -> tuple[Array, Array]:
+    """State and covariance before the stop, from the table's posterior."""
     x, P = np.zeros(STATES), np.zeros((STATES, STATES))
     table = list(FROM_TABLE)
     x[table], P[np.ix_(table, table)] = mean, covariance
     x[W] = 1.0
+    x[KAPPA] = priors.kappa
     # the pads of today: the table's ratio, and free around it
     x[RHO] = x[RHO0]
     P[RHO, :] = P[RHO0, :]
     P[:, RHO] = P[:, RHO0]
     P[RHO, RHO] = P[RHO0, RHO0] + priors.ratio**2
     _widen_surface(P, priors, priors.stiffness, priors.peak)
+    P[KAPPA, KAPPA] = priors.kappa_sigma**2
     P[ETA0, ETA0] = P[SLIP0, SLIP0] = priors.zero**2
     return x, P
 
@@ -166,10 +180,14 @@ def split(
         P[S, S] += step.drift_surface
         P[W, W] += step.drift_surface
         if step.moving:
-            surprise = _measure(x, P, step, innovation[k])
             pause = max(pause - 1, 0)
+            before = x.copy(), P.copy()
+            surprise = _measure(x, P, step, innovation[k])
             if surprise > priors.change_gate and step.calm and pause == 0:
+                # the road has changed: what was learnt of the pads must not take the blame
+                x[:], P[:] = before
                 _widen_surface(P, priors, priors.change_stiffness, priors.change_peak)
+                _measure(x, P, step, innovation[k])
                 changes.append(float(b.end[k]))
                 pause = priors.change_pause
         states[k] = x
@@ -197,6 +215,7 @@ class _Step:
     var_slip: float
     relative: float
     pitch_variance: float
+    psi: float
     drift_ratio: float
     drift_surface: float
     moving: bool
@@ -234,6 +253,7 @@ def _steps(
         sensor + noise.v**2 / speed**2 / b.length,
         relative,
         (priors.pitch * held * transfer) ** 2,
+        d.psi,
         np.full(count, priors.drift_ratio**2 * b.length),
         np.full(count, priors.drift_surface**2 * b.length),
     )
@@ -241,6 +261,25 @@ def _steps(
     calm = (held < priors.change_calm).tolist()
     rows = np.column_stack(columns).tolist()
     return [_Step(*row, m, c) for row, m, c in zip(rows, moving, calm, strict=True)]
+
+
+def pitch_deficit(vehicle: Vehicle, z: Array, step: float, priors: Priors) -> Array:
+    """Load over W [1] that a body with the priors' pitch mode has not yet moved to the front.
+
+    h/L (z - G z), G a damped second-order mode of unit gain, discretised by the matched transform;
+    starts in balance. The body's mode differs from the priors' by what ``xi`` takes up.
+    """
+    from scipy.signal import lfilter
+
+    natural = 2.0 * math.pi * priors.pitch_frequency
+    radius = math.exp(-priors.pitch_damping * natural * step)
+    angle = natural * math.sqrt(1.0 - priors.pitch_damping**2) * step
+    a1, a2 = -2.0 * radius * math.cos(angle), radius * radius
+    gain = 1.0 + a1 + a2
+    # the state that a constant z[0] would leave
+    start = [(1.0 - gain) * z[0], -a2 * z[0]]
+    moved = lfilter([gain], [1.0, a1, a2], z, zi=start)[0]
+    return np.asarray((z - moved) * vehicle.cg_height / vehicle.wheelbase)
 
 
 def _lagged(x: Array, gain: float) -> Array:
@@ -273,13 +312,14 @@ def _update(x: Array, P: Array, row: Array, error: float, variance: float) -> fl
 
 
 def _predict(x: Array, step: _Step) -> tuple[float, Array, float, Array]:
-    """Eta and mean slip with their gradients (12,).
+    """Eta and mean slip with their gradients.
 
-    F_f = (phi B + moment)/(F_zf - xi W), slip by `calib.tyre`, eta by (22).
+    F_f = (phi B + moment)/(F_zf - (xi + kappa psi) W), slip by `calib.tyre`, eta by (22).
     """
-    rho, s, w, xi, eta0, slip0, lag, q, c, b2, b3, _ = x.tolist()
+    rho, s, w, xi, kappa, eta0, slip0, lag, q, c, b2, b3, _ = x.tolist()
     W_ = step.weight
-    load_f, load_r = step.load_f - xi * W_, step.load_r + xi * W_
+    moved = (xi + kappa * step.psi) * W_
+    load_f, load_r = step.load_f - moved, step.load_r + moved
     half = math.exp(0.5 * rho)
     B_f, B_r = step.brake_f * half, step.brake_r / half
     if step.level > 0.0:
@@ -318,8 +358,9 @@ def _predict(x: Array, step: _Step) -> tuple[float, Array, float, Array]:
     g_eta = [a * f - r * g for f, g in zip(front[1:], rear[1:], strict=True)]
     g_slip = [share * f + (1.0 - share) * g for f, g in zip(front[1:], rear[1:], strict=True)]
     lag_gain = step.lag_gain
-    row_eta = np.array([*g_eta[:4], ratio, 0.0, 0.0, *g_eta[4:], 0.0])
-    row_slip = np.array([*g_slip[:4], 0.0, 1.0, lag_gain, *g_slip[4:], 0.0])
+    psi = step.psi
+    row_eta = np.array([*g_eta[:4], psi * g_eta[3], ratio, 0.0, 0.0, *g_eta[4:], 0.0])
+    row_slip = np.array([*g_slip[:4], psi * g_slip[3], 0.0, 1.0, lag_gain, *g_slip[4:], 0.0])
     mean = share * slip_f + (1.0 - share) * slip_r + slip0 + lag_gain * lag
     return (1.0 + eta0) * ratio, row_eta, mean, row_slip
 
@@ -331,7 +372,7 @@ def _answer(
     foreign = (priors.foreign * x[:, S]) ** 2
     deviation = x[:, RHO] - x[:, RHO0]
     variance = np.maximum(v[:, 0] + v[:, 1] - 2.0 * v[:, 2], 1e-12) + foreign
-    found = weigh(deviation, np.sqrt(variance), priors.ratio, priors.ratio_odds)
+    found = weigh(deviation, np.sqrt(variance), priors.ratio, priors.ratio_odds, priors.ratio_alike)
     # rho given the deviation: the rest of it moves along its correlation with the deviation
     along = (v[:, 0] - v[:, 2] + foreign) / variance
     mean = x[:, RHO] + along * (found.mean - deviation)
@@ -342,6 +383,8 @@ def _answer(
         nominal_weight=found.nominal_weight,
         stiffness=x[:, S],
         stiffness_sigma=np.sqrt(np.maximum(v[:, 3], 0.0)),
+        xi=x[:, XI],
+        kappa=x[:, KAPPA],
         innovation_eta=innovation[:, 0],
         innovation_slip=innovation[:, 1],
         changes=changes,

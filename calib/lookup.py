@@ -1,0 +1,72 @@
+"""Reading a table: the difference of the normalised forces D from (z, eta), three ways.
+
+`paper` reads f1(eta), f2(eta); `difference` reads D(eta); `tyre` solves the common tyre curve for
+the D at which it gives this eta at this z. All three return D and where it is within the table; the
+first two know one branch only, the third both.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.forces import axle_loads, split
+from calib.table import Table
+from calib.tyre import Tyre
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+class Reading(NamedTuple):
+    """Normalised forces of the axles [1] and where the table covers them, shapes (n,)."""
+
+    F_f: Array
+    F_r: Array
+    inside: Mask
+
+
+def paper(table: Table, z: Array, eta: Array, level: Array) -> Reading:
+    """F_f = level + f1(eta), F_r = level + f2(eta), (11), (12); ends of the table outside it."""
+    c = table.paper
+    inside = (eta >= c.eta[0]) & (eta <= c.eta[-1])
+    return Reading(
+        level + np.interp(eta, c.eta, c.f1), level + np.interp(eta, c.eta, c.f2), inside
+    )
+
+
+def difference(table: Table, z: Array, eta: Array, level: Array) -> Reading:
+    """F_f, F_r from D(eta) under (18) at the live z."""
+    c = table.difference
+    inside = (eta >= c.eta[0]) & (eta <= c.eta[-1])
+    return Reading(*split(table.vehicle, z, np.interp(eta, c.eta, c.D), level), inside)
+
+
+def tyre(table: Table, z: Array, eta: Array, level: Array) -> Reading:
+    """F_f, F_r from the common tyre curve: D such that the slips give eta, by Newton's method."""
+    vehicle = table.vehicle
+    curve = Tyre(*table.posterior.mean[:4])
+    load_f, load_r = axle_loads(vehicle, z)
+    half = 0.5 * vehicle.weight
+    D = np.zeros_like(z)
+    for _ in range(4):
+        F_f, F_r = split(vehicle, z, D, level)
+        slip_f, slip_r = curve.slip(F_f, load_f / half), curve.slip(F_r, load_r / half)
+        # (22): (1 - slip_r) - eta (1 - slip_f) = 0, and its slope in D
+        rest = (1.0 - slip_r) - eta * (1.0 - slip_f)
+        slope = (
+            curve.slope(F_r, load_r / half) * load_f + eta * curve.slope(F_f, load_f / half) * load_r
+        ) / (load_f + load_r)
+        D = D - rest / slope
+    F_f, F_r = split(vehicle, z, D, level)
+    top = float(table.tyre.force[-1])
+    inside = (F_f <= top) & (F_r <= top) & (np.minimum(F_f, F_r) > -0.05)
+    return Reading(F_f, F_r, inside)
+
+
+LOOKUPS: dict[str, Callable[[Table, Array, Array, Array], Reading]] = {
+    "paper": paper,
+    "difference": difference,
+    "tyre": tyre,
+}
