@@ -2,8 +2,8 @@
 
     reading = round(truth + white + coloured),   coloured: x[k+1] = a x[k] + e,  a = exp(-dt/0.1 s)
 
-The levels are those seen on the unbraked seconds of a production sedan's logs: the accelerometer
-rides on the body, so nearly half of its variance is slow.
+The usual levels follow the coasting log of `sample_logs/sedan`: the accelerometer rides on the body,
+so a good part of its variance is slow.
 """
 
 import zlib
