@@ -2,8 +2,8 @@
 
     reading = round(truth + white + coloured),   coloured: x[k+1] = a x[k] + e,  a = exp(-dt/0.1 s)
 
-The usual levels follow the coasting log of `sample_logs/sedan`: the accelerometer rides on the body,
-so a good part of its variance is slow.
+The usual levels follow the coasting log of `sample_logs/sedan`: the accelerometer rides on the
+body, so a good part of its variance is slow.
 """
 
 import zlib
