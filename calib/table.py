@@ -5,7 +5,8 @@ A table is plain data. ``content`` gives it as one JSON-able record and named fl
 not depend on how a file format packs it.
 
     record  {schema, name, vehicle, calibration, tyre, effects, noise, quality, provenance}
-    curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...}, "tyre": {slip, force, ...}}
+    curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
+             "tyre": {slip, force, ...}}
 """
 
 import hashlib
@@ -40,13 +41,20 @@ class DifferenceCurve:
     count: Array
     flag: Array
 
+    @property
+    def peak(self) -> tuple[float, float]:
+        """(eta, D) [1] where D is largest in size."""
+        i = int(np.argmax(np.abs(self.D)))
+        return float(self.eta[i]), float(self.D[i])
+
 
 @dataclass(frozen=True)
 class PaperCurves:
     """f1(eta) and f2(eta) of Fig. 6, on the branch where they are single-valued.
 
-    ``eta`` [1]; ``z`` deceleration of the ramp at that eta [1]; ``f1``, ``f2`` of (11), (12) [1], with
-    their 95 % bands; ``count``, ``flag`` as in `DifferenceCurve`. (18) holds in every row. Shapes (n,).
+    ``eta`` [1]; ``z`` deceleration of the ramp at that eta [1]; ``f1``, ``f2`` of (11), (12) [1],
+    with their 95 % bands; ``count``, ``flag`` as in `DifferenceCurve`. (18) holds in every row.
+    Shapes (n,).
     """
 
     eta: Array
@@ -59,6 +67,11 @@ class PaperCurves:
     f2_upper: Array
     count: Array
     flag: Array
+
+    @property
+    def decelerations(self) -> tuple[float, float]:
+        """Least and greatest z [1] of the rows."""
+        return float(np.min(self.z)), float(np.max(self.z))
 
 
 @dataclass(frozen=True)
@@ -80,13 +93,19 @@ class Value:
     value: float
     sigma: float
 
+    @property
+    def ci95(self) -> tuple[float, float]:
+        """95 % interval, taking the figure as normally distributed."""
+        return self.value - 1.96 * self.sigma, self.value + 1.96 * self.sigma
+
 
 @dataclass(frozen=True)
 class Calibration:
     """What the ramps said of the pads.
 
-    ``pad_scale`` common factor on the nominal pad friction, from the sum of forces; ``pad_log_ratio``
-    ln of (mu_f/mu_r) over its nominal value; ``pad_friction_f``, ``pad_friction_r`` [1].
+    ``pad_scale`` common factor on the nominal pad friction, from the sum of forces;
+    ``pad_log_ratio`` ln of (mu_f/mu_r) over its nominal value; ``pad_friction_f``,
+    ``pad_friction_r`` [1].
     """
 
     pad_scale: Value
@@ -97,7 +116,7 @@ class Calibration:
 
 @dataclass(frozen=True)
 class TyrePosterior:
-    """The tyre parameters as a Gaussian: ``mean`` (k,) and ``covariance`` (k, k), see `calib.tyre`."""
+    """The tyre parameters of `calib.tyre` as a Gaussian: ``mean`` (k,), ``covariance`` (k, k)."""
 
     names: tuple[str, ...]
     mean: tuple[float, ...]
@@ -152,7 +171,7 @@ class Table:
 
     @classmethod
     def from_content(cls, record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> Self:
-        """Build the table that `content` described. Raises KeyError or TypeError on missing parts."""
+        """Build the table that `content` described. Raises KeyError, TypeError on missing parts."""
         r = dict(record)
         if r.pop("schema") != SCHEMA:
             raise KeyError("schema")

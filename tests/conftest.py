@@ -1,0 +1,54 @@
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+from calib.store import save
+from calib.table import Table
+from calib.version import Stored
+from cli.main import main
+from tests.tables_made import made_table
+
+# The first example of a test imports what it needs, on any machine: no deadline is fair.
+settings.register_profile("brake-cal", deadline=None)
+settings.load_profile("brake-cal")
+
+
+@pytest.fixture
+def table() -> Table:
+    return made_table()
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Path:
+    return tmp_path / "tables"
+
+
+@pytest.fixture
+def stored(table: Table, store: Path) -> Stored:
+    return save(table, store)
+
+
+@dataclass(frozen=True)
+class Ran:
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def brake_cal(capsys, monkeypatch):
+    """Run the command line in this process, as the shell would, 120 columns wide."""
+    monkeypatch.setenv("COLUMNS", "120")
+
+    def run(*arguments: object) -> Ran:
+        monkeypatch.setattr(sys, "argv", ["brake-cal", *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        code = end.value.code
+        captured = capsys.readouterr()
+        return Ran(code if isinstance(code, int) else int(bool(code)), captured.out, captured.err)
+
+    return run
