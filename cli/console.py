@@ -1,0 +1,94 @@
+"""What a command says and where: results on stdout, everything else on stderr.
+
+rich is imported only where something is drawn, so that `--help` does not wait for it.
+"""
+
+import json
+import math
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import fields, is_dataclass
+from pathlib import PurePath
+from typing import IO, TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+
+PIPED_WIDTH = 120
+"""Columns for what does not go to a terminal, unless COLUMNS says otherwise."""
+
+
+def console() -> "Console":
+    """Console on stderr; without colour where NO_COLOR is set or nobody looks."""
+    return _console(sys.stderr)
+
+
+def say(message: str) -> None:
+    """Tell the user on stderr what is being done; ``message`` is printed as it is."""
+    console().print(message, soft_wrap=True)
+
+
+def complain(message: str) -> None:
+    """Print ``error: message`` on stderr."""
+    to = console()
+    to.print("error:", style="bold red", end=" ")
+    to.print(message, soft_wrap=True)
+
+
+def emit(renderable: "RenderableType") -> None:
+    """Print a result on stdout; a string as it is, anything else as rich draws it."""
+    _console(sys.stdout).print(renderable, soft_wrap=isinstance(renderable, str))
+
+
+def emit_json(document: object) -> None:
+    """Print ``document`` as the one JSON document on stdout, see `plain` for what it may hold."""
+    print(json.dumps(plain(document), indent=2, allow_nan=False), flush=True)  # noqa: T201
+
+
+def plain(value: object) -> Any:
+    """Turn ``value`` into what JSON has: dataclasses, mappings, sequences, paths, numpy, numbers.
+
+    A number that is not finite becomes null. Raises TypeError for anything else.
+    """
+    if value is None or isinstance(value, bool | str | int):
+        return value
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, PurePath):
+        return str(value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: plain(getattr(value, f.name)) for f in fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): plain(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(part) for part in value]
+    if hasattr(value, "tolist"):  # numpy scalars and arrays, without importing numpy
+        return plain(value.tolist())
+    raise TypeError(f"{type(value).__name__} has no place in a JSON document")
+
+
+@contextmanager
+def progress(task: str, total: int) -> Iterator[Callable[[], None]]:
+    """Show a bar for ``total`` steps on stderr while a person looks; yields the call for one step.
+
+    Where stderr is no terminal it says the task once and draws nothing.
+    """
+    if not sys.stderr.isatty():
+        say(task)
+        yield lambda: None
+        return
+    from rich.progress import Progress
+
+    with Progress(console=console(), transient=True) as bar:
+        step = bar.add_task(task, total=total)
+        yield lambda: bar.advance(step)
+
+
+def _console(stream: IO[str]) -> "Console":
+    from rich.console import Console
+
+    width = None if stream.isatty() or "COLUMNS" in os.environ else PIPED_WIDTH
+    # Names and remarks of users may hold brackets and colons: nothing in a string is markup.
+    return Console(file=stream, width=width, highlight=False, markup=False, emoji=False)

@@ -1,0 +1,82 @@
+"""The command line: one app, the commands by name, one place where errors become exit codes."""
+
+import os
+import sys
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from calib import __version__
+from calib.errors import BrakeCalError
+from cli import check, simulate, tables
+from cli.console import complain
+from cli.options import example
+
+PIPE_CLOSED = 141
+"""What a shell reports of a program ended by SIGPIPE."""
+
+
+class Commands(TyperGroup):
+    """The commands; ends quietly when whoever reads its output has had enough."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was asked for, and flush while an error can still be handled."""
+        try:
+            result = super().invoke(ctx)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            # The interpreter flushes once more at exit; let that go nowhere.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(PIPE_CLOSED) from None
+        return result
+
+
+# Plain help: typer's boxes would cost the import of rich, half of the time that --help may take.
+app = typer.Typer(
+    name="brake-cal",
+    cls=Commands,
+    rich_markup_mode=None,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=example("brake-cal demo", "brake-cal tables list"),
+)
+app.command(epilog=check.EPILOG)(check.check)
+app.command(epilog=simulate.EPILOG)(simulate.simulate)
+app.add_typer(tables.app, name="tables")
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"brake-cal {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
+) -> None:
+    """Calibrate and validate a brake-torque estimator from one ramped braking run."""
+
+
+def main() -> None:
+    """Run the command line; the only place that turns a BrakeCalError into an exit code.
+
+    Usage errors end with 2 and an interrupt with 130, which typer sees to.
+    """
+    try:
+        app(prog_name="brake-cal")
+    except BrakeCalError as error:
+        complain(str(error))
+        sys.exit(error.exit_code)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,17 @@
+"""Options that several commands share, and the example at the end of a command's help."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Store = Annotated[Path, typer.Option("--store", metavar="DIR", help="Directory of the tables.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
+
+STORE = Path("tables")
+"""Default of `Store`."""
+
+
+def example(*lines: str) -> str:
+    """Epilog of a command's help: ``lines`` as they can be typed after `brake-cal demo`."""
+    return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))
