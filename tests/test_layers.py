@@ -1,0 +1,116 @@
+"""Imports go downhill, and what is heavy is imported only when it is used."""
+
+import ast
+import subprocess
+import sys
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+CALIB = Path(__file__).parents[1] / "calib"
+
+LAYERS = """
+    errors names files
+    units toml
+    vehicle
+    logs samples clock
+    forces
+    signals course axles sensors
+    effects
+    tyre magic_formula wheel evidence
+    model manoeuvre
+    table curve_file
+    resistance identify level lookup
+    curves
+    soundness version store difference exports
+    observation verdict check
+    fit
+    kalman adaptive estimator
+    simulate replay noise
+    validate limits
+    diagnose
+    fleet
+    plots report
+"""
+"""A file imports from rows above its own, or from its own row where that makes no circle."""
+
+ROW = {name: i for i, row in enumerate(LAYERS.split("\n")) for name in row.split()}
+FILES = sorted(p.relative_to(CALIB.parent) for p in CALIB.rglob("*.py"))
+
+HEAVY = {"numpy", "pandas", "scipy", "matplotlib", "pyarrow"}
+
+
+def noun(module: str) -> str:
+    """`store` of calib.store, `logs` of calib.logs.csv."""
+    return module.split(".")[1]
+
+
+def imported(file: Path) -> list[str]:
+    """Modules of the project that ``file`` imports, at its top or inside functions."""
+    found = []
+    for node in ast.walk(ast.parse((CALIB.parent / file).read_text())):
+        if isinstance(node, ast.Import):
+            found += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{file}: relative import"
+            for alias in node.names:
+                # `from calib.logs import csv` names a module, `from calib.names import G` does not.
+                inner = CALIB.parent / Path(*f"{node.module}.{alias.name}".split("."))
+                deeper = inner.with_suffix(".py").is_file() or inner.is_dir()
+                found.append(f"{node.module}.{alias.name}" if deeper else str(node.module))
+                if node.module == "calib" and not deeper:
+                    assert alias.name == "__version__", f"{file}: {alias.name} through the root"
+    return [m for m in found if m.split(".")[0] in ("calib", "cli", "tests")]
+
+
+def module_of(file: Path) -> str:
+    parts = file.with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@pytest.mark.parametrize("file", FILES, ids=str)
+def test_imports_go_downhill(file):
+    module = module_of(file)
+    if module == "calib":
+        assert imported(file) == []
+        return
+    assert noun(module) in ROW, f"{file} has no place in LAYERS of {Path(__file__).name}"
+    for other in imported(file):
+        assert other.split(".")[0] == "calib", f"{file} imports {other}"
+        if other != "calib":  # the version
+            assert ROW[noun(other)] <= ROW[noun(module)], f"{file} imports {other} from below"
+
+
+def test_no_circle():
+    graph = {module_of(f): {m for m in imported(f) if m != module_of(f)} for f in FILES}
+    assert len(list(TopologicalSorter(graph).static_order())) >= len(graph)
+
+
+def loaded_after(statement: str) -> set[str]:
+    """Top-level packages that a fresh interpreter has loaded after ``statement``."""
+    code = f"import sys; {statement}; print(*sorted({{m.split('.')[0] for m in sys.modules}}))"
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=CALIB.parent, capture_output=True, text=True, check=True
+    )
+    return set(run.stdout.split())
+
+
+def test_the_command_line_starts_without_what_is_heavy():
+    assert loaded_after("import cli.main") & {*HEAVY, "rich"} == set()
+
+
+def test_help_is_printed_without_what_is_heavy():
+    code = (
+        "import io, contextlib; from typer.testing import CliRunner; from cli.main import app; "
+        "assert CliRunner().invoke(app, ['--help']).exit_code == 0"
+    )
+    assert loaded_after(code) & {*HEAVY, "rich"} == set()
+
+
+def test_numpy_is_the_only_heavy_import_at_the_top_of_calib():
+    for file in FILES:
+        for node in ast.parse((CALIB.parent / file).read_text()).body:
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            names += [str(node.module)] if isinstance(node, ast.ImportFrom) else []
+            assert not {n.split(".")[0] for n in names} & (HEAVY - {"numpy"}), f"{file}: {names}"
