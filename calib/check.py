@@ -1,0 +1,153 @@
+"""What is in a log, whether it is usable, and for what."""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from calib.axles import Estimate
+from calib.caveats import caveats
+from calib.course import BrakeEvent
+from calib.logs.log import Log
+from calib.names import CHANNELS
+from calib.observation import OPTIONAL, Observation, observe
+from calib.sensors import Sensor
+from calib.units import from_si
+from calib.verdict import PURPOSES, problems
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a log serves a purpose; ``reasons`` why not, each with what to do instead."""
+
+    purpose: str
+    usable: bool
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What `check` found in one log.
+
+    Attributes
+    ----------
+    log, source, digest : which one.
+    truth, ignored : its truth channels; columns that were not taken.
+    seen : what is in it [SI].
+    warnings : what the user should know although it is not fatal.
+    verdicts : one for each purpose.
+    """
+
+    log: str
+    source: str
+    digest: str
+    truth: tuple[str, ...]
+    ignored: tuple[str, ...]
+    seen: Observation
+    warnings: tuple[str, ...]
+    verdicts: tuple[Verdict, ...]
+
+    @property
+    def usable(self) -> bool:
+        """Whether the log serves any purpose."""
+        return any(verdict.usable for verdict in self.verdicts)
+
+
+def check(log: Log) -> Findings:
+    """Look at a log and judge it for each purpose.
+
+    Works on whatever `calib.logs.read.read_log` gives, also with ``require=()``. It judges the
+    driving and the sensors; whether the vehicle file fits the car it cannot know.
+    """
+    seen = observe(log)
+    verdicts = []
+    for purpose in PURPOSES:
+        reasons = tuple(problems(seen, purpose))
+        verdicts.append(Verdict(purpose, not reasons, reasons))
+    return Findings(
+        log=log.name,
+        source=log.source,
+        digest=log.digest,
+        truth=tuple(log.truth),
+        ignored=log.ignored,
+        seen=seen,
+        warnings=(*log.notes, *caveats(seen)),
+        verdicts=tuple(verdicts),
+    )
+
+
+def problems_for(log: Log, purpose: str) -> list[str]:
+    """Reasons to refuse a log for "fit", "validate" or "diagnose"; empty if it is usable.
+
+    For "fit" a log must hold a ramp itself: a coast or a stop beside it is judged as "diagnose".
+    """
+    return problems(observe(log), purpose)
+
+
+def to_dict(findings: Findings) -> dict[str, Any]:
+    """The findings as plain data, numbers in SI."""
+    return {"usable": findings.usable, **asdict(findings)}
+
+
+def to_text(findings: Findings) -> str:
+    """The findings as lines of text, in the units of a log file."""
+    lines = [findings.source]
+    lines += [f"  {label:<12} {text}" for label, text in facts(findings)]
+    lines += [f"  {'warning':<12} {text}" for text in findings.warnings]
+    for verdict in findings.verdicts:
+        lines.append(f"  {verdict.purpose:<12} {'usable' if verdict.usable else 'not usable'}")
+        lines += [f"  {'':<12} - {reason}" for reason in verdict.reasons]
+    return "\n".join(lines)
+
+
+def facts(findings: Findings) -> Iterator[tuple[str, str]]:
+    """Label and text of what was found, without warnings and verdicts; units of a log file."""
+    seen, clock = findings.seen, findings.seen.clock
+    yield "channels", ", ".join(seen.present) + (" + truth" if findings.truth else "")
+    absent = [name for name in OPTIONAL if name not in seen.present]
+    if seen.missing:
+        yield "missing", ", ".join(seen.missing)
+    yield "not there", ", ".join(absent) or "-"
+    if findings.ignored:
+        yield "ignored", ", ".join(findings.ignored)
+    jitter = f"jitter {1e3 * clock.jitter:.2f} ms, {len(clock.gaps)} gaps"
+    yield "clock", f"{clock.samples} samples, {clock.duration:.2f} s, {clock.rate:.4g} Hz, {jitter}"
+    for sensor in seen.sensors:
+        yield sensor.channel, _sensor(sensor)
+    if seen.axles is None:
+        return
+    yield "driven", f"up to {3.6 * seen.speed:.0f} km/h, up to {seen.z:.2f} g"
+    yield "lead-in", f"{seen.lead_in:.2f} s of steady rolling"
+    for number, event in enumerate(seen.events, start=1):
+        yield f"braking {number}", _event(event)
+    yield "eta - 1", _percent(seen.axles.front_rear) + " without braking"
+    sides = (seen.axles.left_right_f, seen.axles.left_right_r)
+    yield "right/left", f"front {_percent(sides[0])}, rear {_percent(sides[1])}"
+
+
+def _sensor(sensor: Sensor) -> str:
+    quantity = CHANNELS[sensor.channel]
+
+    def written(value: float, digits: int = 4) -> str:
+        return f"{from_si(value, quantity.unit, quantity.si):.{digits}g}"
+
+    parts = [f"{written(sensor.low)} to {written(sensor.high)} {quantity.unit}"]
+    parts += [f"steps of {written(sensor.resolution, 2)}"] if sensor.resolution else []
+    if sensor.noise == sensor.noise:  # not NaN
+        colour = f"autocorrelation {sensor.autocorrelation:+.2f}"
+        parts.append(f"noise {written(sensor.noise, 2)} ({colour})")
+    return ", ".join(parts)
+
+
+def _event(event: BrakeEvent) -> str:
+    pressure = "" if event.pressure is None else f", to {event.pressure / 1e5:.1f} bar"
+    return (
+        f"{event.start:.2f} to {event.end:.2f} s{pressure}, to {event.z_high:.2f} g, "
+        f"{3.6 * event.speed_start:.0f} to {3.6 * event.speed_end:.0f} km/h, "
+        f"rises for {event.rise:.1f} s by {event.rise_z:.2f} g"
+    )
+
+
+def _percent(estimate: Estimate | None) -> str:
+    if estimate is None:
+        return "not seen"
+    return f"{100 * estimate.value:+.3f} +- {100 * estimate.half:.3f} %"

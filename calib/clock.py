@@ -1,0 +1,41 @@
+"""The clock of a log: rate, jitter, gaps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+GAP = 3.0
+"""A step longer than this many median steps is a gap: two samples in a row are lost."""
+
+
+@dataclass(frozen=True)
+class Clock:
+    """When samples were taken.
+
+    ``duration`` [s]; ``rate`` of the median step [Hz]; ``jitter`` root mean square deviation of
+    the steps from the median, gaps apart [s]; ``gaps`` (when [s], how long [s]).
+    """
+
+    samples: int
+    duration: float
+    rate: float
+    jitter: float
+    gaps: tuple[tuple[float, float], ...]
+
+
+def clock_of(time: Array) -> Clock:
+    """Look at a strictly increasing time [s], shape (n,)."""
+    steps = np.diff(time)
+    median = float(np.median(steps))
+    wide = steps > GAP * median
+    jitter = steps[~wide] - median
+    return Clock(
+        samples=time.size,
+        duration=float(time[-1] - time[0]),
+        rate=1.0 / median,
+        jitter=float(np.sqrt(np.mean(jitter**2))),
+        gaps=tuple((float(time[i]), float(steps[i])) for i in np.flatnonzero(wide)),
+    )
