@@ -28,7 +28,7 @@ def open_parquet(data: bytes, where: str) -> Source:
     if not data:
         raise LogError("the file is empty", where=where, expected="a Parquet file")
     try:
-        file = pq.ParquetFile(pa.BufferReader(data))
+        file = pq.ParquetFile(pa.BufferReader(data), page_checksum_verification=True)
     except (pa.ArrowInvalid, OSError) as cause:
         raise LogError(
             f"not Parquet, or cut off: {cause}",

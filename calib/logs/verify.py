@@ -10,6 +10,9 @@ from calib.names import CHANNELS
 MIN_SAMPLES = 50
 """Below this there is nothing to filter, let alone to fit: a quarter of a second at 200 Hz."""
 
+ABSURD = 1e12
+"""No quantity of the page of names reaches this in SI, seconds since 1970 included."""
+
 
 def complete_channels(
     channels: dict[str, Array], require: tuple[str, ...], where: str
@@ -25,10 +28,12 @@ def complete_channels(
     Returns
     -------
     The complete channels, and a note on each that was dropped. Raises LogError for an empty
-    channel that is required, and for holes in any of the channels that every log must have.
+    channel that is required, for holes in any of the channels that every log must have, and for
+    values that only a damaged file can hold.
     """
     kept, notes = {}, []
     for name, values in channels.items():
+        _refuse_absurd(name, values, where)
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size == 0:
             kept[name] = values
@@ -44,6 +49,18 @@ def complete_channels(
                 f"first in row {bad[0] + 1}, and was left out"
             )
     return kept, tuple(notes)
+
+
+def _refuse_absurd(name: str, values: Array, where: str) -> None:
+    absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > ABSURD))
+    if absurd.size:
+        row = int(absurd[0])
+        raise LogError(
+            f"row {row + 1} holds {values[row]:.3g} (SI)",
+            where=f"{where}: {name}",
+            expected="a value that can be measured",
+            do="the file is damaged or the unit is wrong: export it again",
+        )
 
 
 def _empty(name: str, rows: int, where: str) -> LogError:

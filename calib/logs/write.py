@@ -50,7 +50,8 @@ def write_csv(log: Log, path: Path) -> None:
 def write_parquet(log: Log, path: Path) -> None:
     """Write ``log`` as Parquet, the unit of each channel in its field metadata.
 
-    Read back it is the same to rounding error. Raises as `write_csv`.
+    Read back it is the same to rounding error. Checksums let the reader see a damaged file.
+    Raises as `write_csv`.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -64,7 +65,9 @@ def write_parquet(log: Log, path: Path) -> None:
         [pa.array(values) for _, _, values in columns], schema=pa.schema(fields)
     )
     buffer = pa.BufferOutputStream()
-    pq.write_table(table, buffer, compression="zstd", use_dictionary=False)
+    pq.write_table(
+        table, buffer, compression="zstd", use_dictionary=False, write_page_checksum=True
+    )
     write_whole(Path(path), buffer.getvalue().to_pybytes())
 
 

@@ -1,5 +1,7 @@
 """Parquet: units from the field metadata."""
 
+from pathlib import Path
+
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -55,3 +57,13 @@ def test_text_column():
 def test_what_is_no_log(data, words):
     with pytest.raises(LogError, match=words):
         open_parquet(data, "run.parquet")
+
+
+def test_flipped_bits_are_seen():
+    sample = Path(__file__).parents[2] / "sample_logs/third_party/cal_ramp.parquet"
+    data = bytearray(sample.read_bytes())
+    for place in range(1000, len(data) // 2, len(data) // 20):
+        damaged = bytearray(data)
+        damaged[place] ^= 0x10
+        with pytest.raises(LogError, match="damaged"):
+            open_parquet(bytes(damaged), "run.parquet").read(range(20))

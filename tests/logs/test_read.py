@@ -207,3 +207,9 @@ def test_time_that_does_not_run(tmp_path, cell, words):
     columns["time [s]"][10] = cell
     message = refusal(write(tmp_path, csv_text(columns)))
     assert f"time {words} in row 11" in message
+
+
+def test_value_that_only_a_damaged_file_holds(tmp_path):
+    columns = table()
+    columns["a_x [m/s^2]"][7] = "1e200"
+    assert "a_x: row 8 holds 1e+200" in refusal(write(tmp_path, csv_text(columns)))
