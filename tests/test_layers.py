@@ -28,7 +28,7 @@ LAYERS = """
     fit
     kalman adaptive estimator
     simulate replay noise
-    validate limits
+    scores limits validate
     diagnose
     fleet
     plots report
