@@ -24,7 +24,7 @@ LAYERS = """
     resistance identify level lookup
     curves
     soundness version store difference exports
-    observation verdict check
+    observation caveats verdict check
     fit
     kalman adaptive estimator
     simulate replay noise
