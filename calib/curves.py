@@ -171,8 +171,7 @@ def _at_eta(p: Path, eta: Array) -> Array:
 
 def _zeroed(runs: list[Run], found: Identified) -> list[tuple[Run, Array]]:
     return [
-        (run, run.blocks.eta / (1.0 + zero))
-        for run, zero in zip(runs, found.eta_zero, strict=True)
+        (run, run.blocks.eta / (1.0 + zero)) for run, zero in zip(runs, found.eta_zero, strict=True)
     ]
 
 

@@ -8,12 +8,13 @@ The Kalman estimate is the product. Its rivals stand beside it: the paper's law 
 squares on any look-up, nominal pads, and one mean gain from deceleration alone.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib import adaptive, kalman
+from calib.course import BITE
 from calib.effects.catalogue import total_axle_moment, total_body_force
 from calib.effects.effect import Motion, Parameters
 from calib.errors import LogError
@@ -26,7 +27,7 @@ from calib.logs.log import Log
 from calib.lookup import LOOKUPS
 from calib.names import G
 from calib.resistance import Resistance
-from calib.signals import BITE, Blocks, Noise, Signals, blocks, sensor_noise, signals
+from calib.signals import Blocks, Noise, Signals, blocks, sensor_noise, signals
 from calib.table import Table
 from calib.vehicle import Axle, Vehicle
 
@@ -54,8 +55,8 @@ class Gates:
     pressure: float = 2e5
     speed: float = 3.0
     settle: float = 0.3
-    interval_f: float = 0.10
-    interval_r: float = 0.30
+    interval_f: float = 0.15
+    interval_r: float = 0.35
     steering: float = np.deg2rad(5.0)
     lock: float = 0.15
 
@@ -144,14 +145,17 @@ class _Plan:
 
 
 def calibrated(table: Table) -> Vehicle:
-    """The table's vehicle with the common pad scale of its fit: what its nominal pads are."""
-    from dataclasses import replace
+    """The table's vehicle with the pads of its calibration, in the nominal ratio.
 
-    scale = table.calibration.pad_scale.value
+    Scaled so that both axles together brake as they did on the ramp; the ratio is the filter's.
+    """
+    car, cal = table.vehicle, table.calibration
+    B_f, B_r = brake_forces(car, np.ones(()), np.ones(()))
+    as_fitted = brake_forces(car, np.ones(()), np.ones(()), cal.pad_log_ratio.value)
+    scale = cal.pad_scale.value * float(sum(as_fitted) / (B_f + B_r))
+    front = replace(car.front, pad_friction=scale * car.front.pad_friction)
     return replace(
-        table.vehicle,
-        front=replace(table.vehicle.front, pad_friction=scale * table.vehicle.front.pad_friction),
-        rear=replace(table.vehicle.rear, pad_friction=scale * table.vehicle.rear.pad_friction),
+        car, front=front, rear=replace(car.rear, pad_friction=scale * car.rear.pad_friction)
     )
 
 
@@ -297,9 +301,7 @@ LEVEL_ODDS = 1.0
 """Odds that the pads have the level of the calibration."""
 
 
-def _level_weighed(
-    plan: _Plan, s: Signals, level: Level, began: Mask
-) -> tuple[Array, Array]:
+def _level_weighed(plan: _Plan, s: Signals, level: Level, began: Mask) -> tuple[Array, Array]:
     """Level and its relative sigma with mass and resistance counted, weighed against nominal.
 
     On a dry road the level is nominal within its error and stays there: compensation does no harm.
@@ -343,8 +345,8 @@ def _axles(
         (car.rear, s.p_r, 1.0 - phi, 1.0 - phi_0, phi, moments[1], loads[1]),
     ):
         mu = axle.pad_friction * theta * share / share_0
-        # d ln(share)/d rho is the other axle's share
-        spread = 1.96 * np.sqrt(sigma_level**2 + (lever * sigma) ** 2)
+        # d ln(share)/d rho is the other axle's share; a factor of e^5 either way is no answer
+        spread = np.minimum(1.96 * np.sqrt(sigma_level**2 + (lever * sigma) ** 2), 5.0)
         torque = mu * axle.torque_gain * np.maximum(p, 0.0)
         brake = 2.0 * torque / axle.rolling_radius
         F = (np.nan_to_num(brake) + moment) / _low_pass(s, load)
@@ -375,7 +377,10 @@ def _rivals(
     """Pad friction by the other methods, and where eta is inside the table."""
     car = plan.nominal
     out: dict[str, tuple[Array, Array]] = {
-        "nominal": (np.full_like(eta, car.front.pad_friction), np.full_like(eta, car.rear.pad_friction)),
+        "nominal": (
+            np.full_like(eta, car.front.pad_friction),
+            np.full_like(eta, car.rear.pad_friction),
+        ),
         "mean_gain": (car.front.pad_friction * level.value, car.rear.pad_friction * level.value),
     }
     z, smooth = _low_pass(s, s.z), _low_pass(s, eta)

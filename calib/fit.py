@@ -1,6 +1,6 @@
 """From ramps to a table: the whole of `brake-cal fit` in one place.
 
-    logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table
+logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table
 """
 
 from dataclasses import asdict
@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from calib import __version__, curves, identify, resistance
 from calib.check import problems_for
+from calib.course import BITE
 from calib.errors import LogError
 from calib.forces import front_biased_up_to
 from calib.identify import Identified, Run
 from calib.logs.log import Log
 from calib.resistance import Resistance
-from calib.signals import BITE, Blocks, Noise, blocks, sensor_noise, signals
+from calib.signals import Blocks, Noise, blocks, sensor_noise, signals
 from calib.table import (
     Calibration,
     LogReference,
@@ -25,7 +26,6 @@ from calib.table import (
     Value,
 )
 from calib.vehicle import Vehicle
-
 
 Array = NDArray[np.float64]
 
@@ -40,9 +40,7 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     """
     ramps, coasts = sort_logs(vehicle, logs)
     known = resistance.identify(vehicle, [(b, noise.z) for _, b, noise in ramps + coasts])
-    runs = [
-        identify.prepare(vehicle, log.name, b, noise, known.effects) for log, b, noise in ramps
-    ]
+    runs = [identify.prepare(vehicle, log.name, b, noise, known.effects) for log, b, noise in ramps]
     found = identify.identify(vehicle, runs)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
     peak = curves.find_peak(vehicle, found, z_max)
@@ -89,17 +87,16 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
         s = signals(log, vehicle)
         b = blocks(s)
         prepared = (log, b, sensor_noise(log, b))
-        if np.max(np.maximum(s.p_f, s.p_r)) < BITE:
-            coasts.append(prepared)
-            continue
-        problems = problems_for(log, "fit")
+        coasting = float(np.max(np.maximum(s.p_f, s.p_r))) < BITE
+        problems = problems_for(log, "diagnose" if coasting else "fit")
         if problems:
             raise LogError(
-                "this run will not do for a fit: " + "; ".join(problems),
+                f"this {'coast' if coasting else 'run'} will not do for a fit: "
+                + "; ".join(problems),
                 where=log.source,
                 do="see `brake-cal check`",
             )
-        ramps.append(prepared)
+        (coasts if coasting else ramps).append(prepared)
     if not ramps:
         raise LogError(
             "none of the logs holds a braking",

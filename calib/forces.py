@@ -44,7 +44,9 @@ def pad_friction(axle: Axle, torque: Array, pressure: Array) -> Array:
     return torque / (axle.torque_gain * pressure)
 
 
-def tyre_force(axle: Axle, torque: Array, spin_rate: Array, drag_moment: Array | float = 0.0) -> Array:
+def tyre_force(
+    axle: Axle, torque: Array, spin_rate: Array, drag_moment: Array | float = 0.0
+) -> Array:
     """Tyre force of one wheel [N] from its brake torque [N m], (1).
 
     ``spin_rate`` is d omega/dt [rad/s^2], negative while braking; ``drag_moment`` [N m] what else
@@ -53,7 +55,9 @@ def tyre_force(axle: Axle, torque: Array, spin_rate: Array, drag_moment: Array |
     return (axle.wheel_inertia * spin_rate + torque + drag_moment) / axle.rolling_radius  # (1)
 
 
-def wheel_torque(axle: Axle, force: Array, spin_rate: Array, drag_moment: Array | float = 0.0) -> Array:
+def wheel_torque(
+    axle: Axle, force: Array, spin_rate: Array, drag_moment: Array | float = 0.0
+) -> Array:
     """Brake torque of one wheel [N m] that goes with the tyre ``force`` [N]; (1) the other way."""
     return axle.rolling_radius * force - axle.wheel_inertia * spin_rate - drag_moment  # (1)
 

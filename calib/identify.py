@@ -17,12 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.course import BITE
 from calib.effects.catalogue import total_axle_moment, total_body_force
 from calib.effects.effect import Motion, Parameters
 from calib.evidence import weigh
 from calib.forces import axle_loads, speed_ratio
 from calib.names import G
-from calib.signals import BITE, Blocks, Noise
+from calib.signals import Blocks, Noise
 from calib.tyre import Tyre
 from calib.vehicle import Vehicle
 

@@ -56,8 +56,8 @@ class Priors:
     """
 
     ratio: float = 0.25
-    ratio_odds: float = 1.0
-    ratio_alike: float = 0.02
+    ratio_odds: float = 1.5
+    ratio_alike: float = 0.015
     stiffness: float = 0.35
     peak_per_stiffness: float = -5.0
     peak: float = 1.0
@@ -124,9 +124,7 @@ class Demand:
     psi: Array
 
 
-def initial(
-    mean: Array, covariance: Array, priors: Priors
-) -> tuple[Array, Array]:
+def initial(mean: Array, covariance: Array, priors: Priors) -> tuple[Array, Array]:
     """State and covariance before the stop, from the table's posterior."""
     x, P = np.zeros(STATES), np.zeros((STATES, STATES))
     table = list(FROM_TABLE)
@@ -222,9 +220,7 @@ class _Step:
     calm: bool
 
 
-def _steps(
-    vehicle: Vehicle, b: Blocks, d: Demand, noise: Noise, priors: Priors
-) -> list[_Step]:
+def _steps(vehicle: Vehicle, b: Blocks, d: Demand, noise: Noise, priors: Priors) -> list[_Step]:
     gain = 1.0 - math.exp(-b.length / priors.pitch_time)
     held = np.abs(b.z - _lagged(b.z, gain))
     transfer = vehicle.cg_height / vehicle.wheelbase

@@ -31,9 +31,7 @@ def paper(table: Table, z: Array, eta: Array, level: Array) -> Reading:
     """F_f = level + f1(eta), F_r = level + f2(eta), (11), (12); ends of the table outside it."""
     c = table.paper
     inside = (eta >= c.eta[0]) & (eta <= c.eta[-1])
-    return Reading(
-        level + np.interp(eta, c.eta, c.f1), level + np.interp(eta, c.eta, c.f2), inside
-    )
+    return Reading(level + np.interp(eta, c.eta, c.f1), level + np.interp(eta, c.eta, c.f2), inside)
 
 
 def difference(table: Table, z: Array, eta: Array, level: Array) -> Reading:
@@ -56,7 +54,8 @@ def tyre(table: Table, z: Array, eta: Array, level: Array) -> Reading:
         # (22): (1 - slip_r) - eta (1 - slip_f) = 0, and its slope in D
         rest = (1.0 - slip_r) - eta * (1.0 - slip_f)
         slope = (
-            curve.slope(F_r, load_r / half) * load_f + eta * curve.slope(F_f, load_f / half) * load_r
+            curve.slope(F_r, load_r / half) * load_f
+            + eta * curve.slope(F_f, load_f / half) * load_r
         ) / (load_f + load_r)
         D = D - rest / slope
     F_f, F_r = split(vehicle, z, D, level)

@@ -48,7 +48,9 @@ CHANNELS: dict[str, Quantity] = {
     for q in [
         Quantity("time", "t", "s", "s", "time, increasing", True),
         Quantity("p_mc", "P_mc", "bar", "Pa", "master-cylinder pressure", True),
-        Quantity("a_x", "a_x", "m/s^2", "m/s^2", "acceleration at the c.g., forward positive", True),
+        Quantity(
+            "a_x", "a_x", "m/s^2", "m/s^2", "acceleration at the c.g., forward positive", True
+        ),
         *_per_wheel("omega", "omega", "rad/s", "rad/s", "wheel speed", True),
         Quantity("v", "V", "m/s", "m/s", "reference speed over ground"),
         *_per_wheel("p", "P", "bar", "Pa", "wheel pressure"),

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.course import BITE, MOVING, SETTLE, STEADY
 from calib.errors import LogError
 from calib.forces import deceleration
 from calib.logs.log import Log
@@ -22,12 +23,6 @@ Mask = NDArray[np.bool_]
 
 BLOCK = 0.05
 """Length of a block [s]: ten samples at 200 Hz, short against a brake application (0.2 s)."""
-
-BITE = 1.5e5
-"""Pressure [Pa] over which the pads are taken to bite; below it the seals hold them off."""
-
-SETTLE = 0.1
-"""Part of the lead-in next to the first braking that is left out [s]."""
 
 
 NOISE_FLOOR = {"omega": 3e-4, "z": 1e-4, "v": 3e-4}
@@ -110,32 +105,37 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
         p_f = p_r = log["p_mc"]
     v = log.channels.get("v")
     speed = vehicle.rear.rolling_radius * omega_r if v is None else v
-    if np.max(speed) < 3.0:
+    if np.max(speed) < MOVING:
         raise LogError(
             f"the car hardly moves: at most {np.max(speed):.1f} m/s",
             where=log.source,
             expected="a braking from more than 8 m/s",
         )
+    z = deceleration(log["a_x"])
     return Signals(
         time=log.time,
         p_f=p_f,
         p_r=p_r,
-        z=deceleration(log["a_x"]),
+        z=z,
         omega_f=omega_f,
         omega_r=omega_r,
         v=v,
         speed=speed,
-        lead_in=lead_in(log.time, np.maximum(p_f, p_r)),
+        lead_in=lead_in(log.time, np.maximum(p_f, p_r), z, speed),
     )
 
 
-def lead_in(time: Array, pressure: Array) -> Mask:
-    """Samples before the first braking, less ``SETTLE``; all of them if there is none."""
+def lead_in(time: Array, pressure: Array, z: Array, speed: Array) -> Mask:
+    """Samples of steady rolling before the first braking, less ``SETTLE``; all if there is none.
+
+    An engine that pulls hard makes the driven wheels slip, so that eta is no zero there.
+    """
     step = float(np.median(np.diff(time)))
     smooth = trailing_mean(pressure, max(1, round(0.05 / step)))
     braked = np.flatnonzero(smooth > BITE)
     first = time[braked[0]] - SETTLE - 0.05 if braked.size else np.inf
-    return np.asarray(time < first)
+    steady = np.abs(trailing_mean(z, max(1, round(0.1 / step)))) < STEADY
+    return np.asarray((time < first) & steady & (speed > MOVING))
 
 
 def trailing_mean(x: Array, n: int) -> Array:
@@ -182,7 +182,7 @@ def sensor_noise(log: Log, b: Blocks) -> Noise:
     """
     n, step = b.samples, b.length
     count = b.end.size
-    moving = b.speed > 3.0
+    moving = b.speed > MOVING
     halves = [0.5 * (log[f"omega_{a}l"] - log[f"omega_{a}r"]) for a in "fr"]
     means = [h[: count * n].reshape(count, n).mean(axis=1)[moving] for h in halves]
     omega = [long_run_density(m, step) for m in means]

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cli.options import Json, example
+from cli.options import Json, Map, example
 
 if TYPE_CHECKING:
     from rich.panel import Panel
@@ -20,7 +20,6 @@ EPILOG = example(
 USELESS, UNREADABLE = 1, 3
 
 Logs = Annotated[list[Path], typer.Argument(metavar="LOG...", help="logs to look at")]
-Map = Annotated[Path | None, typer.Option("--map", metavar="M.toml", help="Channel map.")]
 
 
 def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:

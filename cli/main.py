@@ -9,7 +9,7 @@ from typer.core import TyperGroup
 
 from calib import __version__
 from calib.errors import BrakeCalError
-from cli import check, simulate, tables
+from cli import check, fit, simulate, tables, validate
 from cli.console import complain
 from cli.options import example
 
@@ -44,6 +44,8 @@ app = typer.Typer(
     epilog=example("brake-cal demo", "brake-cal tables list"),
 )
 app.command(epilog=check.EPILOG)(check.check)
+app.command(epilog=fit.EPILOG)(fit.fit)
+app.command(epilog=validate.EPILOG)(validate.validate)
 app.command(epilog=simulate.EPILOG)(simulate.simulate)
 app.add_typer(tables.app, name="tables")
 

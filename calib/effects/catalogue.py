@@ -25,9 +25,7 @@ def effect_named(name: str) -> Effect:
     return CATALOGUE[name]
 
 
-def total_body_force(
-    vehicle: Vehicle, effects: dict[str, Parameters], motion: Motion
-) -> Array:
+def total_body_force(vehicle: Vehicle, effects: dict[str, Parameters], motion: Motion) -> Array:
     """Sum of what slows the body directly [N]."""
     total = 0.0 * motion.v
     for name, parameters in effects.items():

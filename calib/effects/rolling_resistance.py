@@ -4,9 +4,7 @@ from calib.effects.effect import Array, Card, Effect, Motion, Parameter, Paramet
 from calib.vehicle import Vehicle
 
 
-def axle_moment(
-    vehicle: Vehicle, parameters: Parameters, motion: Motion
-) -> tuple[Array, Array]:
+def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> tuple[Array, Array]:
     """M = c_rr F_z R [N m per axle]; no dependence on speed or temperature."""
     c_rr = parameters["coefficient"]
     return (

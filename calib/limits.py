@@ -1,0 +1,104 @@
+"""Limits of a validation, from a TOML file: which figure may be how large.
+
+    schema = 1
+    [limits]
+    axle_torque_error_f = { max = 0.05 }
+    valid_share = { min = 0.7 }
+
+A figure that a log cannot give (no truth, say) is not judged and says so.
+"""
+
+import difflib
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+from calib.errors import LimitsError
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A figure's allowed range; either end may be open (None)."""
+
+    figure: str
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A limit and what came: ``passed`` is None where the log cannot give the figure."""
+
+    figure: str
+    value: float | None
+    low: float | None
+    high: float | None
+    passed: bool | None
+
+
+DEFAULTS: tuple[Limit, ...] = (
+    Limit("valid_share", 0.7, None),
+    Limit("covered_share", 0.5, None),
+    Limit("pad_friction_drift_f", None, 0.10),
+    Limit("pad_friction_drift_r", None, 0.20),
+    Limit("interval_f", None, 0.10),
+    Limit("interval_r", None, 0.25),
+    Limit("torque_error_f", None, 0.03),
+    Limit("torque_error_r", None, 0.08),
+    Limit("truth_in_interval", 0.80, None),
+)
+"""What a stop must hold when the user gives no limits. Errors count only where a log has truth."""
+
+
+def read_limits(path: Path, known: set[str]) -> tuple[Limit, ...]:
+    """Read limits. Raises LimitsError for an unreadable file, an unknown figure or a bad range."""
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise LimitsError(f"cannot be read ({error})", where=path) from error
+    except tomllib.TOMLDecodeError as error:
+        raise LimitsError(f"not TOML: {error}", where=path) from error
+    if document.get("schema") != 1:
+        raise LimitsError(
+            f"schema is {document.get('schema')!r}", where=path, expected="schema = 1"
+        )
+    extra = sorted(set(document) - {"schema", "limits"})
+    if extra:
+        raise LimitsError(f"unknown key {extra[0]!r}", where=path, expected="[limits]")
+    table = document.get("limits")
+    if not isinstance(table, dict) or not table:
+        raise LimitsError("no limits in it", where=path, expected="a table [limits]")
+    return tuple(_limit(path, name, spec, known) for name, spec in table.items())
+
+
+def _limit(path: Path, name: str, spec: object, known: set[str]) -> Limit:
+    if name not in known:
+        near = difflib.get_close_matches(name, sorted(known), 1)
+        hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(sorted(known))}"
+        raise LimitsError(f"unknown figure {name!r}", where=path, do=hint)
+    if not isinstance(spec, dict) or not spec or set(spec) - {"min", "max"}:
+        raise LimitsError(
+            f"{name} = {spec!r}", where=path, expected="{ min = NUMBER } and/or { max = NUMBER }"
+        )
+    ends = {key: spec.get(key) for key in ("min", "max")}
+    for key, value in ends.items():
+        if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
+            raise LimitsError(f"{name}.{key} = {value!r}", where=path, expected="a number")
+    low, high = ends["min"], ends["max"]
+    if low is not None and high is not None and low > high:
+        raise LimitsError(f"{name}: min {low} lies above max {high}", where=path)
+    return Limit(name, None if low is None else float(low), None if high is None else float(high))
+
+
+def judge(limits: tuple[Limit, ...], figures: dict[str, float | None]) -> tuple[Judgement, ...]:
+    """Hold the figures against the limits, in the order of the limits."""
+    out = []
+    for limit in limits:
+        value = figures.get(limit.figure)
+        passed = None
+        if value is not None:
+            above = limit.low is None or value >= limit.low
+            below = limit.high is None or value <= limit.high
+            passed = above and below
+        out.append(Judgement(limit.figure, value, limit.low, limit.high, passed))
+    return tuple(out)

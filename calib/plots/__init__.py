@@ -1,0 +1,1 @@
+"""Figures: records in, matplotlib figures out. Nothing is shown on a screen."""

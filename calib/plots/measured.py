@@ -1,0 +1,96 @@
+"""What a ramp measured, block by block, as points to hold against the curves of its table."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib import identify
+from calib.estimator import known_resistance
+from calib.forces import paper_curves
+from calib.logs.log import Log
+from calib.names import G
+from calib.signals import BITE, Blocks, blocks, sensor_noise, signals
+from calib.table import Table
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+GROUP = 5
+"""Blocks in a point: a quarter of a second takes enough noise out of eta to see the curve."""
+
+
+@dataclass(frozen=True)
+class MeasuredRamp:
+    """A ramp in blocks, shapes (k,), SI.
+
+    ``time`` [s]; ``pressure`` [Pa]; ``z``, ``eta`` zeroed on the lead-in, ``F_f``, ``F_r``
+    normalised forces from pressure at the table's pads, ``f1``, ``f2`` of them [1]; ``slip_f``,
+    ``slip_r`` [1] as at the load of the tyre curve, None without v; ``braked`` blocks that count.
+    """
+
+    name: str
+    time: Array
+    pressure: Array
+    z: Array
+    eta: Array
+    F_f: Array
+    F_r: Array
+    f1: Array
+    f2: Array
+    slip_f: Array | None
+    slip_r: Array | None
+    braked: Mask
+
+
+def measure(table: Table, log: Log) -> MeasuredRamp:
+    """Reduce a ramp with the pads, the resistance and the load exponent that ``table`` found.
+
+    The force side is smooth, all noise is in eta and slip. Raises LogError as `signals` does.
+    """
+    vehicle = table.vehicle
+    b = blocks(signals(log, vehicle))
+    effects = known_resistance(table).effects
+    run = identify.prepare(vehicle, log.name, b, sensor_noise(log, b), effects)
+    log_ratio = table.calibration.pad_log_ratio.value
+    F_f, F_r, _ = identify.normalised_forces(vehicle, run, log_ratio)
+    f1, f2 = paper_curves(vehicle, b.z, F_f - F_r)
+    free = b.lead_in
+    zero = float(np.mean(b.omega_r[free]) / np.mean(b.omega_f[free])) if free.any() else 1.0
+    slips = _slips(table, b, run.load_f, run.load_r)
+    return MeasuredRamp(
+        name=log.name,
+        time=b.end,
+        pressure=np.maximum(b.p_f, b.p_r),
+        z=b.z,
+        eta=b.eta / zero,
+        F_f=F_f,
+        F_r=F_r,
+        f1=f1,
+        f2=f2,
+        slip_f=slips[0] if slips else None,
+        slip_r=slips[1] if slips else None,
+        braked=np.asarray(run.use & ~free & (np.maximum(b.p_f, b.p_r) > BITE)),
+    )
+
+
+def _slips(table: Table, b: Blocks, load_f: Array, load_r: Array) -> tuple[Array, Array] | None:
+    """Slips (19), (20) of the axles, brought to the load of the tyre curve as `calib.tyre` does."""
+    if b.v is None or not b.lead_in.any():
+        return None
+    found = dict(zip(table.posterior.names, table.posterior.mean, strict=True))
+    lag = G * b.z * found.get("clock_offset", 0.0) / np.maximum(b.speed, identify.MIN_SPEED)
+    out = []
+    for omega, load in ((b.omega_f, load_f), (b.omega_r, load_r)):
+        radius = np.mean(b.v[b.lead_in]) / np.mean(omega[b.lead_in])
+        softer = (2.0 * load / table.vehicle.weight) ** found.get("load_exponent", 0.0)
+        slip = 1.0 - radius * omega / np.maximum(b.v, identify.MIN_SPEED)
+        out.append((slip - lag) / softer)
+    return out[0], out[1]
+
+
+def grouped(values: Array, mask: Mask) -> Array:
+    """Means of `GROUP` consecutive blocks where ``mask`` holds; a rest is dropped."""
+    kept = values[mask]
+    count = kept.size // GROUP
+    return np.asarray(kept[: count * GROUP].reshape(count, GROUP).mean(axis=1))

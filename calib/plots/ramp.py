@@ -1,0 +1,50 @@
+"""The ramp of a calibration: its pressure (Fig. 4), its forces (Fig. 5), its points for Figs. 3, 6."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.plots.measured import MeasuredRamp, grouped
+from calib.plots.sheet import Panel
+from calib.plots.style import BODY, FRONT, REAR, Stroke, noisy
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+BAR = 1e5
+
+
+def panels(ramp: MeasuredRamp, suffix: str = "") -> tuple[Panel, ...]:
+    """Pressure and forces over time; ``suffix`` tells several ramps of a table apart."""
+    return (
+        Panel(f"pressure{suffix}", f"Pressure of {ramp.name}", lambda ax: pressure(ax, ramp)),
+        Panel(f"forces{suffix}", f"Forces of {ramp.name}", lambda ax: forces(ax, ramp)),
+    )
+
+
+def pressure(ax: "Axes", ramp: MeasuredRamp) -> None:
+    """Fig. 4."""
+    ax.plot(ramp.time, ramp.pressure / BAR, label="greater of the axles' pressures", **BODY)
+    ax.set(xlabel="time [s]", ylabel="brake pressure [bar]")
+
+
+def forces(ax: "Axes", ramp: MeasuredRamp) -> None:
+    """Fig. 5: the deceleration lies between the normalised forces of the axles."""
+    noisy(ax, ramp.time, ramp.F_f, FRONT, "front $F_f$")
+    noisy(ax, ramp.time, ramp.z, BODY, "deceleration $z$")
+    noisy(ax, ramp.time, ramp.F_r, REAR, "rear $F_r$")
+    ax.set(xlabel="time [s]", ylabel="normalised force, $z$ [1]")
+
+
+def points(
+    ax: "Axes", ramp: MeasuredRamp, x: Array, y: Array, mask: Mask, stroke: Stroke, label: str = ""
+) -> None:
+    """Blocks as dots, and their means over a quarter of a second as rings."""
+    ax.plot(x[mask], y[mask], ".", color=stroke["color"], ms=2.0, alpha=0.35, mew=0.0)
+    ring = {"color": stroke["color"], "mfc": "white", "ms": 3.4, "mew": 0.8}
+    kwargs = {"label": label} if label else {}
+    ax.plot(grouped(x, mask), grouped(y, mask), "o", linestyle="", zorder=3, **ring, **kwargs)

@@ -1,0 +1,62 @@
+"""Figures to bytes and files. The same figure gives the same bytes, in any year.
+
+PNG and SVG hold one page each; a PDF holds as many as there are.
+"""
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from calib.files import write_whole
+from calib.plots.style import styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Neither time nor version of the drawing program: they would change the bytes.
+METADATA: dict[str, dict[str, Any]] = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None, "Creator": "brake-cal"},
+    ".pdf": {"CreationDate": None, "Producer": "brake-cal", "Creator": "brake-cal"},
+}
+"""What a file of each ending says of itself; its keys are the endings that are known."""
+
+ENDINGS = tuple(METADATA)
+
+
+def render(figure: "Figure", ending: str) -> bytes:
+    """Bytes of one figure as ``.png``, ``.svg`` or ``.pdf``. Raises KeyError for another ending."""
+    with styled():
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format=ending[1:], metadata=METADATA[ending])
+        return buffer.getvalue()
+
+
+def render_pages(figures: "list[Figure]") -> bytes:
+    """Bytes of one PDF with a page for each figure."""
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    buffer = io.BytesIO()
+    with styled(), PdfPages(buffer, metadata=METADATA[".pdf"]) as pages:
+        for figure in figures:
+            figure.savefig(pages, format="pdf")
+    return buffer.getvalue()
+
+
+def save(pages: "dict[Path, list[Figure]]") -> None:
+    """Write each file with its pages; all are drawn before the first is written.
+
+    A file other than a PDF takes one page. Raises KeyError for an unknown ending, ValueError for
+    too many pages, OSError if a file cannot be written.
+    """
+    ready = {path: _content(path, figures) for path, figures in pages.items()}
+    for path, content in ready.items():
+        write_whole(path, content)
+
+
+def _content(path: Path, figures: "list[Figure]") -> bytes:
+    ending = path.suffix.lower()
+    if ending == ".pdf":
+        return render_pages(figures)
+    (figure,) = figures
+    return render(figure, ending)

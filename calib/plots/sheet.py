@@ -1,0 +1,101 @@
+"""A sheet: panels that belong together, drawn as one page or one by one.
+
+    Panel  a name, a title, and a function that draws it into its axes
+    Sheet  panels, and the rows in which the page shows them
+
+The legend of a panel stands between its title and its axes, where it covers no data.
+"""
+
+import math
+import textwrap
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from calib.plots.style import WIDTH, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LEGEND_ROW = 10.5
+"""Height of one row of a legend [pt]."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes: ``draw`` fills it, labels and all; ``columns`` entries per legend row."""
+
+    name: str
+    title: str
+    draw: "Callable[[Axes], None]"
+    columns: int = 3
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What belongs on one page.
+
+    Attributes
+    ----------
+    kind : table, ramp, stop, simulation, comparison or log.
+    name : for file names.
+    title, note : above the page and at its foot.
+    panels : all of them, the first ones in ``rows``.
+    rows : panel names as they stand on the page; a repeated name spans its places.
+    heights : relative heights of the rows.
+    """
+
+    kind: str
+    name: str
+    title: str
+    note: str
+    panels: tuple[Panel, ...]
+    rows: tuple[tuple[str, ...], ...]
+    heights: tuple[float, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the panels."""
+        return tuple(panel.name for panel in self.panels)
+
+    def overview(self) -> "Figure":
+        """The page: A4 wide, about 2.5 in per row."""
+        from matplotlib.figure import Figure
+
+        heights = self.heights or (1.0,) * len(self.rows)
+        panels = {panel.name: panel for panel in self.panels}
+        with styled():
+            figure = Figure(figsize=(WIDTH, 2.5 * sum(heights) + 0.8), layout="constrained")
+            places = figure.subplot_mosaic([list(r) for r in self.rows], height_ratios=heights)
+            for i, (name, ax) in enumerate(places.items()):
+                _fill(ax, panels[name], f"({chr(ord('a') + i)}) ")
+            _frame(figure, self, 125)
+        return figure
+
+    def figure(self, name: str) -> "Figure":
+        """One panel on its own. Raises KeyError for a name that the sheet does not have."""
+        from matplotlib.figure import Figure
+
+        panel = {panel.name: panel for panel in self.panels}[name]
+        with styled():
+            figure = Figure(figsize=(WIDTH * 0.85, 4.4), layout="constrained")
+            _fill(figure.subplots(), panel, "")
+            _frame(figure, self, 105)
+        return figure
+
+
+def _fill(ax: "Axes", panel: Panel, letter: str) -> None:
+    panel.draw(ax)
+    entries = len(ax.get_legend_handles_labels()[1])
+    if entries:
+        ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=panel.columns)
+    ax.set_title(letter + panel.title, pad=4.0 + LEGEND_ROW * math.ceil(entries / panel.columns))
+
+
+def _frame(figure: "Figure", sheet: Sheet, width: int) -> None:
+    """Title above and note below, both from the left edge."""
+    figure.suptitle(sheet.title, x=0.012, ha="left")
+    if sheet.note:
+        text = "\n".join(textwrap.wrap(sheet.note, width))
+        figure.supxlabel(text, x=0.012, ha="left", fontsize=7.0, color="#444444")

@@ -1,0 +1,129 @@
+"""How every figure looks: one place for fonts, colours and line styles.
+
+Colours are those of Okabe and Ito, which colour-blind readers tell apart; every line style differs
+as well, so that a print in grey still reads. What is measured is drawn twice: thin as it came, thick
+as its mean over a tenth of a second.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.course import centred_mean
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Stroke = dict[str, Any]
+
+WIDTH = 8.27
+"""Width of a page [in]: A4."""
+
+DASHED, DOTTED, DASH_DOT, LONG = (0, (4, 1.6)), (0, (1, 1.4)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2))
+
+FRONT: Stroke = {"color": "#0072B2", "linestyle": "-"}
+REAR: Stroke = {"color": "#D55E00", "linestyle": DASHED}
+BODY: Stroke = {"color": "#222222", "linestyle": "-"}
+TRUTH: Stroke = {"color": "#000000", "linestyle": DOTTED, "linewidth": 1.7}
+NOMINAL: Stroke = {"color": "#7A7A7A", "linestyle": DASH_DOT}
+LAW: Stroke = {"color": "#CC79A7", "linestyle": LONG}
+LEVEL: Stroke = {"color": "#009E73", "linestyle": DASHED}
+IDENTIFIED: Stroke = {"color": "#009E73", "linestyle": "-"}
+
+SHADE = "#E9E9E9"
+RAW = 0.35
+"""Opacity of a line as it came."""
+BAND = 0.18
+"""Opacity of a 95 % band."""
+MEAN = 0.1
+"""Width of the mean that is drawn over a noisy line [s]."""
+
+_RC: dict[str, Any] = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib: the same on every machine
+    "font.size": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 8.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "axes.xmargin": 0.01,
+    "grid.color": "#DDDDDD",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.3,
+    "legend.fontsize": 7.0,
+    "legend.frameon": False,
+    "legend.handlelength": 2.4,
+    "legend.columnspacing": 1.2,
+    "legend.borderaxespad": 0.15,
+    "legend.borderpad": 0.1,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "figure.titlesize": 11.0,
+    "figure.titleweight": "bold",
+    "figure.constrained_layout.h_pad": 0.09,
+    "figure.constrained_layout.w_pad": 0.07,
+    "savefig.dpi": 160,
+    "pdf.fonttype": 42,  # text of a PDF can be searched and copied
+    "svg.hashsalt": "brake-cal",  # the same ids every time
+}
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Draw and save inside this; what the user has set for other figures is left alone."""
+    import matplotlib
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_RC)
+        yield
+
+
+def noisy(ax: "Axes", time: Array, values: Array, stroke: Stroke, label: str) -> None:
+    """Draw a measured line: thin as it came, thick as its centred mean over `MEAN`."""
+    ax.plot(time, values, color=stroke["color"], linewidth=0.5, alpha=RAW)
+    ax.plot(time, smooth(time, values), label=label, **stroke)
+
+
+def smooth(time: Array, values: Array) -> Array:
+    """Centred mean over `MEAN`, shape (n,); NaN stays NaN and spreads to no neighbour."""
+    width = max(1, round(MEAN / float(np.median(np.diff(time)))))
+    known = np.isfinite(values)
+    weight = centred_mean(known.astype(float), width)
+    total = centred_mean(np.where(known, values, 0.0), width)
+    return np.where(known, total / np.where(known, weight, 1.0), np.nan)
+
+
+def band(ax: "Axes", x: Array, lower: Array, upper: Array, stroke: Stroke) -> None:
+    """Draw a 95 % band behind its line."""
+    ax.fill_between(x, lower, upper, color=stroke["color"], alpha=BAND, linewidth=0.0, zorder=1)
+
+
+def shade(ax: "Axes", x: Array, where: Mask) -> None:
+    """Shade the whole height of ``ax`` where the mask holds."""
+    across = ax.get_xaxis_transform()
+    ax.fill_between(x, 0.0, 1.0, where=where, transform=across, color=SHADE, lw=0.0, zorder=0)
+
+
+def view(ax: "Axes", *values: Array, zero: bool = False, margin: float = 0.12) -> None:
+    """Set the y range to hold all finite ``values``, so that a wild line elsewhere cannot.
+
+    ``zero`` keeps nought in view. Without a finite value the axis stays as it is.
+    """
+    seen = np.concatenate([np.ravel(v)[np.isfinite(np.ravel(v))] for v in values] or [np.empty(0)])
+    if seen.size == 0:
+        return
+    low, high = float(seen.min()), float(seen.max())
+    if zero:
+        low, high = min(low, 0.0), max(high, 0.0)
+    room = margin * (high - low) or 0.1 * abs(high) or 1.0
+    ax.set_ylim(low if zero and low == 0.0 else low - room, high + room)

@@ -1,0 +1,187 @@
+"""A table on a page: Figs. 2, 3 and 6, D(eta), and how often each cell was seen.
+
+With the ramps it was made of, what they measured stands beside the curves, and Figs. 4 and 5 follow.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.curves import MIN_COUNT
+from calib.plots import ramp as ramp_figures
+from calib.plots.distribution import distribution
+from calib.plots.measured import MeasuredRamp
+from calib.plots.ramp import points
+from calib.plots.sheet import Panel, Sheet
+from calib.plots.style import BODY, DASHED, DOTTED, FRONT, IDENTIFIED, NOMINAL, REAR, Stroke, band
+from calib.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+Ramps = tuple[MeasuredRamp, ...]
+
+FLAGS = {
+    MEASURED: ("measured", "-", 1.6),
+    INTERPOLATED: ("interpolated", DASHED, 1.1),
+    EXTRAPOLATED: ("extrapolated", DOTTED, 1.1),
+}
+"""Word, line style and width of each flag of a cell."""
+
+ETA = r"$\eta - 1$ [%]"
+P = 0.3
+"""Deceleration [g] at which the paper marks its point P."""
+
+
+def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
+    """Return the sheet of one table. ``name`` is its id; ``ramps`` what its parents measured."""
+    suffixes = [""] if len(ramps) == 1 else [f"-{i + 1}" for i in range(len(ramps))]
+    of_ramps = [ramp_figures.panels(r, s) for r, s in zip(ramps, suffixes, strict=False)]
+    rows = [("torque-distribution", "tyre"), ("f1-f2", "difference"), ("f1-f2", "coverage")]
+    heights = [1.25, 1.0, 0.7]
+    return Sheet(
+        kind="table",
+        name=name,
+        title=f"Table {name}",
+        note=_note(table, ramps),
+        panels=(
+            Panel(
+                "torque-distribution",
+                "Brake torque distribution (Fig. 2)",
+                lambda ax: distribution(ax, table),
+                columns=2,
+            ),
+            Panel("tyre", "Common tyre curve (Fig. 3)", lambda ax: tyre(ax, table, ramps)),
+            Panel("f1-f2", "Normalised force curves (Fig. 6)", lambda ax: f1_f2(ax, table, ramps)),
+            Panel(
+                "difference",
+                r"Difference $D = F_f - F_r$",
+                lambda ax: difference(ax, table, ramps),
+            ),
+            Panel("coverage", "Coverage", lambda ax: coverage(ax, table)),
+            *(panel for pair in of_ramps for panel in pair),
+        ),
+        rows=(*rows, *(tuple(panel.name for panel in pair) for pair in of_ramps)),
+        heights=(*heights, *(0.95 for _ in of_ramps)),
+    )
+
+
+def _note(table: Table, ramps: Ramps) -> str:
+    logs = ", ".join(log.name for log in table.provenance.logs)
+    note = f"Digest {table.digest[:16]}, made of {logs} with {table.provenance.program}. "
+    note += "Bands are 95 %. "
+    if ramps:
+        note += (
+            "Dots: blocks of 50 ms; rings: means over 0.25 s, grey where the ramp is past the "
+            f"{table.paper.decelerations[1]:.2f} g at which the curves over \u03b7 end. "
+        )
+    return note
+
+
+def by_flag(ax: "Axes", x: Array, y: Array, flag: Array, stroke: Stroke, label: str = "") -> None:
+    """Draw a curve of a table, each piece as the worse of its two ends is flagged."""
+    worse = np.maximum(flag[:-1], flag[1:])
+    for value, (word, style, width) in FLAGS.items():
+        piece = worse == value
+        if not piece.any():
+            continue
+        ends = np.concatenate([piece, [False]]) | np.concatenate([[False], piece])
+        # A point that only joins two pieces of this kind to one of another breaks the line there.
+        shown = np.where(ends, y, np.nan)
+        ax.plot(
+            x,
+            shown,
+            color=stroke["color"],
+            linestyle=style,
+            linewidth=width,
+            label=f"{label} {word}".strip() if label or stroke is BODY else "_",
+        )
+
+
+def tyre(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
+    """Fig. 3: normalised force over slip, common to both axles, at the mean wheel load."""
+    curve = table.tyre
+    percent = 100.0 * curve.slip
+    band(ax, percent, curve.lower, curve.upper, IDENTIFIED)
+    by_flag(ax, percent, curve.force, curve.flag, IDENTIFIED, "curve")
+    for i, ramp in enumerate(ramps):
+        if ramp.slip_f is None or ramp.slip_r is None:
+            continue
+        for slip, force, stroke, word in (
+            (ramp.slip_f, ramp.F_f, FRONT, "front"),
+            (ramp.slip_r, ramp.F_r, REAR, "rear"),
+        ):
+            label = "" if i else f"{word} measured"
+            points(ax, ramp, 100.0 * slip, force, ramp.braked, stroke, label)
+    _mark_p(ax, table)
+    ax.set(xlabel="slip [%]", ylabel="normalised force [1]")
+    ax.set_xlim(-0.02 * percent[-1], 1.05 * percent[-1])
+    ax.set_ylim(-0.02 * curve.force[-1], 1.1 * curve.force[-1])
+
+
+def _mark_p(ax: "Axes", table: Table) -> None:
+    """Where the axles are on the curve at 0.3 g, if the table reaches there."""
+    low, high = table.paper.decelerations
+    if not low <= P <= high:
+        return
+    order = np.argsort(table.paper.z)
+    for f, word, drop in ((table.paper.f1, "front", -13.0), (table.paper.f2, "rear", -13.0)):
+        force = P + float(np.interp(P, table.paper.z[order], f[order]))
+        slip = 100.0 * float(np.interp(force, table.tyre.force, table.tyre.slip))
+        ax.plot(slip, force, "s", color=BODY["color"], ms=4.0, zorder=4)
+        ax.annotate(
+            f"{word} at {P:g} g",
+            (slip, force),
+            xytext=(9.0, drop),
+            textcoords="offset points",
+            fontsize=7.0,
+        )
+
+
+def f1_f2(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
+    """Fig. 6: f1 and f2 over eta with their bands."""
+    curve = table.paper
+    x = 100.0 * (curve.eta - 1.0)
+    ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
+    for f, lower, upper, stroke, label in (
+        (curve.f1, curve.f1_lower, curve.f1_upper, FRONT, "$f_1$"),
+        (curve.f2, curve.f2_lower, curve.f2_upper, REAR, "$f_2$"),
+    ):
+        band(ax, x, lower, upper, stroke)
+        by_flag(ax, x, f, curve.flag, stroke, label)
+    for ramp in ramps:
+        _over_eta(ax, table, ramp, ramp.f1, FRONT)
+        _over_eta(ax, table, ramp, ramp.f2, REAR)
+    ax.set(xlabel=ETA, ylabel="$f_1$, $f_2$ [1]")
+
+
+def difference(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
+    """D(eta) with its band."""
+    curve = table.difference
+    x = 100.0 * (curve.eta - 1.0)
+    band(ax, x, curve.lower, curve.upper, IDENTIFIED)
+    by_flag(ax, x, curve.D, curve.flag, IDENTIFIED, "$D$")
+    for ramp in ramps:
+        _over_eta(ax, table, ramp, ramp.F_f - ramp.F_r, IDENTIFIED)
+    ax.set(xlabel=ETA, ylabel="$D$ [1]")
+
+
+def _over_eta(ax: "Axes", table: Table, ramp: MeasuredRamp, y: Array, stroke: Stroke) -> None:
+    """Measured points; past the table's last deceleration, where eta turns back, in grey."""
+    x = 100.0 * (ramp.eta - 1.0)
+    beyond = ramp.z > table.paper.decelerations[1]
+    points(ax, ramp, x, y, ramp.braked & beyond, NOMINAL)
+    points(ax, ramp, x, y, ramp.braked & ~beyond, stroke)
+
+
+def coverage(ax: "Axes", table: Table) -> None:
+    """Blocks seen in each cell of D(eta), and how many make it a measured one."""
+    curve = table.difference
+    x = 100.0 * (curve.eta - 1.0)
+    ax.fill_between(x, 0.0, curve.count, step="mid", color=IDENTIFIED["color"], alpha=0.5, lw=0.0)
+    ax.step(x, curve.count, where="mid", color=IDENTIFIED["color"], label="blocks in the cell")
+    ax.axhline(MIN_COUNT, label="least for a measured cell", **NOMINAL)
+    ax.set(xlabel=ETA, ylabel="blocks [1]")
+    ax.set_ylim(0.0, 1.1 * max(float(curve.count.max()), 2.0 * MIN_COUNT))

@@ -1,0 +1,84 @@
+"""`brake-cal fit`: from ramps to a new version of the vehicle's table."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, say
+from cli.options import STORE, Json, Map, Store, example
+
+if TYPE_CHECKING:
+    from calib.version import Stored
+
+EPILOG = example(
+    "brake-cal fit sample_logs/sedan/ramp_wet_asphalt.csv sample_logs/sedan/coast.csv "
+    "--vehicle sample_logs/sedan/vehicle.toml",
+)
+
+
+def fit(
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Ramps, and coast logs.")],
+    *,
+    vehicle: Annotated[Path, typer.Option(metavar="V.toml", help="Vehicle file.")],
+    store: Store = STORE,
+    channel_map: Map = None,
+    json: Json = False,
+) -> None:
+    """Fit the look-up table of a vehicle from one or more ramped brakings.
+
+    A LOG without braking serves to find drag and rolling resistance. The table goes into the store
+    as a new version; the same logs give the same version again.
+    """
+    from calib.fit import fit as fit_table
+    from calib.logs.channel_map import read_channel_map
+    from calib.logs.read import read_log
+    from calib.store import save
+    from calib.vehicle import read_vehicle
+
+    car = read_vehicle(vehicle)
+    mapping = read_channel_map(channel_map) if channel_map else None
+    say(f"fitting {car.name} from {len(logs)} log{'s' * (len(logs) > 1)}")
+    stored = save(fit_table(car, [read_log(path, mapping) for path in logs]), store)
+    if json:
+        emit_json(_document(stored))
+    else:
+        _report(stored)
+
+
+def _document(stored: "Stored") -> dict[str, object]:
+    table = stored.table
+    return {
+        "schema": 1,
+        "table": stored.id,
+        "digest": stored.digest,
+        "path": stored.path,
+        "calibration": table.calibration,
+        "effects": table.effects,
+        "quality": table.quality,
+        "remarks": table.remarks,
+    }
+
+
+def _report(stored: "Stored") -> None:
+    table, q = stored.table, stored.table.quality
+    cal = table.calibration
+    emit(f"table      {stored.id}  ({stored.path})")
+    for label, value in (
+        ("front pads", cal.pad_friction_f),
+        ("rear pads", cal.pad_friction_r),
+        ("pad scale", cal.pad_scale),
+    ):
+        low, high = value.ci95
+        emit(f"{label:<10} {value.value:.4f}  (95 % {low:.4f} to {high:.4f})")
+    for effect, parameters in table.effects.items():
+        for name, value in parameters.items():
+            low, high = value.ci95
+            emit(f"{effect} {name} {value.value:.4f}  (95 % {max(low, 0.0):.4f} to {high:.4f})")
+    emit(
+        f"ramp       up to {q['deceleration_max']:.2f} g; eta - 1 up to "
+        f"{100 * (q['eta_peak'] - 1):.2f} % at {q['eta_peak_deceleration']:.2f} g; "
+        f"front-biased up to {q['front_biased_up_to']:.2f} g"
+    )
+    for remark in table.remarks:
+        emit(f"note: {remark}")

@@ -1,0 +1,145 @@
+"""`brake-cal validate`: the estimator with a table on hold-out logs, scored and judged."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, progress, say
+from cli.options import STORE, Json, Map, Store, example
+
+if TYPE_CHECKING:
+    from rich.table import Table as Grid
+
+    from calib.limits import Limit
+    from calib.validate import Validation
+
+EPILOG = example(
+    "brake-cal validate sedan-2up sample_logs/sedan/basalt_wet_pads.csv --out results",
+    "brake-cal validate sedan-2up@1 sample_logs/sedan/*stop.csv --limits limits.toml",
+)
+FAILED = 1
+
+
+def validate(
+    table: Annotated[str, typer.Argument(metavar="TABLE", help="name, name@version or path")],
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Hold-out logs.")],
+    *,
+    store: Store = STORE,
+    vehicle: Annotated[
+        Path | None,
+        typer.Option(metavar="V.toml", help="Vehicle with other nominal pads than the table's."),
+    ] = None,
+    limits: Annotated[
+        Path | None, typer.Option(metavar="L.toml", help="Limits that decide pass or fail.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write LOG.parquet and summary.json here.")
+    ] = None,
+    channel_map: Map = None,
+    json: Json = False,
+) -> None:
+    """Run the estimator on logs that the table has not seen, and judge it.
+
+    Exit code 0 if every log holds its limits, 1 if one does not.
+    """
+    from calib.logs.channel_map import read_channel_map
+    from calib.logs.read import read_log
+    from calib.results import write_results
+    from calib.store import load
+    from calib.validate import to_dict, validate_one
+    from calib.vehicle import read_vehicle
+
+    _check_names(logs, out)
+    stored = load(table, store)
+    car = read_vehicle(vehicle) if vehicle else None
+    held = _limits(limits)
+    mapping = read_channel_map(channel_map) if channel_map else None
+    results = []
+    with progress(f"validating {stored.id} on {len(logs)} logs", len(logs)) as done:
+        for path in logs:
+            results.append(validate_one(stored.table, read_log(path, mapping), car, held))
+            done()
+    summary = to_dict(stored.id, results)
+    if out is not None:
+        for path in write_results(results, summary, out):
+            say(f"wrote {path}")
+    if json:
+        emit_json(summary)
+    else:
+        _report(results)
+    if not all(result.passed for result in results):
+        raise typer.Exit(FAILED)
+
+
+def _check_names(logs: list[Path], out: Path | None) -> None:
+    stems = [path.stem for path in logs]
+    twice = sorted({stem for stem in stems if stems.count(stem) > 1})
+    if out is not None and twice:
+        raise typer.BadParameter(
+            f"two logs are named {twice[0]}, and --out has one file a name", param_hint="LOG"
+        )
+    if out is not None and out.exists() and not out.is_dir():
+        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
+
+
+def _limits(path: Path | None) -> "tuple[Limit, ...]":
+    from calib.limits import DEFAULTS, read_limits
+    from calib.scores import FIGURES
+
+    return read_limits(path, set(FIGURES)) if path else DEFAULTS
+
+
+def _report(results: "list[Validation]") -> None:
+    from calib.validate import agreement
+
+    emit(_grid(results))
+    for result in results:
+        for j in result.judgements:
+            if j.passed is False and j.value is not None:
+                bound = f"below {j.low:g}" if j.low is not None and j.value < j.low else ""
+                bound = bound or f"above {j.high:g}"
+                emit(f"{result.log}: {j.figure} {j.value:.4g} is {bound}")
+        if result.role == "calibration":
+            emit(f"{result.log}: the table was fitted on this log; it proves nothing")
+        for time in result.estimate.split.changes:
+            emit(f"{result.log}: the surface changed at {time:.2f} s")
+    together = agreement(results)
+    if together is not None:
+        emit(
+            f"between the stops: pad friction differs by up to {100 * together.spread_f:.1f} % "
+            f"front, {100 * together.spread_r:.1f} % rear"
+        )
+
+
+def _grid(results: "list[Validation]") -> "Grid":
+    from rich.table import Table
+
+    grid = Table(box=None, header_style="bold", pad_edge=False)
+    for title in ("log", "front pads", "rear pads", "valid", "torque error", "verdict"):
+        grid.add_column(title, justify="left" if title in ("log", "verdict") else "right")
+    for r in results:
+        f = r.figures
+        grid.add_row(
+            r.log,
+            _pads(f["pad_friction_f"], f["interval_f"]),
+            _pads(f["pad_friction_r"], f["interval_r"]),
+            _percent(f["valid_share"]),
+            _errors(f["torque_error_f"], f["torque_error_r"]),
+            "passed" if r.passed else "failed",
+        )
+    return grid
+
+
+def _pads(mu: float | None, width: float | None) -> str:
+    return "none" if mu is None or width is None else f"{mu:.3f} +- {mu * width:.3f}"
+
+
+def _percent(value: float | None) -> str:
+    return "none" if value is None else f"{100 * value:.0f} %"
+
+
+def _errors(front: float | None, rear: float | None) -> str:
+    if front is None or rear is None:
+        return "no truth"
+    return f"{100 * front:.1f} / {100 * rear:.1f} %"
