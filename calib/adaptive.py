@@ -91,7 +91,7 @@ def least_squares(y: Array, u: Array, memory: float, dt: float, prior: float = 0
     pole = [1.0, -float(np.exp(-dt / memory))]
     above = lfilter([1.0], pole, u * y)
     below = lfilter([1.0], pole, u * u) + prior
-    return np.divide(above, below, out=np.zeros_like(above), where=below > 0.0)
+    return np.asarray(np.divide(above, below, out=np.zeros_like(above), where=below > 0.0))
 
 
 def lyapunov(theta_error: Array, gamma: float) -> Array:

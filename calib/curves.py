@@ -1,12 +1,12 @@
-"""The three look-ups of a table from one identified tyre: D(eta), f1 and f2(eta), and g(slip).
+r"""The three look-ups of a table from one identified tyre: D(eta), f1 and f2(eta), and g(slip).
 
-On a ramp the deceleration z orders everything, so z is the parameter and no curve is binned by eta:
+On a ramp the deceleration z orders everything, so z is the parameter; nothing is binned by eta:
 
     z --(pads, loads)--> F_f, F_r --tyre--> eta          D = F_f - F_r
 
-       eta            The rising branch ends at the peak of eta. Beyond it the same eta is met again
-        |    __.      at a higher z with another f1, so f1 and f2 end there (trap 3 of a literal
-        |  /    \\     reading of Fig. 6).
+       eta            The rising branch ends at the peak of eta. Beyond it the same eta is met
+        |    __.      again at a higher z with another f1: f1 and f2 of Fig. 6 end there.
+        |  /    \
         | /
         +------- z
 
@@ -93,7 +93,7 @@ class Peak:
 
 
 def find_peak(vehicle: Vehicle, found: Identified, z_max: float) -> Peak:
-    """Test whether eta peaks inside the measured range: its fall from peak to end, over its sigma."""
+    """Test whether eta peaks inside the measured range: its fall after the peak over its sigma."""
     z = np.linspace(0.0, z_max, 201)
     eta = path(vehicle, found.mean, z).eta
     top = int(np.argmax(eta))
@@ -145,7 +145,7 @@ def paper_table(vehicle: Vehicle, found: Identified, runs: list[Run], z_end: flo
 
 
 def tyre_curve(vehicle: Vehicle, found: Identified, runs: list[Run], z_max: float) -> TyreCurve:
-    """Normalised force over slip at half the car's weight on the axle, up to the greatest F seen."""
+    """Normalised force over slip with half the weight on the axle, up to the greatest F seen."""
     top = path(vehicle, found.mean, np.asarray([z_max]))
     force = np.linspace(0.0, 1.1 * float(max(top.F_f[0], top.F_r[0])), ROWS)
     one = np.ones(())

@@ -1,8 +1,8 @@
-"""The estimator on one log: causal, at the log's own rate, what an ECU would give.
+r"""The estimator on one log: causal, at the log's own rate, what an ECU would give.
 
     log -> signals -> level (sum of forces) ----------------------> pad friction, torque, interval
-                  \\-> zero of eta -> look-up -> adaptive law, RLS  /        (the rivals)
-                   \\-> blocks -> split (Kalman) ------------------/
+                  \-> zero of eta -> look-up -> adaptive law, RLS  /        (the rivals)
+                   \-> blocks -> split (Kalman) ------------------/
 
 The Kalman estimate is the product. Its rivals stand beside it: the paper's law and recursive least
 squares on any look-up, nominal pads, and one mean gain from deceleration alone.
@@ -45,11 +45,11 @@ RLS_MEMORY = 1.0
 class Gates:
     """When the estimator stands behind a sample. Each limit with its reason.
 
-    ``pressure`` [Pa] below which a pad level means little; ``speed`` [m/s] below which slip is noise;
-    ``settle`` [s] of braking before the level is trusted; ``interval_f``, ``interval_r`` relative
-    half width of the 95 % interval beyond which a figure is no use; ``steering`` [rad] at the wheel
-    of the driver: 5 degrees there are as large as the signal; ``lock`` relative departure of a wheel
-    from the car's speed that only ABS or a locked wheel shows.
+    ``pressure`` [Pa] below which a pad level means little; ``speed`` [m/s] below which slip is
+    noise; ``settle`` [s] of braking before the level is trusted; ``interval_f``, ``interval_r``
+    relative half width of the 95 % interval beyond which a figure is no use; ``steering`` [rad] at
+    the driver's wheel: 5 degrees there are as large as the signal; ``lock`` relative departure of a
+    wheel from the others that only ABS or a locked wheel shows.
     """
 
     pressure: float = 2e5
@@ -201,7 +201,7 @@ def _run(plan: _Plan, log: Log, s: Signals, b: Blocks) -> Estimate:
     eta = s.omega_r / s.omega_f / (1.0 + zero)
     rivals, covered = _rivals(plan, s, eta, loads, moments, level, active)
     slips = _slips(plan.table.vehicle, s)
-    est = Estimate(
+    return Estimate(
         time=s.time,
         z=s.z,
         eta=eta,
@@ -221,7 +221,6 @@ def _run(plan: _Plan, log: Log, s: Signals, b: Blocks) -> Estimate:
         slip_f=slips[0] if slips else None,
         slip_r=slips[1] if slips else None,
     )
-    return est
 
 
 def _began(s: Signals) -> Mask:

@@ -82,7 +82,8 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
 
     The order of the command line must not change a bit of the table.
     """
-    ramps, coasts = [], []
+    ramps: list[Prepared] = []
+    coasts: list[Prepared] = []
     for log in sorted(logs, key=lambda item: item.digest):
         s = signals(log, vehicle)
         b = blocks(s)
@@ -109,7 +110,7 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
 def calibration(
     vehicle: Vehicle, found: Identified, runs: list[Run], known: Resistance
 ) -> Calibration:
-    """Pad level and ratio with sigma: noise, drag and the mass for the level; the posterior's ratio."""
+    """Pad level with sigma from noise, drag and mass; pad ratio from the posterior."""
     scale = float(np.mean(found.pad_scale))
     sigma_z = np.mean([_sigma_level(vehicle, run, known) for run in runs])
     between = float(np.std(found.pad_scale)) / np.sqrt(len(runs))
@@ -209,9 +210,10 @@ def remarks(
         )
     rho, sigma = float(found.mean[5]), float(np.sqrt(found.covariance[5, 5]))
     if found.nominal_weight < 0.5:
+        low, high = np.exp(rho - 1.96 * sigma), np.exp(rho + 1.96 * sigma)
         said.append(
             f"the pads were not in the ratio of the vehicle file: front/rear {np.exp(rho):.2f} "
-            f"times nominal, 95 % {np.exp(rho - 1.96 * sigma):.2f} to {np.exp(rho + 1.96 * sigma):.2f}"
+            f"times nominal, 95 % {low:.2f} to {high:.2f}"
         )
     return tuple(said)
 

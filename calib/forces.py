@@ -109,8 +109,9 @@ def paper_curves(vehicle: Vehicle, z: Array, D: Array) -> tuple[Array, Array]:
 def front_biased_up_to(vehicle: Vehicle) -> float:
     """z [1] at which F_f = F_r with nominal pads: the car is front-biased below it.
 
-    From (2), (9) and the I curve: the front share of the tyre force equals that of the load. Infinite
-    when no z in front of rear-wheel lift satisfies it, nought when the car is rear-biased from rest.
+    From (2), (9) and the I curve: the front share of the tyre force equals that of the load.
+    Infinite when no z short of rear-wheel lift satisfies it, nought when the car is rear-biased
+    from rest.
     """
     force = {
         side: axle.torque_gain * axle.pad_friction / axle.rolling_radius

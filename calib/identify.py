@@ -1,11 +1,11 @@
-"""One tyre curve and the pad ratio from ramps, by least squares in what is measured.
+r"""One tyre curve and the pad ratio from ramps, by least squares in what is measured.
 
 The pads' pressure gives the forces of both axles up to a common scale s and the ratio rho of the
 pads; s follows from the sum of forces. The forces give the slips through the compliance of
 `calib.tyre`, and the slips give what the sensors see:
 
     p --(2)--> F_f, F_r --tyre--> slip_f, slip_r --(22)--> eta            always
-                                              \\----------> mean slip     where v is known
+                                              \----------> mean slip     where v is known
 
 Unknown: c, b2, b3, q of the tyre, the clock offset between v and the wheels, rho, and per run the
 zero of eta and of the slip. All noise is in the wheel speeds and v; the force side is smooth. From
@@ -39,13 +39,14 @@ PARAMETERS = (
 )
 PRIOR_MEAN = np.array([np.log(0.04), 0.05, 0.4, 0.03, 0.0, 0.0])
 PRIOR_SIGMA = np.array([1.0, 0.2, 0.4, 0.05, 0.01, 0.15])
-"""Passenger-car tyres: slip stiffness 10 to 70 per load; curvature between brush (b2 = 1/3, b3 = 0.2
-at a peak of 1) and Magic Formula (b2 = 0, b3 = 0.45); stiffness per load falls by 0 to 10 % when the
-load doubles. Sensors on a bus are within 10 ms of each other. Pads within 15 % of the file."""
+"""Passenger-car tyres: slip stiffness 10 to 70 per load; curvature between brush (b2 = 1/3,
+b3 = 0.2 at a peak of 1) and Magic Formula (b2 = 0, b3 = 0.45); stiffness per load falls by 0 to 10 %
+when the load doubles. Sensors on a bus are within 10 ms of each other. Pads within 15 % of the
+file."""
 
 NOMINAL_ODDS = 9.0
-"""Odds that the pads of a calibration run have the ratio of the vehicle file. A ramp with other pads
-than declared is the exception; a clear one (10 % and more) is found all the same."""
+"""Odds that the pads of a calibration run have the ratio of the vehicle file. A ramp with other
+pads than declared is the exception; a clear one (10 % and more) is found all the same."""
 
 PAD_TOLERANCE = 0.01
 """How exactly pads that are as declared have the declared ratio (standard deviation)."""
@@ -79,10 +80,11 @@ class Run:
 
 @dataclass(frozen=True)
 class Identified:
-    """Mean (6,) and covariance (6, 6) of `PARAMETERS`; zeros of each run; the pad scale and residuals.
+    """Mean (6,) and covariance (6, 6) of `PARAMETERS`, and what each run gave.
 
-    ``pad_scale`` common factor on nominal pads at the identified ratio, per run; ``residuals`` of eta
-    and of slip over their noise, per run, (k,) of the blocks used; ``chi2`` mean square of them.
+    ``eta_zero``, ``slip_zero`` per run [1]; ``pad_scale`` common factor on nominal pads at the
+    identified ratio, per run [1]; ``residuals`` of eta and of slip over their noise, per run, (k,) of
+    the blocks used; ``chi2`` mean square of them; ``nominal_weight`` of the file's pad ratio.
     """
 
     mean: Array
@@ -175,7 +177,7 @@ def predict(
 
 
 def measured_slip(vehicle: Vehicle, load_f: Array, b: Blocks) -> Array | None:
-    """Load-weighted mean slip of the axles (19), (20) [1]; None without v. Its zero is not taken out."""
+    """Load-weighted mean slip (19), (20) of the axles [1], not zeroed; None without v."""
     if b.v is None:
         return None
     share = load_f / vehicle.weight
@@ -241,7 +243,7 @@ def identify(vehicle: Vehicle, runs: list[Run]) -> Identified:
 
 
 def _weigh_ratio(x: Array, covariance: Array) -> tuple[Array, Array, float]:
-    """Replace the marginal of the pad ratio by the weighed one; keep the conditionals of the rest."""
+    """Replace the marginal of the pad ratio by the weighed one; the rest keeps its conditionals."""
     variance = covariance[5, 5]
     found = weigh(x[5], np.sqrt(variance), PRIOR_SIGMA[5], NOMINAL_ODDS, PAD_TOLERANCE)
     along = covariance[:, 5] / variance

@@ -43,8 +43,8 @@ class Priors:
     """What is believed before the stop. Each with its reason; tests/studies/coverage.py tries them.
 
     ``ratio`` sigma of rho when the pads do not change alike: a wet front and a dry rear pad differ
-    by a quarter. ``ratio_odds`` odds that they do change alike, within ``ratio_alike``. ``stiffness`` sigma of s: tile to
-    dry asphalt spans 0.6 to 1.1. ``peak_per_stiffness``, ``peak``: a softer surface also peaks
+    by a quarter. ``ratio_odds`` odds that they do change alike, within ``ratio_alike``.
+    ``stiffness`` sigma of s: tile to dry asphalt spans 0.6 to 1.1. ``peak_per_stiffness``, ``peak``: a softer surface also peaks
     earlier; mean of w - 1 per unit of s, and sigma around it. ``zero`` radii agree within 1 %.
     ``pitch_frequency`` [Hz], ``pitch_damping`` of a usual body (Gillespie, ch. 5); ``kappa``,
     ``kappa_sigma`` how much of the load transfer goes through it: none on a stiff car, nearly all
@@ -86,8 +86,9 @@ class Split:
     """The filter's answer per block, shapes (k,), [1].
 
     ``log_ratio`` rho with ``sigma``; ``nominal_weight`` that the pads have the table's ratio;
-    ``stiffness`` s; ``xi``, ``kappa`` of the load transfer; ``innovation_eta``, ``innovation_slip`` over their sigma (NaN where not
-    measured); ``changes`` times of surface changes [s].
+    ``stiffness`` s; ``xi``, ``kappa`` of the load transfer; ``innovation_eta``,
+    ``innovation_slip`` over their sigma (NaN where not measured); ``changes`` times of surface
+    changes [s].
     """
 
     log_ratio: Array
@@ -256,7 +257,7 @@ def _steps(vehicle: Vehicle, b: Blocks, d: Demand, noise: Noise, priors: Priors)
     moving = (b.speed > 3.0).tolist()
     calm = (held < priors.change_calm).tolist()
     rows = np.column_stack(columns).tolist()
-    return [_Step(*row, m, c) for row, m, c in zip(rows, moving, calm, strict=True)]
+    return [_Step(*row, moving=m, calm=c) for row, m, c in zip(rows, moving, calm, strict=True)]
 
 
 def pitch_deficit(vehicle: Vehicle, z: Array, step: float, priors: Priors) -> Array:

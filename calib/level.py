@@ -3,8 +3,8 @@
     brake force demanded by z  =  (level + trend * (t - now)) * brake force of nominal pads
 
 Recursive least squares with exponential forgetting over the last ``MEMORY``. The trend makes it
-follow pads that fade or dry without lag; its prior keeps it quiet where the force is small. All sums
-are first-order recursions, so the whole run is a few passes of `scipy.signal.lfilter`.
+follow pads that fade or dry without lag; its prior keeps it quiet where the force is small. All
+sums are first-order recursions, so the whole run is a few passes of `scipy.signal.lfilter`.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-MEMORY = 0.5
+MEMORY = 0.8
 """Time constant of forgetting [s]: short against a stop, long against road noise (0.1 s)."""
 
 TREND = 0.1
@@ -26,7 +26,8 @@ TREND = 0.1
 class Level:
     """Common factor on the nominal pads, causal. Shapes (n,), [1].
 
-    ``value`` is NaN until the first braked sample; ``sigma`` counts noise and drift, not mass or drag.
+    ``value`` is NaN until the first braked sample; ``sigma`` counts noise and drift only, not mass
+    or drag.
     """
 
     value: Array
@@ -43,9 +44,9 @@ def follow(
 ) -> Level:
     """Level over a run.
 
-    ``demanded``, ``nominal`` brake forces [N], (n,); ``active`` samples that count; ``density`` long-
-    run noise of ``demanded`` [N s^0.5]. The variance is that of the weighted fit under noise that is
-    white over the memory: weights squared, hence the second set of sums.
+    ``demanded``, ``nominal`` brake forces [N], (n,); ``active`` samples that count; ``density``
+    long-run noise of ``demanded`` [N s^0.5]. The variance is that of the weighted fit under noise
+    that is white over the memory: weights squared, hence the second set of sums.
     """
     u = np.where(active, nominal, 0.0)
     y = np.where(active, demanded, 0.0)

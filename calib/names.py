@@ -36,7 +36,9 @@ class Quantity:
     required: bool = False
 
 
-def _per_wheel(name: str, symbol: str, unit: str, si: str, meaning: str, required: bool = False):
+def _per_wheel(
+    name: str, symbol: str, unit: str, si: str, meaning: str, required: bool = False
+) -> list[Quantity]:
     return [
         Quantity(f"{name}_{w}", f"{symbol}_{w}", unit, si, f"{meaning}, {w}", required)
         for w in WHEELS

@@ -1,8 +1,8 @@
-"""From a log to clean signals on one clock.
+r"""From a log to clean signals on one clock.
 
     log --> axle means, z --> blocks of 50 ms (causal: a block is known when it has passed)
-                         \\-> lead-in: the unbraked part in front of the first braking
-                          \\-> noise: what each sensor adds, colour included
+                         \-> lead-in: the unbraked part in front of the first braking
+                          \-> noise: what each sensor adds, colour included
 
 Wheel speeds of an axle are averaged left and right: steering and road crown cancel to first order.
 """
@@ -58,7 +58,7 @@ class Signals:
 class Blocks:
     """Means over blocks, shapes (k,), SI; ``end`` is the time at which a block is complete.
 
-    ``spin_f``, ``spin_r`` are d omega/dt from one block to the next (causal); ``samples`` per block.
+    ``spin_f``, ``spin_r`` are d omega/dt from one block to the next (causal); ``samples`` in each.
     """
 
     end: Array
@@ -143,11 +143,11 @@ def trailing_mean(x: Array, n: int) -> Array:
     total = np.cumsum(np.concatenate([[0.0], x]))
     stop = np.arange(1, x.size + 1)
     start = np.maximum(stop - n, 0)
-    return (total[stop] - total[start]) / (stop - start)
+    return np.asarray((total[stop] - total[start]) / (stop - start))
 
 
 def blocks(s: Signals, length: float = BLOCK) -> Blocks:
-    """Means over consecutive blocks of about ``length`` [s]; a rest shorter than a block is dropped."""
+    """Means over consecutive blocks of about ``length`` [s]; a shorter rest is dropped."""
     n = max(1, round(length / s.sample_time))
     count = s.time.size // n
 
@@ -202,10 +202,10 @@ def long_run_density(
     """Long-run noise density [unit s^0.5] of block means ``x`` taken every ``step`` [s].
 
     Blocks are averaged to ``group`` [s]. In each ``window`` [s] a parabola and the ``companion``
-    signal are taken out; what is left is read as an AR(1) process, whose long-run standard deviation
-    is sd sqrt((1 + r)/(1 - r)). r is corrected for the degrees of freedom taken out and kept at 0 or
-    above: a negative colour (a tooth-timing sensor) promises more than a short stop can hold. Reads
-    about 10 % low on noise with a time constant of 0.1 s (tests/test_signals.py).
+    signal are taken out; what is left is read as an AR(1) process, whose long-run standard
+    deviation is sd sqrt((1 + r)/(1 - r)). r is corrected for the degrees of freedom taken out and
+    kept at 0 or above: a negative colour (a tooth-timing sensor) promises more than a short stop
+    can hold. Reads about 10 % low on noise with a time constant of 0.1 s (tests/test_signals.py).
     """
     per_group = max(1, round(group / step))
     groups = x.size // per_group

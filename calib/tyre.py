@@ -41,10 +41,12 @@ class Tyre:
         """Slip [1] that carries the normalised ``force`` [1]; load is that of the axle over W/2."""
         u = force * self.peak_ratio
         gain = np.exp(self.log_compliance - self.log_stiffness) * relative_load**self.load_exponent
-        return gain * force * (1.0 + self.curvature_2 * u + self.curvature_3 * u * u)
+        slip = gain * force * (1.0 + self.curvature_2 * u + self.curvature_3 * u * u)
+        return np.asarray(slip)
 
     def slope(self, force: Array, relative_load: Array | float) -> Array:
         """d slip/d force [1]."""
         u = force * self.peak_ratio
         gain = np.exp(self.log_compliance - self.log_stiffness) * relative_load**self.load_exponent
-        return gain * (1.0 + 2.0 * self.curvature_2 * u + 3.0 * self.curvature_3 * u * u)
+        slope = gain * (1.0 + 2.0 * self.curvature_2 * u + 3.0 * self.curvature_3 * u * u)
+        return np.asarray(slope)

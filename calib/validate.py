@@ -23,8 +23,8 @@ from calib.vehicle import Vehicle
 class Validation:
     """One log: its estimate, its figures, its judgements, the rivals' errors where truth is known.
 
-    ``role`` is "hold-out", or "calibration" for a log the table was fitted on, which is reported but
-    proves nothing.
+    ``role`` is "hold-out", or "calibration" for a log the table was fitted on, which is reported
+    but proves nothing.
     """
 
     log: str

@@ -1,0 +1,1 @@
+"""Named causes: one file each, and the catalogue."""

@@ -24,16 +24,20 @@ GROUP = 5
 class MeasuredRamp:
     """A ramp in blocks, shapes (k,), SI.
 
-    ``time`` [s]; ``pressure`` [Pa]; ``z``, ``eta`` zeroed on the lead-in, ``F_f``, ``F_r``
-    normalised forces from pressure at the table's pads, ``f1``, ``f2`` of them [1]; ``slip_f``,
-    ``slip_r`` [1] as at the load of the tyre curve, None without v; ``braked`` blocks that count.
+    ``time`` [s]; ``pressure`` [Pa]; ``z`` as measured and ``carried``, the part of it that the tyres
+    carry [1]; ``eta`` zeroed on the lead-in and ``eta_model``, what the identified car would show
+    on this run [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads, ``f1``,
+    ``f2`` of them [1]; ``slip_f``, ``slip_r`` [1] as at the load of the tyre curve, None without v;
+    ``braked`` blocks that count.
     """
 
     name: str
     time: Array
     pressure: Array
     z: Array
+    carried: Array
     eta: Array
+    eta_model: Array
     F_f: Array
     F_r: Array
     f1: Array
@@ -52,18 +56,22 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     b = blocks(signals(log, vehicle))
     effects = known_resistance(table).effects
     run = identify.prepare(vehicle, log.name, b, sensor_noise(log, b), effects)
-    log_ratio = table.calibration.pad_log_ratio.value
-    F_f, F_r, _ = identify.normalised_forces(vehicle, run, log_ratio)
+    parameters = np.asarray(table.posterior.mean)
+    F_f, F_r, _ = identify.normalised_forces(vehicle, run, parameters[5])
     f1, f2 = paper_curves(vehicle, b.z, F_f - F_r)
+    eta_model, _ = identify.predict(vehicle, run, parameters, 0.0, 0.0)
     free = b.lead_in
-    zero = float(np.mean(b.omega_r[free]) / np.mean(b.omega_f[free])) if free.any() else 1.0
+    # the unbraked axles already differ a little: drag is carried by both, rolling by each its own
+    zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
     slips = _slips(table, b, run.load_f, run.load_r)
     return MeasuredRamp(
         name=log.name,
         time=b.end,
         pressure=np.maximum(b.p_f, b.p_r),
         z=b.z,
+        carried=(run.brake_sum + run.moment_f + run.moment_r) / vehicle.weight,
         eta=b.eta / zero,
+        eta_model=eta_model,
         F_f=F_f,
         F_r=F_r,
         f1=f1,
@@ -79,11 +87,11 @@ def _slips(table: Table, b: Blocks, load_f: Array, load_r: Array) -> tuple[Array
     if b.v is None or not b.lead_in.any():
         return None
     found = dict(zip(table.posterior.names, table.posterior.mean, strict=True))
-    lag = G * b.z * found.get("clock_offset", 0.0) / np.maximum(b.speed, identify.MIN_SPEED)
+    lag = G * b.z * found["clock_offset"] / np.maximum(b.speed, identify.MIN_SPEED)
     out = []
     for omega, load in ((b.omega_f, load_f), (b.omega_r, load_r)):
         radius = np.mean(b.v[b.lead_in]) / np.mean(omega[b.lead_in])
-        softer = (2.0 * load / table.vehicle.weight) ** found.get("load_exponent", 0.0)
+        softer = (2.0 * load / table.vehicle.weight) ** found["load_exponent"]
         slip = 1.0 - radius * omega / np.maximum(b.v, identify.MIN_SPEED)
         out.append((slip - lag) / softer)
     return out[0], out[1]

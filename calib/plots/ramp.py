@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from calib.plots.measured import MeasuredRamp, grouped
 from calib.plots.sheet import Panel
-from calib.plots.style import BODY, FRONT, REAR, Stroke, noisy
+from calib.plots.style import BODY, FRONT, NOMINAL, REAR, Stroke, noisy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +21,10 @@ BAR = 1e5
 def panels(ramp: MeasuredRamp, suffix: str = "") -> tuple[Panel, ...]:
     """Pressure and forces over time; ``suffix`` tells several ramps of a table apart."""
     return (
-        Panel(f"pressure{suffix}", f"Pressure of {ramp.name}", lambda ax: pressure(ax, ramp)),
-        Panel(f"forces{suffix}", f"Forces of {ramp.name}", lambda ax: forces(ax, ramp)),
+        Panel(
+            f"pressure{suffix}", f"Pressure of {ramp.name} (Fig. 4)", lambda ax: pressure(ax, ramp)
+        ),
+        Panel(f"forces{suffix}", f"Forces of {ramp.name} (Fig. 5)", lambda ax: forces(ax, ramp), 2),
     )
 
 
@@ -33,10 +35,11 @@ def pressure(ax: "Axes", ramp: MeasuredRamp) -> None:
 
 
 def forces(ax: "Axes", ramp: MeasuredRamp) -> None:
-    """Fig. 5: the deceleration lies between the normalised forces of the axles."""
+    """Fig. 5: what the tyres carry of the deceleration lies between the axles' normalised forces."""
     noisy(ax, ramp.time, ramp.F_f, FRONT, "front $F_f$")
-    noisy(ax, ramp.time, ramp.z, BODY, "deceleration $z$")
+    noisy(ax, ramp.time, ramp.z, NOMINAL, "$z$ as measured")
     noisy(ax, ramp.time, ramp.F_r, REAR, "rear $F_r$")
+    noisy(ax, ramp.time, ramp.carried, BODY, "$z$ less air drag")
     ax.set(xlabel="time [s]", ylabel="normalised force, $z$ [1]")
 
 

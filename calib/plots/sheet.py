@@ -31,6 +31,14 @@ class Panel:
     draw: "Callable[[Axes], None]"
     columns: int = 3
 
+    def fill(self, ax: "Axes") -> int:
+        """Draw the panel and its legend; returns the rows of the legend."""
+        self.draw(ax)
+        entries = len(ax.get_legend_handles_labels()[1])
+        if entries:
+            ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=self.columns)
+        return math.ceil(entries / self.columns)
+
 
 @dataclass(frozen=True)
 class Sheet:
@@ -68,9 +76,14 @@ class Sheet:
         with styled():
             figure = Figure(figsize=(WIDTH, 2.5 * sum(heights) + 0.8), layout="constrained")
             places = figure.subplot_mosaic([list(r) for r in self.rows], height_ratios=heights)
+            entries = {n: panels[n].fill(ax) for n, ax in places.items()}
             for i, (name, ax) in enumerate(places.items()):
-                _fill(ax, panels[name], f"({chr(ord('a') + i)}) ")
-            _frame(figure, self, 125)
+                row = next(r for r in self.rows if name in r)
+                room = max(entries[n] for n in row)  # titles of a row on one line
+                ax.set_title(
+                    f"({chr(ord('a') + i)}) {panels[name].title}", pad=4 + LEGEND_ROW * room
+                )
+            _frame(figure, self, 150)
         return figure
 
     def figure(self, name: str) -> "Figure":
@@ -80,17 +93,10 @@ class Sheet:
         panel = {panel.name: panel for panel in self.panels}[name]
         with styled():
             figure = Figure(figsize=(WIDTH * 0.85, 4.4), layout="constrained")
-            _fill(figure.subplots(), panel, "")
-            _frame(figure, self, 105)
+            ax = figure.subplots()
+            ax.set_title(panel.title, pad=4 + LEGEND_ROW * panel.fill(ax))
+            _frame(figure, self, 125)
         return figure
-
-
-def _fill(ax: "Axes", panel: Panel, letter: str) -> None:
-    panel.draw(ax)
-    entries = len(ax.get_legend_handles_labels()[1])
-    if entries:
-        ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=panel.columns)
-    ax.set_title(letter + panel.title, pad=4.0 + LEGEND_ROW * math.ceil(entries / panel.columns))
 
 
 def _frame(figure: "Figure", sheet: Sheet, width: int) -> None:

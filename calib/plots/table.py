@@ -31,6 +31,7 @@ FLAGS = {
 """Word, line style and width of each flag of a cell."""
 
 ETA = r"$\eta - 1$ [%]"
+DRIVEN: Stroke = {"color": BODY["color"], "linestyle": DOTTED, "linewidth": 0.9}
 P = 0.3
 """Deceleration [g] at which the paper marks its point P."""
 
@@ -53,8 +54,13 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
                 lambda ax: distribution(ax, table),
                 columns=2,
             ),
-            Panel("tyre", "Common tyre curve (Fig. 3)", lambda ax: tyre(ax, table, ramps)),
-            Panel("f1-f2", "Normalised force curves (Fig. 6)", lambda ax: f1_f2(ax, table, ramps)),
+            Panel("tyre", "Common tyre curve (Fig. 3)", lambda ax: tyre(ax, table, ramps), 2),
+            Panel(
+                "f1-f2",
+                "Normalised force curves (Fig. 6)",
+                lambda ax: f1_f2(ax, table, ramps),
+                columns=2,
+            ),
             Panel(
                 "difference",
                 r"Difference $D = F_f - F_r$",
@@ -74,8 +80,9 @@ def _note(table: Table, ramps: Ramps) -> str:
     note += "Bands are 95 %. "
     if ramps:
         note += (
-            "Dots: blocks of 50 ms; rings: means over 0.25 s, grey where the ramp is past the "
-            f"{table.paper.decelerations[1]:.2f} g at which the curves over \u03b7 end. "
+            "Dots: blocks of 50\u00a0ms; rings: means over 0.25\u00a0s, grey where the ramp is past "
+            f"the {table.paper.decelerations[1]:.2f}\u00a0g at which the curves over \u03b7 end. The "
+            "curves are those of a car without air drag; dotted: the same car as it was driven. "
         )
     return note
 
@@ -127,14 +134,14 @@ def _mark_p(ax: "Axes", table: Table) -> None:
     if not low <= P <= high:
         return
     order = np.argsort(table.paper.z)
-    for f, word, drop in ((table.paper.f1, "front", -13.0), (table.paper.f2, "rear", -13.0)):
+    for f, word in ((table.paper.f1, "front"), (table.paper.f2, "rear")):
         force = P + float(np.interp(P, table.paper.z[order], f[order]))
         slip = 100.0 * float(np.interp(force, table.tyre.force, table.tyre.slip))
         ax.plot(slip, force, "s", color=BODY["color"], ms=4.0, zorder=4)
         ax.annotate(
             f"{word} at {P:g} g",
             (slip, force),
-            xytext=(9.0, drop),
+            xytext=(9.0, -13.0),
             textcoords="offset points",
             fontsize=7.0,
         )
@@ -154,6 +161,7 @@ def f1_f2(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
     for ramp in ramps:
         _over_eta(ax, table, ramp, ramp.f1, FRONT)
         _over_eta(ax, table, ramp, ramp.f2, REAR)
+    _reach(ax, x)
     ax.set(xlabel=ETA, ylabel="$f_1$, $f_2$ [1]")
 
 
@@ -165,6 +173,7 @@ def difference(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
     by_flag(ax, x, curve.D, curve.flag, IDENTIFIED, "$D$")
     for ramp in ramps:
         _over_eta(ax, table, ramp, ramp.F_f - ramp.F_r, IDENTIFIED)
+    _reach(ax, x)
     ax.set(xlabel=ETA, ylabel="$D$ [1]")
 
 
@@ -174,6 +183,12 @@ def _over_eta(ax: "Axes", table: Table, ramp: MeasuredRamp, y: Array, stroke: St
     beyond = ramp.z > table.paper.decelerations[1]
     points(ax, ramp, x, y, ramp.braked & beyond, NOMINAL)
     points(ax, ramp, x, y, ramp.braked & ~beyond, stroke)
+    ax.plot(100.0 * (ramp.eta_model - 1.0)[ramp.braked], y[ramp.braked], zorder=4, **DRIVEN)
+
+
+def _reach(ax: "Axes", x: Array) -> None:
+    """One range for every panel over eta."""
+    ax.set_xlim(x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.06 * (x[-1] - x[0]))
 
 
 def coverage(ax: "Axes", table: Table) -> None:
@@ -184,4 +199,6 @@ def coverage(ax: "Axes", table: Table) -> None:
     ax.step(x, curve.count, where="mid", color=IDENTIFIED["color"], label="blocks in the cell")
     ax.axhline(MIN_COUNT, label="least for a measured cell", **NOMINAL)
     ax.set(xlabel=ETA, ylabel="blocks [1]")
+    ax.yaxis.get_major_locator().set_params(integer=True)
+    _reach(ax, x)
     ax.set_ylim(0.0, 1.1 * max(float(curve.count.max()), 2.0 * MIN_COUNT))
