@@ -25,6 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.course import MOVING
 from calib.evidence import weigh
 from calib.names import G
 from calib.signals import Blocks, Noise
@@ -196,7 +197,7 @@ def split(
 
 @dataclass(slots=True)
 class _Step:
-    """The numbers of one block as plain floats: the loop touches no array twice."""
+    """The numbers of one block as plain floats (flags too): the loop touches no array twice."""
 
     brake_f: float
     brake_r: float
@@ -217,8 +218,8 @@ class _Step:
     psi: float
     drift_ratio: float
     drift_surface: float
-    moving: bool
-    calm: bool
+    moving: float
+    calm: float
 
 
 def _steps(vehicle: Vehicle, b: Blocks, d: Demand, noise: Noise, priors: Priors) -> list[_Step]:
@@ -253,11 +254,10 @@ def _steps(vehicle: Vehicle, b: Blocks, d: Demand, noise: Noise, priors: Priors)
         d.psi,
         np.full(count, priors.drift_ratio**2 * b.length),
         np.full(count, priors.drift_surface**2 * b.length),
+        b.speed > MOVING,
+        held < priors.change_calm,
     )
-    moving = (b.speed > 3.0).tolist()
-    calm = (held < priors.change_calm).tolist()
-    rows = np.column_stack(columns).tolist()
-    return [_Step(*row, moving=m, calm=c) for row, m, c in zip(rows, moving, calm, strict=True)]
+    return [_Step(*row) for row in np.column_stack(columns).tolist()]
 
 
 def pitch_deficit(vehicle: Vehicle, z: Array, step: float, priors: Priors) -> Array:
