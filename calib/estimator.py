@@ -55,8 +55,8 @@ class Gates:
     pressure: float = 2e5
     speed: float = 3.0
     settle: float = 0.3
-    interval_f: float = 0.15
-    interval_r: float = 0.35
+    interval_f: float = 0.12
+    interval_r: float = 0.25
     steering: float = np.deg2rad(5.0)
     lock: float = 0.15
 

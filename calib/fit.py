@@ -41,7 +41,7 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     ramps, coasts = sort_logs(vehicle, logs)
     known = resistance.identify(vehicle, [(b, noise.z) for _, b, noise in ramps + coasts])
     runs = [identify.prepare(vehicle, log.name, b, noise, known.effects) for log, b, noise in ramps]
-    found = identify.identify(vehicle, runs)
+    found, runs = identify.identify(vehicle, runs)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
     peak = curves.find_peak(vehicle, found, z_max)
     z_end = peak.z if peak.real else z_max

@@ -12,7 +12,7 @@ zero of eta and of the slip. All noise is in the wheel speeds and v; the force s
 eta alone c and rho are one number: the prior keeps them apart and the covariance says so.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from calib.effects.effect import Motion, Parameters
 from calib.evidence import weigh
 from calib.forces import axle_loads, speed_ratio
 from calib.names import G
-from calib.signals import Blocks, Noise
+from calib.signals import Blocks, Noise, long_run_density
 from calib.tyre import Tyre
 from calib.vehicle import Vehicle
 
@@ -40,8 +40,8 @@ PARAMETERS = (
 PRIOR_MEAN = np.array([np.log(0.04), 0.05, 0.4, 0.03, 0.0, 0.0])
 PRIOR_SIGMA = np.array([1.0, 0.2, 0.4, 0.05, 0.01, 0.15])
 """Passenger-car tyres: slip stiffness 10 to 70 per load; curvature between brush (b2 = 1/3,
-b3 = 0.2 at a peak of 1) and Magic Formula (b2 = 0, b3 = 0.45); stiffness per load falls by 0 to 10 %
-when the load doubles. Sensors on a bus are within 10 ms of each other. Pads within 15 % of the
+b3 = 0.2 at a peak of 1) and Magic Formula (b2 = 0, b3 = 0.45); stiffness per load falls by 0 to
+10 % when the load doubles. Sensors on a bus are within 10 ms of each other. Pads within 15 % of the
 file."""
 
 NOMINAL_ODDS = 9.0
@@ -198,7 +198,30 @@ def sigma_slip(noise: Noise, b: Blocks, signal: Array) -> Array:
     return np.asarray(np.hypot(sensor, MODEL_ERROR * signal))
 
 
-def identify(vehicle: Vehicle, runs: list[Run]) -> Identified:
+def identify(vehicle: Vehicle, runs: list[Run]) -> tuple[Identified, list[Run]]:
+    """Fit all runs together, twice: what the residual holds over the sensors' noise is noise too.
+
+    The road shakes both wheels of an axle alike, and no tyre curve is exact; neither shows between
+    left and right. The runs come back with the noise that was used.
+    """
+    first = identify_once(vehicle, runs)
+    louder = [
+        replace(run, noise=_honest(run, *residual))
+        for run, residual in zip(runs, first.residuals, strict=True)
+    ]
+    return identify_once(vehicle, louder), louder
+
+
+def _honest(run: Run, eta: Array, slip: Array) -> Noise:
+    """Noise of a run, raised where the long-run residual is larger than it promised."""
+    step = run.blocks.length
+    expected = np.sqrt(step)
+    by_eta = max(1.0, long_run_density(eta, step) / expected)
+    by_slip = max(1.0, long_run_density(slip, step) / expected) if slip.size else 1.0
+    return replace(run.noise, omega=run.noise.omega * by_eta, v=run.noise.v * by_slip)
+
+
+def identify_once(vehicle: Vehicle, runs: list[Run]) -> Identified:
     """Fit all runs together: one tyre, one pad ratio, zeros per run.
 
     Huber weights past three sigma. The pad ratio is then weighed against its nominal value

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-MEMORY = 0.8
+MEMORY = 0.5
 """Time constant of forgetting [s]: short against a stop, long against road noise (0.1 s)."""
 
 TREND = 0.1

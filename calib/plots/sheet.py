@@ -77,9 +77,10 @@ class Sheet:
             figure = Figure(figsize=(WIDTH, 2.5 * sum(heights) + 0.8), layout="constrained")
             places = figure.subplot_mosaic([list(r) for r in self.rows], height_ratios=heights)
             entries = {n: panels[n].fill(ax) for n, ax in places.items()}
+            top = {n: next(i for i, row in enumerate(self.rows) if n in row) for n in places}
             for i, (name, ax) in enumerate(places.items()):
-                row = next(r for r in self.rows if name in r)
-                room = max(entries[n] for n in row)  # titles of a row on one line
+                # titles that stand beside each other stand on one line
+                room = max(entries[n] for n in places if top[n] == top[name])
                 ax.set_title(
                     f"({chr(ord('a') + i)}) {panels[name].title}", pad=4 + LEGEND_ROW * room
                 )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from calib.curves import MIN_COUNT
 from calib.plots import ramp as ramp_figures
 from calib.plots.distribution import distribution
-from calib.plots.measured import MeasuredRamp
+from calib.plots.measured import MeasuredRamp, grouped
 from calib.plots.ramp import points
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DASHED, DOTTED, FRONT, IDENTIFIED, NOMINAL, REAR, Stroke, band
@@ -183,7 +183,8 @@ def _over_eta(ax: "Axes", table: Table, ramp: MeasuredRamp, y: Array, stroke: St
     beyond = ramp.z > table.paper.decelerations[1]
     points(ax, ramp, x, y, ramp.braked & beyond, NOMINAL)
     points(ax, ramp, x, y, ramp.braked & ~beyond, stroke)
-    ax.plot(100.0 * (ramp.eta_model - 1.0)[ramp.braked], y[ramp.braked], zorder=4, **DRIVEN)
+    model = 100.0 * (ramp.eta_model - 1.0)
+    ax.plot(grouped(model, ramp.braked), grouped(y, ramp.braked), zorder=4, **DRIVEN)
 
 
 def _reach(ax: "Axes", x: Array) -> None:

@@ -1,0 +1,68 @@
+"""What to draw follows from what is given.
+
+a table                     the table; with the ramps it was made of, also what they measured
+two tables                  one against the other
+a table and another log     the stop, as the estimator saw it; a simulation if truth is there
+a log, a result             itself
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from calib.estimator import estimate
+from calib.logs.log import Log
+from calib.plots import compare, log, simulation, stop, table
+from calib.plots.measured import measure
+from calib.plots.result import Result
+from calib.plots.sheet import Sheet
+from calib.plots.trace import from_estimate, from_result
+from calib.table import Table
+from calib.vehicle import Vehicle
+from calib.version import Stored
+
+
+@dataclass(frozen=True)
+class Given:
+    """What is to be drawn; ``vehicle`` gives nominal pads that are not the table's."""
+
+    tables: tuple[Stored, ...] = ()
+    logs: tuple[Log, ...] = ()
+    results: tuple[Result, ...] = ()
+    vehicle: Vehicle | None = None
+
+
+def sheets(given: Given) -> Iterator[Sheet]:
+    """One sheet after the other, each ready to be drawn.
+
+    At most two tables, and two only alone; a vehicle only where something is estimated with it or
+    a result is drawn. Raises ValueError otherwise, LogError for a log that the estimator refuses.
+    """
+    if len(given.tables) == 2 and not given.logs:
+        a, b = given.tables
+        yield compare.sheet(a.table, b.table, a.id, b.id)
+    elif len(given.tables) == 1:
+        yield from _of_table(given.tables[0], given.logs, given.vehicle)
+    elif not given.tables:
+        yield from map(log.sheet, given.logs)
+    else:
+        raise ValueError("two tables go alone, more do not go at all")
+    for result in given.results:
+        yield stop.sheet(from_result(result, given.vehicle))
+
+
+def _of_table(stored: Stored, logs: tuple[Log, ...], vehicle: Vehicle | None) -> Iterator[Sheet]:
+    roles = {parent.digest: parent.role for parent in stored.table.provenance.logs}
+    ramps = [found for found in logs if roles.get(found.digest) == "ramp"]
+    if ramps or not logs:
+        measured = tuple(measure(stored.table, ramp) for ramp in ramps)
+        yield table.sheet(stored.table, stored.id, measured)
+    for found in logs:
+        if found.digest not in roles:
+            yield _of_stop(stored.table, stored.id, found, vehicle)
+        elif roles[found.digest] != "ramp":
+            yield log.sheet(found)  # a coast: nothing in it is braked
+
+
+def _of_stop(used: Table, name: str, found: Log, vehicle: Vehicle | None) -> Sheet:
+    trace = from_estimate(used, name, found, estimate(used, found, vehicle), vehicle)
+    return simulation.sheet(trace) if trace.has_truth else stop.sheet(trace)

@@ -1,0 +1,111 @@
+"""A log as it is, without table or vehicle: speeds, pressure, deceleration, raw eta."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.course import MOVING, NOMINAL_RADIUS
+from calib.logs.log import Log
+from calib.names import WHEELS, G
+from calib.plots.sheet import Panel, Sheet
+from calib.plots.stop import WHEEL_STROKES
+from calib.plots.style import BODY, LEVEL, noisy, smooth, view
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+BAR = 1e5
+WHEEL_PRESSURES = tuple(f"p_{wheel}" for wheel in WHEELS)
+SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
+
+
+def sheet(log: Log) -> Sheet:
+    """Return the sheet of a log; what was not logged has no panel, and the foot says so."""
+    panels = log_panels(log)
+    missing = [name for name in ("p_mc", "a_x", *SPINS, "v") if name not in log]
+    step = log.sample_time
+    note = f"Digest {log.digest[:16]}, {log.time.size} samples, {1.0 / step:.0f}\u00a0Hz. "
+    note += f"Not in this log: {', '.join(missing)}. " if missing else ""
+    return Sheet(
+        kind="log",
+        name=log.name,
+        title=f"Log {log.name}",
+        note=note + "Nothing is zeroed or corrected.",
+        panels=panels,
+        rows=tuple((panel.name,) for panel in panels),
+        heights=(0.9,) * len(panels),
+    )
+
+
+def log_panels(log: Log) -> tuple[Panel, ...]:
+    """The panels for which the log has the channels."""
+    wheels = any(name in log for name in SPINS)
+    pressures = any(name in log for name in ("p_mc", *WHEEL_PRESSURES))
+    found = (
+        (wheels or "v" in log, Panel("speeds", "Speeds", lambda ax: speeds(ax, log), 5)),
+        (pressures, Panel("pressure", "Brake pressure", lambda ax: pressure(ax, log), 5)),
+        ("a_x" in log, Panel("deceleration", "Deceleration", lambda ax: deceleration(ax, log))),
+        (
+            all(name in log for name in SPINS),
+            Panel("eta", "Speed ratio, raw", lambda ax: eta(ax, log)),
+        ),
+    )
+    return tuple(panel for there, panel in found if there)
+
+
+def speeds(ax: "Axes", log: Log) -> None:
+    """Wheel speeds on the left, the reference speed on the right where there is one."""
+    wheels = [wheel for wheel in WHEELS if f"omega_{wheel}" in log]
+    for wheel in wheels:
+        ax.plot(log.time, log[f"omega_{wheel}"], label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
+    if "v" not in log:
+        _frame(ax, log, "wheel speed [rad/s]")
+        return
+    # at a nominal radius: a log alone knows no car
+    scaled = log["v"] / NOMINAL_RADIUS
+    ax.plot(log.time, scaled, label=f"$V$ / {NOMINAL_RADIUS:g} m", linewidth=0.8, **BODY)
+    _frame(ax, log, "wheel speed [rad/s]")
+    right = ax.secondary_yaxis(
+        "right", functions=(lambda w: w * NOMINAL_RADIUS * 3.6, lambda v: v / 3.6 / NOMINAL_RADIUS)
+    )
+    right.set_ylabel("$V$ [km/h]")
+
+
+def pressure(ax: "Axes", log: Log) -> None:
+    """Master-cylinder pressure, and those of the wheels where logged."""
+    if "p_mc" in log:
+        ax.plot(log.time, log["p_mc"] / BAR, label="master cylinder", **BODY)
+    for name, wheel in zip(WHEEL_PRESSURES, WHEELS, strict=True):
+        if name in log:
+            ax.plot(log.time, log[name] / BAR, label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
+    _frame(ax, log, "pressure [bar]")
+
+
+def deceleration(ax: "Axes", log: Log) -> None:
+    """z = -a_x/g."""
+    noisy(ax, log.time, -log["a_x"] / G, BODY, "$-a_x/g$")
+    _frame(ax, log, "deceleration [g]")
+
+
+def eta(ax: "Axes", log: Log) -> None:
+    """Eta of the axle means (22), not zeroed, while the wheels turn fast enough to be believed."""
+    percent = raw_eta(log)
+    noisy(ax, log.time, percent, LEVEL, r"$\omega_r/\omega_f - 1$")
+    view(ax, smooth(log.time, percent))
+    _frame(ax, log, r"$\eta - 1$ [%]")
+
+
+def raw_eta(log: Log) -> Array:
+    """100 (eta - 1) [%], (n,); NaN where an axle is below 3 m/s at a nominal radius."""
+    front = 0.5 * (log["omega_fl"] + log["omega_fr"])
+    rear = 0.5 * (log["omega_rl"] + log["omega_rr"])
+    turning = np.minimum(front, rear) > MOVING / NOMINAL_RADIUS
+    return np.where(turning, 100.0 * (rear / np.where(turning, front, 1.0) - 1.0), np.nan)
+
+
+def _frame(ax: "Axes", log: Log, ylabel: str) -> None:
+    ax.set(xlabel="time [s]", ylabel=ylabel)
+    ax.set_xlim(log.time[0], log.time[-1])

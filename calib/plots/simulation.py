@@ -1,0 +1,109 @@
+"""A simulation, where the truth is known: Figs. 9 to 11, and how far off each torque is."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.plots.sheet import Panel, Sheet
+from calib.plots.stop import frame, note, pad_estimate, stop_panels
+from calib.plots.style import BODY, FRONT, LAW, NOMINAL, REAR, TRUTH, Stroke, smooth, view
+from calib.plots.trace import AxleTrace, Trace
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+RIVAL = "gradient_difference"
+"""The paper's law with D(eta) for its look-up."""
+
+
+def sheet(trace: Trace) -> Sheet:
+    """Return the sheet of a simulated stop; the panels of `calib.plots.stop` go with it by name.
+
+    The trace must have truth (`Trace.has_truth`).
+    """
+    front = _panels(trace, trace.front, FRONT, "front", "10")
+    rear = _panels(trace, trace.rear, REAR, "rear", "11")
+    return Sheet(
+        kind="simulation",
+        name=trace.name,
+        title=f"Simulation {trace.name}",
+        note=note(trace),
+        panels=(*front, *rear, *stop_panels(trace)),
+        rows=tuple((f.name, r.name) for f, r in zip(front, rear, strict=True)),
+    )
+
+
+def _panels(
+    trace: Trace, axle: AxleTrace, stroke: Stroke, word: str, number: str
+) -> tuple[Panel, ...]:
+    """The three panels of one axle; ``number`` is that of its torque figure in the paper."""
+    name = word.capitalize()
+    return (
+        Panel(
+            f"compensation-{word}",
+            f"{name} pad friction (Fig. 9)",
+            lambda ax: compensation(ax, trace, axle, stroke),
+            columns=2,
+        ),
+        Panel(
+            f"torque-{word}-left",
+            f"{name} left brake torque (Fig. {number})",
+            lambda ax: torque(ax, trace, axle, stroke),
+        ),
+        Panel(
+            f"error-{word}-left",
+            f"{name} left brake torque, error",
+            lambda ax: error(ax, trace, axle, stroke),
+        ),
+    )
+
+
+def compensation(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
+    """Fig. 9, one axle: truth, nominal, the gradient law and the estimate with its interval."""
+    seen = [axle.lower, axle.upper]
+    if RIVAL in axle.rivals:
+        ax.plot(trace.time, axle.rivals[RIVAL], label=r"gradient law on $D(\eta)$", **LAW)
+        seen.append(axle.rivals[RIVAL])
+    pad_estimate(ax, trace, axle, stroke)
+    if axle.true_pad is not None:
+        seen.append(axle.true_pad)
+    nominal = [] if axle.nominal is None else [np.array([axle.nominal])]
+    view(ax, *(values[trace.valid] for values in seen), *nominal)
+    frame(ax, trace, "pad friction [1]")
+
+
+def torque(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
+    """Figs. 10 and 11: the left wheel's torque, true, with nominal pads and compensated."""
+    if axle.nominal_torque is not None:
+        ax.plot(trace.time, 0.5 * axle.nominal_torque, label="uncompensated", **NOMINAL)
+    ax.plot(trace.time, axle.wheel_torque, label="compensated", **{**stroke, "linewidth": 1.7})
+    if axle.true_wheel_torque is not None:
+        ax.plot(trace.time, axle.true_wheel_torque, label="truth", **TRUTH)
+    frame(ax, trace, "wheel torque [N m]")
+
+
+def error(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
+    """What the torques of the left wheel are off, where the estimator stands behind the sample."""
+    true = axle.true_wheel_torque
+    if true is None:
+        return
+    shown = [("compensated", axle.wheel_torque, {**stroke, "linewidth": 1.7})]
+    if RIVAL in axle.rivals:
+        shown.insert(0, ("gradient law", axle.rivals[RIVAL] / axle.pad * axle.wheel_torque, LAW))
+    if axle.nominal_torque is not None:
+        shown.insert(0, ("uncompensated", 0.5 * axle.nominal_torque, NOMINAL))
+    ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
+    curves = [smooth(trace.time, relative(found, true, trace)) for _, found, _ in shown]
+    for curve, (label, _, line) in zip(curves, shown, strict=True):
+        ax.plot(trace.time, curve, label=label, **line)
+    view(ax, *curves, zero=True)
+    frame(ax, trace, "torque error [%]")
+
+
+def relative(found: Array, true: Array, trace: Trace) -> Array:
+    """Error of ``found`` over ``true`` [%], (n,); NaN where not valid or where nothing brakes."""
+    known = trace.valid & (true > 0.0)
+    return np.where(known, 100.0 * (found / np.where(known, true, 1.0) - 1.0), np.nan)

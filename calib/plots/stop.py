@@ -1,0 +1,219 @@
+"""A stop as the estimator saw it: the panels of Figs. 13 to 16."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.plots.sheet import Panel, Sheet
+from calib.plots.style import (
+    BODY,
+    DASH_DOT,
+    DASHED,
+    DOTTED,
+    FRONT,
+    LAW,
+    LEVEL,
+    NOMINAL,
+    REAR,
+    TRUTH,
+    Stroke,
+    band,
+    noisy,
+    shade,
+    smooth,
+    view,
+)
+from calib.plots.trace import AxleTrace, Trace
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+SHADED = "Grey: the estimator does not stand behind the sample."
+CHANGED = "Dotted upright line: a change of surface was found."
+WHEEL_STROKES: dict[str, Stroke] = {
+    "fl": {"color": "#0072B2", "linestyle": "-"},
+    "fr": {"color": "#56B4E9", "linestyle": DASH_DOT},
+    "rl": {"color": "#D55E00", "linestyle": DASHED},
+    "rr": {"color": "#E69F00", "linestyle": DOTTED},
+}
+RIVALS: dict[str, tuple[str, Stroke]] = {
+    "mean_gain": ("one mean gain", LEVEL),
+    "gradient_paper": ("gradient law, paper look-up", LAW),
+    "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
+}
+"""Methods drawn thin beside the estimate: one of each kind, more would hide it."""
+
+
+def sheet(trace: Trace) -> Sheet:
+    """Return the sheet of one stop. Panels for which the source has no data are left out."""
+    panels = stop_panels(trace)
+    names = [panel.name for panel in panels]
+    rows = [(names[i], names[i + 1]) for i in range(0, len(names) - 1, 2)]
+    if len(names) % 2:
+        rows.append((names[-1], names[-1]))
+    return Sheet(
+        kind="stop",
+        name=trace.name,
+        title=f"Stop {trace.name}",
+        note=note(trace),
+        panels=panels,
+        rows=tuple(rows),
+    )
+
+
+def note(trace: Trace) -> str:
+    """Foot of the page: where it comes from and what the marks mean."""
+    changed = (CHANGED,) if trace.changes else ()
+    return " ".join((*trace.notes, SHADED, *changed, "Bands are 95 %."))
+
+
+def stop_panels(trace: Trace) -> tuple[Panel, ...]:
+    """Panels of a stop in the order of Fig. 13."""
+    front, rear = trace.front, trace.rear
+    speeds = Panel("wheel-speeds", "Wheel speeds", lambda ax: wheel_speeds(ax, trace), 5)
+    total = Panel("force-sum", "Sum of forces", lambda ax: force_sum(ax, trace))
+    known_slip = front.slip is not None
+    return (
+        *((speeds,) if trace.wheels else ()),
+        Panel("deceleration", "Deceleration", lambda ax: deceleration(ax, trace)),
+        Panel("normalised-forces", "Normalised forces", lambda ax: normalised_forces(ax, trace)),
+        Panel(
+            "slip",
+            "Slip and speed ratio" if known_slip else "Speed ratio",
+            lambda ax: slip(ax, trace),
+        ),
+        Panel(
+            "pad-front",
+            "Front pad friction",
+            lambda ax: pad(ax, trace, front, FRONT),
+            columns=2,
+        ),
+        Panel("pad-rear", "Rear pad friction", lambda ax: pad(ax, trace, rear, REAR), 2),
+        Panel("axle-torques", "Axle brake torques", lambda ax: axle_torques(ax, trace), 2),
+        *((total,) if trace.force_sum is not None else ()),
+    )
+
+
+def frame(ax: "Axes", trace: Trace, ylabel: str) -> None:
+    """Shade, mark and label an axis over time."""
+    shade(ax, trace.time, ~trace.valid)
+    for time in trace.changes:
+        ax.axvline(time, color=BODY["color"], linestyle=DOTTED, linewidth=1.0)
+    ax.set(xlabel="time [s]", ylabel=ylabel)
+    ax.set_xlim(trace.time[0], trace.time[-1])
+
+
+def wheel_speeds(ax: "Axes", trace: Trace) -> None:
+    """Panel (a)."""
+    for wheel, omega in trace.wheels.items():
+        ax.plot(trace.time, omega, label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
+    if trace.v_wheel is not None:
+        ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=0.8, **BODY)
+    frame(ax, trace, "wheel speed [rad/s]")
+
+
+def deceleration(ax: "Axes", trace: Trace) -> None:
+    """Panel (b)."""
+    noisy(ax, trace.time, trace.z, BODY, "$z = -a_x/g$")
+    view(ax, smooth(trace.time, trace.z), zero=True)
+    frame(ax, trace, "deceleration [g]")
+
+
+def normalised_forces(ax: "Axes", trace: Trace) -> None:
+    """Panel (c)."""
+    noisy(ax, trace.time, trace.front.force, FRONT, "front $F_f$")
+    noisy(ax, trace.time, trace.rear.force, REAR, "rear $F_r$")
+    both = [smooth(trace.time, axle.force) for axle in (trace.front, trace.rear)]
+    view(ax, *both, zero=True)
+    frame(ax, trace, "normalised force [1]")
+
+
+def slip(ax: "Axes", trace: Trace) -> None:
+    """Slips where v is known, and eta: what they look like from the wheels alone."""
+    shown = []
+    for values, stroke, label in (
+        (trace.front.slip, FRONT, "front slip"),
+        (trace.rear.slip, REAR, "rear slip"),
+        (trace.eta - 1.0, LEVEL, r"$\eta - 1$, zeroed"),
+    ):
+        if values is not None:
+            noisy(ax, trace.time, 100.0 * values, stroke, label)
+            shown.append(100.0 * smooth(trace.time, values)[trace.valid])
+    view(ax, *shown, zero=True)
+    frame(ax, trace, r"slip, $\eta - 1$ [%]" if len(shown) > 1 else r"$\eta - 1$ [%]")
+
+
+def pad(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
+    """Panel (d), one axle: the estimate with its interval, truth, nominal, and rivals thin."""
+    for name, (label, thin) in RIVALS.items():
+        if name in axle.rivals:
+            ax.plot(trace.time, axle.rivals[name], label=label, linewidth=0.7, **thin)
+    pad_estimate(ax, trace, axle, stroke)
+    _view_pads(ax, trace, axle, [axle.rivals[name] for name in RIVALS if name in axle.rivals])
+    frame(ax, trace, "pad friction [1]")
+
+
+def pad_estimate(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
+    """Draw the estimate with its interval, the nominal pad and the truth, as far as known."""
+    band(ax, trace.time, axle.lower, axle.upper, stroke)
+    label = r"$\mu_{p,c}$ with 95 % interval"
+    ax.plot(trace.time, axle.pad, label=label, **{**stroke, "linewidth": 1.7})
+    if axle.nominal is not None:
+        ax.axhline(axle.nominal, label=r"nominal $\mu_{p,n}$", **NOMINAL)
+    if axle.true_pad is not None:
+        ax.plot(trace.time, axle.true_pad, label="truth", **TRUTH)
+
+
+def _view_pads(ax: "Axes", trace: Trace, axle: AxleTrace, rivals: list[Array]) -> None:
+    """Range by the valid samples; rivals may run out of it, but not out of all sight."""
+    valid = trace.valid
+    core = [axle.lower[valid], axle.upper[valid]]
+    core += [np.array([axle.nominal])] if axle.nominal is not None else []
+    core += [axle.true_pad[valid]] if axle.true_pad is not None else []
+    thin = [np.nanpercentile(r[valid], [5, 95]) for r in rivals if np.isfinite(r[valid]).any()]
+    view(ax, *core, *thin)
+
+
+def axle_torques(ax: "Axes", trace: Trace) -> None:
+    """Panel (e): per axle, with nominal pads and compensated."""
+    for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
+        ax.plot(trace.time, axle.torque / 1e3, label=f"{word} compensated", **stroke)
+        if axle.nominal_torque is not None:
+            thin = {"color": stroke["color"], "linestyle": DASH_DOT, "linewidth": 0.8}
+            ax.plot(trace.time, axle.nominal_torque / 1e3, label=f"{word} nominal", **thin)
+    frame(ax, trace, "axle torque [kN m]")
+
+
+def force_sum(ax: "Axes", trace: Trace) -> None:
+    """Panel (f). It is circular: with (18) it holds for any table, and the panel says so."""
+    if trace.force_sum is None or trace.inertia is None:
+        return
+    noisy(ax, trace.time, trace.inertia / 1e3, BODY, "$M_v |a_x|$")
+    compensated = {**LEVEL, "linewidth": 1.3}
+    noisy(ax, trace.time, trace.force_sum / 1e3, compensated, "compensated")
+    seen = [trace.inertia, trace.force_sum]
+    if trace.force_sum_nominal is not None:
+        ax.plot(
+            trace.time,
+            smooth(trace.time, trace.force_sum_nominal) / 1e3,
+            label="nominal pads",
+            **NOMINAL,
+        )
+        seen.append(trace.force_sum_nominal)
+    view(ax, *(smooth(trace.time, s) / 1e3 for s in seen), zero=True)
+    ax.set_ylim(top=ax.get_ylim()[1] * 1.14)  # room for the words below
+    ax.text(
+        0.5,
+        0.985,
+        "true for any table: no validation",
+        transform=ax.transAxes,
+        ha="center",
+        va="top",
+        fontsize=7.5,
+        fontweight="bold",
+        color="#8A0000",
+    )
+    frame(ax, trace, "force [kN]")

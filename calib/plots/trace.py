@@ -1,0 +1,197 @@
+"""What the stop figures draw, wherever it came from: an estimate on a log, or a stored result.
+
+What the source does not know is None or empty, and its line is not drawn.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib import forces
+from calib.effects.catalogue import total_body_force
+from calib.effects.effect import Motion
+from calib.estimator import AxleEstimate, Estimate, calibrated, known_resistance
+from calib.logs.log import Log
+from calib.names import WHEELS
+from calib.plots.result import Result
+from calib.signals import BITE
+from calib.table import Table
+from calib.vehicle import Axle, Vehicle
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class AxleTrace:
+    """One axle over time, shapes (n,).
+
+    ``force`` F [1]; ``pad`` friction with its 95 % interval ``lower``, ``upper`` [1]; ``torque`` of
+    the axle [N m]; ``wheel_torque`` of its left wheel [N m]; ``nominal`` pad friction [1] and
+    ``nominal_torque`` of the axle [N m]; ``slip`` [1]; ``rivals`` pad friction by other methods;
+    ``true_pad`` [1] and ``true_wheel_torque`` [N m] of a simulation.
+    """
+
+    force: Array
+    pad: Array
+    lower: Array
+    upper: Array
+    torque: Array
+    wheel_torque: Array
+    nominal: float | None = None
+    nominal_torque: Array | None = None
+    slip: Array | None = None
+    rivals: dict[str, Array] = field(default_factory=dict)
+    true_pad: Array | None = None
+    true_wheel_torque: Array | None = None
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A stop over ``time`` [s], shapes (n,).
+
+    ``z``, ``eta`` [1]; ``front``, ``rear``; ``valid`` the estimator stands behind the sample;
+    ``wheels`` [rad/s] by wheel; ``v_wheel`` reference speed over the rolling radius [rad/s];
+    ``force_sum`` what tyres and air take with the compensated pads, ``force_sum_nominal`` with the
+    nominal ones, ``inertia`` M z g, all [N]; ``changes`` of surface [s]; ``notes`` in words.
+    """
+
+    name: str
+    time: Array
+    z: Array
+    eta: Array
+    front: AxleTrace
+    rear: AxleTrace
+    valid: Mask
+    wheels: dict[str, Array] = field(default_factory=dict)
+    v_wheel: Array | None = None
+    force_sum: Array | None = None
+    force_sum_nominal: Array | None = None
+    inertia: Array | None = None
+    changes: tuple[float, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def has_truth(self) -> bool:
+        """Whether the log knows the true torques, as a simulation does."""
+        return self.front.true_wheel_torque is not None
+
+
+def from_estimate(
+    table: Table, name: str, log: Log, estimate: Estimate, vehicle: Vehicle | None = None
+) -> Trace:
+    """Trace of an ``estimate`` that the table ``name`` gave on ``log``, with the same ``vehicle``."""
+    car = vehicle or calibrated(table)
+    front = _axle(car.front, estimate.front, estimate, 0, log)
+    rear = _axle(car.rear, estimate.rear, estimate, 1, log)
+    air = total_body_force(
+        car,
+        known_resistance(table).effects,
+        Motion(estimate.speed, *forces.axle_loads(car, estimate.z)),
+    )
+    total = _force_sum(car, estimate.z, front, rear) + air
+    return Trace(
+        name=log.name,
+        time=estimate.time,
+        z=estimate.z,
+        eta=estimate.eta,
+        front=front,
+        rear=rear,
+        valid=estimate.valid,
+        wheels={w: log[f"omega_{w}"] for w in WHEELS},
+        v_wheel=log["v"] / car.rear.rolling_radius if "v" in log else None,
+        force_sum=total,
+        force_sum_nominal=total + _nominal_excess(car, front, rear),
+        inertia=car.weight * estimate.z,
+        changes=estimate.split.changes,
+        notes=(f"Estimator with table {name}, digest {table.digest[:16]}.", *estimate.notes),
+    )
+
+
+def from_result(result: Result, vehicle: Vehicle | None = None) -> Trace:
+    """Trace of a stored result; ``vehicle`` adds the sum of forces and the nominal pads."""
+    front = _stored_axle(result, "f", vehicle.front if vehicle else None)
+    rear = _stored_axle(result, "r", vehicle.rear if vehicle else None)
+    total = _force_sum(vehicle, result["z"], front, rear) if vehicle else None
+    return Trace(
+        name=result.name,
+        time=result["time"],
+        z=result["z"],
+        eta=result["eta"],
+        front=front,
+        rear=rear,
+        valid=result.valid,
+        force_sum=total,
+        force_sum_nominal=None
+        if total is None or vehicle is None
+        else total + _nominal_excess(vehicle, front, rear),
+        inertia=None if vehicle is None else vehicle.weight * result["z"],
+        notes=(
+            f"Result {result.name}, digest {result.digest[:16]}.",
+            *(("The sum of forces is without air drag.",) if vehicle else ()),
+        ),
+    )
+
+
+def _axle(axle: Axle, found: AxleEstimate, estimate: Estimate, i: int, log: Log) -> AxleTrace:
+    pressure = (estimate.pressure_f, estimate.pressure_r)[i]
+    left = ("fl", "rl")[i]
+    held = np.maximum(pressure, 0.0)
+    return AxleTrace(
+        force=found.normalised_force,
+        pad=found.pad_friction,
+        lower=found.lower,
+        upper=found.upper,
+        torque=2.0 * found.torque,
+        wheel_torque=found.torque,
+        nominal=axle.pad_friction,
+        nominal_torque=2.0 * forces.brake_torque(axle, axle.pad_friction, held),
+        slip=(estimate.slip_f, estimate.slip_r)[i],
+        rivals={n: pads[i] for n, pads in estimate.rivals.items() if n != "nominal"},
+        true_pad=_true_pad(axle, log, "fr"[i], pressure),
+        true_wheel_torque=log.truth.get(f"true_Tb_{left}"),
+    )
+
+
+def _true_pad(axle: Axle, log: Log, side: str, pressure: Array) -> Array | None:
+    """Pad friction of the simulation: logged, or from the axle's torques while the pads bite."""
+    if f"true_mu_pad_{side}" in log.truth:
+        return log.truth[f"true_mu_pad_{side}"]
+    if f"true_Tb_{side}l" not in log.truth or f"true_Tb_{side}r" not in log.truth:
+        return None
+    torque = 0.5 * (log.truth[f"true_Tb_{side}l"] + log.truth[f"true_Tb_{side}r"])
+    biting = pressure > BITE
+    pad = forces.pad_friction(axle, torque, np.where(biting, pressure, 1.0))
+    return np.where(biting, pad, np.nan)
+
+
+def _stored_axle(result: Result, side: str, axle: Axle | None) -> AxleTrace:
+    left, right = (result[f"brake_torque_{side}{hand}"] for hand in "lr")
+    pad = result[f"pad_friction_{side}"]
+    return AxleTrace(
+        force=result[f"normalised_force_{side}"],
+        pad=pad,
+        lower=result[f"pad_friction_{side}_lower"],
+        upper=result[f"pad_friction_{side}_upper"],
+        torque=left + right,
+        wheel_torque=left,
+        nominal=axle.pad_friction if axle else None,
+        # the torque goes with the friction at the same pressure, (2)
+        nominal_torque=(left + right) * (axle.pad_friction / pad) if axle else None,
+    )
+
+
+def _force_sum(vehicle: Vehicle, z: Array, front: AxleTrace, rear: AxleTrace) -> Array:
+    """Sum of the tyre forces [N] that the normalised forces stand for, (17)."""
+    load_f, load_r = forces.axle_loads(vehicle, z)
+    return front.force * load_f + rear.force * load_r
+
+
+def _nominal_excess(vehicle: Vehicle, front: AxleTrace, rear: AxleTrace) -> Array:
+    """Brake force at the road [N] that nominal pads give beyond the compensated ones."""
+    excess = np.zeros_like(front.torque)
+    for axle, side in ((vehicle.front, front), (vehicle.rear, rear)):
+        if side.nominal_torque is not None:
+            excess = excess + (side.nominal_torque - side.torque) / axle.rolling_radius
+    return excess
