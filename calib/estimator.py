@@ -1,8 +1,8 @@
 r"""The estimator on one log: causal, at the log's own rate, what an ECU would give.
 
-    log -> signals -> level (sum of forces) ----------------------> pad friction, torque, interval
-                  \-> zero of eta -> look-up -> adaptive law, RLS  /        (the rivals)
-                   \-> blocks -> split (Kalman) ------------------/
+    log -> signals -> balance -> level (sum of forces) --\
+                  \-> blocks -> split (Kalman) ----------+--> pad friction, torque, interval
+                   \-> zero of eta -> look-ups -> laws        (the rivals, shown beside it)
 
 The Kalman estimate is the product. Its rivals stand beside it: the paper's law and recursive least
 squares on any look-up, nominal pads, and one mean gain from deceleration alone.
@@ -13,10 +13,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib import adaptive, kalman
+from calib import kalman
+from calib.balance import Balance, balance, low_pass
 from calib.course import BITE
 from calib.effects.catalogue import total_axle_moment, total_body_force
-from calib.effects.effect import Motion, Parameters
+from calib.effects.effect import Motion
 from calib.errors import LogError
 from calib.evidence import weigh
 from calib.forces import axle_loads, braking_sum
@@ -24,21 +25,15 @@ from calib.identify import brake_forces, measured_slip
 from calib.kalman import Demand, Priors, Split
 from calib.level import Level, follow
 from calib.logs.log import Log
-from calib.lookup import LOOKUPS
-from calib.names import G
+from calib.names import WHEELS
 from calib.resistance import Resistance
-from calib.signals import Blocks, Noise, Signals, blocks, sensor_noise, signals
+from calib.rivals import rivals
+from calib.signals import Blocks, Noise, Signals, blocks, lead_in_noise, signals
 from calib.table import Table
-from calib.vehicle import Axle, Vehicle
+from calib.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-LOW_PASS = 0.1
-"""Time constant of the causal filter on z and eta in front of a look-up [s]."""
-
-RLS_MEMORY = 1.0
-"""Forgetting of the recursive least squares [s]."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +44,7 @@ class Gates:
     noise; ``settle`` [s] of braking before the level is trusted; ``interval_f``, ``interval_r``
     relative half width of the 95 % interval beyond which a figure is no use; ``steering`` [rad] at
     the driver's wheel: 5 degrees there are as large as the signal; ``lock`` relative departure of a
-    wheel from the others that only ABS or a locked wheel shows.
+    wheel from the others that only ABS or a locked wheel shows, ``recover`` [s] after it.
     """
 
     pressure: float = 2e5
@@ -59,6 +54,7 @@ class Gates:
     interval_r: float = 0.25
     steering: float = np.deg2rad(5.0)
     lock: float = 0.15
+    recover: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -117,20 +113,47 @@ def estimate(
     ``vehicle`` gives the nominal pads if they are not the table's. Raises LogError when the log has
     no unbraked lead-in to zero eta on.
     """
-    car = vehicle or table.vehicle
-    s = signals(log, car)
-    b = blocks(s)
+    s = signals(log, vehicle or table.vehicle)
     _require_lead_in(log, s)
-    nominal = car if vehicle else calibrated(table)
-    noise = merged_noise(table, sensor_noise(log, b))
-    known = known_resistance(table)
-    plan = _Plan(table, nominal, known, noise, priors or Priors(), gates or Gates())
-    return _run(plan, log, s, b)
+    b = blocks(s)
+    plan = plan_for(table, log, s, vehicle, priors, gates)
+    forces = balance(plan.nominal, plan.known.effects, s)
+    level = level_of(plan, s, forces)
+    answer = split_of(plan, s, b, level)
+    front, rear = _axles(plan, s, forces, level, answer, b)
+    zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
+    eta = s.omega_r / s.omega_f / (1.0 + zero)
+    others = rivals(table, plan.nominal, s, forces, eta, level)
+    slips = _slips(s)
+    return Estimate(
+        time=s.time,
+        z=s.z,
+        eta=eta,
+        speed=s.speed,
+        front=front,
+        rear=rear,
+        valid=_valid(plan, log, s, front, rear, forces.active),
+        braked=np.maximum(s.p_f, s.p_r) > plan.gates.pressure,
+        covered=others.covered,
+        rivals=others.pads,
+        split=answer,
+        blocks=b,
+        level=level,
+        eta_zero=zero,
+        pressure_f=s.p_f,
+        pressure_r=s.p_r,
+        slip_f=slips[0] if slips else None,
+        slip_r=slips[1] if slips else None,
+    )
 
 
 @dataclass(frozen=True)
-class _Plan:
-    """What stays the same over a log."""
+class Plan:
+    """What stays the same over a log.
+
+    ``nominal`` the car with the pads that the estimate starts from; ``known`` the resistance;
+    ``noise`` of the sensors.
+    """
 
     table: Table
     nominal: Vehicle
@@ -139,9 +162,24 @@ class _Plan:
     priors: Priors
     gates: Gates
 
-    @property
-    def effects(self) -> dict[str, Parameters]:
-        return self.known.effects
+
+def plan_for(
+    table: Table,
+    log: Log,
+    s: Signals,
+    vehicle: Vehicle | None = None,
+    priors: Priors | None = None,
+    gates: Gates | None = None,
+) -> Plan:
+    """The plan of a log: nominal pads of ``vehicle``, or those of the calibration."""
+    return Plan(
+        table=table,
+        nominal=vehicle or calibrated(table),
+        known=known_resistance(table),
+        noise=merged_noise(table, lead_in_noise(log, s)),
+        priors=priors or Priors(),
+        gates=gates or Gates(),
+    )
 
 
 def calibrated(table: Table) -> Vehicle:
@@ -183,77 +221,19 @@ def _require_lead_in(log: Log, s: Signals) -> None:
         )
 
 
-def _run(plan: _Plan, log: Log, s: Signals, b: Blocks) -> Estimate:
-    car = plan.nominal
-    B_f, B_r = brake_forces(car, s.p_f, s.p_r)
-    pressure = np.maximum(s.p_f, s.p_r)
-    zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
-    began = _began(s)
-    active = began & (pressure > BITE)
-    demanded, moments, loads = _demanded(plan, s)
-    density = plan.noise.z * car.weight
-    level = follow(s.sample_time, demanded, B_f + B_r, active, density)
-    answer = _filter(plan, s, b, level)
-    at = np.searchsorted(b.end, s.time, side="right") - 1  # the last complete block
-    rho, sigma = (_held(v, at) for v in (answer.log_ratio, answer.sigma))
-    theta, sigma_level = _level_weighed(plan, s, level, began)
-    front, rear = _axles(plan, s, theta, sigma_level, rho, sigma, moments, loads)
-    eta = s.omega_r / s.omega_f / (1.0 + zero)
-    rivals, covered = _rivals(plan, s, eta, loads, moments, level, active)
-    slips = _slips(plan.table.vehicle, s)
-    return Estimate(
-        time=s.time,
-        z=s.z,
-        eta=eta,
-        speed=s.speed,
-        front=front,
-        rear=rear,
-        valid=_valid(plan, log, s, front, rear, active),
-        braked=np.asarray(pressure > plan.gates.pressure),
-        covered=covered,
-        rivals=rivals,
-        split=answer,
-        blocks=b,
-        level=level,
-        eta_zero=zero,
-        pressure_f=s.p_f,
-        pressure_r=s.p_r,
-        slip_f=slips[0] if slips else None,
-        slip_r=slips[1] if slips else None,
-    )
+def level_of(plan: Plan, s: Signals, forces: Balance) -> Level:
+    """The common pad level of a run, before anything is said of the split."""
+    density = plan.noise.z * plan.nominal.weight
+    nominal = forces.nominal_f + forces.nominal_r
+    return follow(s.sample_time, forces.demanded, nominal, forces.active, density)
 
 
-def _began(s: Signals) -> Mask:
-    """From the end of the lead-in on."""
-    began = np.ones(s.time.size, bool)
-    last = np.flatnonzero(s.lead_in)
-    began[: int(last[-1]) + 1] = False
-    return began
-
-
-def _demanded(plan: _Plan, s: Signals) -> tuple[Array, tuple[Array, Array], tuple[Array, Array]]:
-    """Brake force of both axles that z demands [N], and what else acts: moments [N] and loads [N].
-
-    The wheels slow with the car: d omega/dt = -g z/R, exact but for the change of slip.
-    """
-    car = plan.nominal
-    loads = axle_loads(car, s.z)
-    motion = Motion(v=s.speed, load_f=loads[0], load_r=loads[1])
-    extra = total_axle_moment(car, plan.effects, motion)
-    moments = tuple(
-        m / a.rolling_radius - 2.0 * a.wheel_inertia * G * s.z / a.rolling_radius**2
-        for m, a in zip(extra, (car.front, car.rear), strict=True)
-    )
-    tyres = braking_sum(car, s.z, total_body_force(car, plan.effects, motion))
-    return tyres - moments[0] - moments[1], (moments[0], moments[1]), loads
-
-
-def _filter(plan: _Plan, s: Signals, b: Blocks, level: Level) -> Split:
+def split_of(plan: Plan, s: Signals, b: Blocks, level: Level) -> Split:
     """Feed the split filter: block means, and the level as known at the end of each block."""
     car = plan.nominal
     load_f, load_r = axle_loads(car, b.z)
     motion = Motion(v=b.speed, load_f=load_f, load_r=load_r)
-    extra = total_axle_moment(car, plan.effects, motion)
+    extra = total_axle_moment(car, plan.known.effects, motion)
     moment_f, moment_r = (
         (m + 2.0 * a.wheel_inertia * spin) / a.rolling_radius
         for m, a, spin in zip(extra, (car.front, car.rear), (b.spin_f, b.spin_r), strict=True)
@@ -269,7 +249,7 @@ def _filter(plan: _Plan, s: Signals, b: Blocks, level: Level) -> Split:
         moment_r=moment_r,
         load_f=load_f,
         load_r=load_r,
-        tyre_sum=braking_sum(car, b.z, total_body_force(car, plan.effects, motion)),
+        tyre_sum=braking_sum(car, b.z, total_body_force(car, plan.known.effects, motion)),
         slip=measured_slip(car, load_f, b),
         psi=kalman.pitch_deficit(car, s.z, s.sample_time, plan.priors)[ends],
     )
@@ -300,13 +280,13 @@ LEVEL_ODDS = 1.0
 """Odds that the pads have the level of the calibration."""
 
 
-def _level_weighed(plan: _Plan, s: Signals, level: Level, began: Mask) -> tuple[Array, Array]:
+def _level_weighed(plan: Plan, s: Signals, level: Level) -> tuple[Array, Array]:
     """Level and its relative sigma with mass and resistance counted, weighed against nominal.
 
     On a dry road the level is nominal within its error and stays there: compensation does no harm.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        resist = plan.known.sigma_z(plan.nominal, s.speed) / np.maximum(_low_pass(s, s.z), 0.02)
+        resist = plan.known.sigma_z(plan.nominal, s.speed) / np.maximum(low_pass(s, s.z), 0.02)
         noise = level.sigma / level.value
         sigma = np.sqrt(noise**2 + resist**2 + plan.nominal.mass_tolerance**2)
         free = np.log(np.where(level.value > 0.0, level.value, np.nan))
@@ -314,46 +294,34 @@ def _level_weighed(plan: _Plan, s: Signals, level: Level, began: Mask) -> tuple[
     return np.exp(found.mean), found.sigma
 
 
-def _low_pass(s: Signals, x: Array, time: float = LOW_PASS) -> Array:
-    """First-order causal low-pass, started at the first value."""
-    from scipy.signal import lfilter
-
-    a = 1.0 - float(np.exp(-s.sample_time / time))
-    return np.asarray(lfilter([a], [1.0, a - 1.0], x, zi=[(1.0 - a) * x[0]])[0])
-
-
 def _axles(
-    plan: _Plan,
-    s: Signals,
-    theta: Array,
-    sigma_level: Array,
-    rho: Array,
-    sigma: Array,
-    moments: tuple[Array, Array],
-    loads: tuple[Array, Array],
+    plan: Plan, s: Signals, forces: Balance, level: Level, answer: Split, b: Blocks
 ) -> tuple[AxleEstimate, AxleEstimate]:
     """Level and ratio to pad friction, torque and normalised force of each axle."""
     car = plan.nominal
+    at = np.searchsorted(b.end, s.time, side="right") - 1  # the last complete block
+    rho, sigma = _held(answer.log_ratio, at), _held(answer.sigma, at)
+    theta, sigma_level = _level_weighed(plan, s, level)
     B_f, B_r = brake_forces(car, np.maximum(s.p_f, 1.0), np.maximum(s.p_r, 1.0))
     phi_0 = B_f / (B_f + B_r)
     half = np.exp(0.5 * rho)
     phi = B_f * half / (B_f * half + B_r / half)
     out = []
     for axle, p, share, share_0, lever, moment, load in (
-        (car.front, s.p_f, phi, phi_0, 1.0 - phi, moments[0], loads[0]),
-        (car.rear, s.p_r, 1.0 - phi, 1.0 - phi_0, phi, moments[1], loads[1]),
+        (car.front, s.p_f, phi, phi_0, 1.0 - phi, forces.moment_f, forces.load_f),
+        (car.rear, s.p_r, 1.0 - phi, 1.0 - phi_0, phi, forces.moment_r, forces.load_r),
     ):
         mu = axle.pad_friction * theta * share / share_0
         # d ln(share)/d rho is the other axle's share; a factor of e^5 either way is no answer
         spread = np.minimum(1.96 * np.sqrt(sigma_level**2 + (lever * sigma) ** 2), 5.0)
         torque = mu * axle.torque_gain * np.maximum(p, 0.0)
         brake = 2.0 * torque / axle.rolling_radius
-        F = (np.nan_to_num(brake) + moment) / _low_pass(s, load)
+        F = (np.nan_to_num(brake) + moment) / low_pass(s, load)
         out.append(AxleEstimate(mu, mu * np.exp(-spread), mu * np.exp(spread), torque, F))
     return out[0], out[1]
 
 
-def _slips(vehicle: Vehicle, s: Signals) -> tuple[Array, Array] | None:
+def _slips(s: Signals) -> tuple[Array, Array] | None:
     """Slips (19), (20) of the axles [1] with the rolling radii of the lead-in; None without v."""
     if s.v is None:
         return None
@@ -364,77 +332,32 @@ def _slips(vehicle: Vehicle, s: Signals) -> tuple[Array, Array] | None:
     return out[0], out[1]
 
 
-def _rivals(
-    plan: _Plan,
-    s: Signals,
-    eta: Array,
-    loads: tuple[Array, Array],
-    moments: tuple[Array, Array],
-    level: Level,
-    active: Mask,
-) -> tuple[dict[str, tuple[Array, Array]], Mask]:
-    """Pad friction by the other methods, and where eta is inside the table."""
-    car = plan.nominal
-    out: dict[str, tuple[Array, Array]] = {
-        "nominal": (
-            np.full_like(eta, car.front.pad_friction),
-            np.full_like(eta, car.rear.pad_friction),
-        ),
-        "mean_gain": (car.front.pad_friction * level.value, car.rear.pad_friction * level.value),
-    }
-    z, smooth = _low_pass(s, s.z), _low_pass(s, eta)
-    motion = Motion(v=s.speed, load_f=loads[0], load_r=loads[1])
-    carried = braking_sum(car, z, total_body_force(car, plan.effects, motion)) / car.weight
-    load_f, load_r = (_low_pass(s, load) for load in loads)
-    covered = np.ones(eta.size, bool)
-    for name, read in LOOKUPS.items():
-        reading = read(plan.table, z, smooth, carried)
-        covered = reading.inside
-        for law in ("gradient", "rls"):
-            out[f"{law}_{name}"] = (
-                _adapt(s, car.front, reading.F_f, load_f, moments[0], s.p_f, active, law),
-                _adapt(s, car.rear, reading.F_r, load_r, moments[1], s.p_r, active, law),
-            )
-    return out, covered
-
-
-def _adapt(
-    s: Signals,
-    axle: Axle,
-    force: Array,
-    load: Array,
-    moment: Array,
-    pressure: Array,
-    active: Mask,
-    law: str,
-) -> Array:
-    """One adaptive law on one axle, per wheel; returns mu_n + zeta [1]."""
-    # wheel inertia is already in the moment at the road
-    y = adaptive.measured_output(
-        axle, force, 0.5 * load, np.zeros_like(load), pressure, 0.5 * moment * axle.rolling_radius
-    )
-    u = np.where(active, adaptive.regressor(axle, pressure), 0.0)
-    if law == "gradient":
-        zeta = adaptive.gradient(y, u, adaptive.gain(axle), s.sample_time)
-    else:
-        zeta = adaptive.least_squares(y, u, RLS_MEMORY, s.sample_time)
-    return axle.pad_friction + zeta
-
-
 def _valid(
-    plan: _Plan, log: Log, s: Signals, front: AxleEstimate, rear: AxleEstimate, active: Mask
+    plan: Plan, log: Log, s: Signals, front: AxleEstimate, rear: AxleEstimate, active: Mask
 ) -> Mask:
+    """Where the estimator stands behind its answer, see `Gates`."""
     g = plan.gates
     ok = active & (np.maximum(s.p_f, s.p_r) > g.pressure) & (s.speed > g.speed)
-    # braked for a while without a break
-    last_free = np.maximum.accumulate(np.where(active, -np.inf, s.time))
-    ok &= s.time - last_free > g.settle
+    ok &= _since(s.time, ~active) > g.settle
+    ok &= _since(s.time, _locked(log, s, g)) > g.recover
+    top = plan.table.tyre.force[-1]
     with np.errstate(invalid="ignore"):
-        ok &= (front.upper - front.lower) < 2.0 * g.interval_f * front.pad_friction
-        ok &= (rear.upper - rear.lower) < 2.0 * g.interval_r * rear.pad_friction
+        for axle, width in ((front, g.interval_f), (rear, g.interval_r)):
+            ok &= axle.upper - axle.lower < 2.0 * width * axle.pad_friction
+            ok &= axle.normalised_force < top
     if "steering" in log:
         ok &= np.abs(log["steering"]) < g.steering
-    wheels = np.stack([log[f"omega_{w}"] for w in ("fl", "fr", "rl", "rr")])
-    spread = wheels.max(axis=0) - wheels.min(axis=0)
-    ok &= spread < g.lock * np.maximum(wheels.max(axis=0), 1.0)
     return np.asarray(ok & np.isfinite(front.pad_friction))
+
+
+def _since(time: Array, event: Mask) -> Array:
+    """Time since the event last held [s]; infinite before its first."""
+    return time - np.maximum.accumulate(np.where(event, time, -np.inf))
+
+
+def _locked(log: Log, s: Signals, g: Gates) -> Mask:
+    """Where a wheel departs from the fastest one as only ABS or a locked wheel does."""
+    wheels = np.stack([log[f"omega_{w}"] for w in WHEELS])
+    fastest = wheels.max(axis=0)
+    apart = fastest - wheels.min(axis=0) > g.lock * np.maximum(fastest, 1.0)
+    return np.asarray(apart & (s.speed > g.speed))

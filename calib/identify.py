@@ -83,8 +83,8 @@ class Identified:
     """Mean (6,) and covariance (6, 6) of `PARAMETERS`, and what each run gave.
 
     ``eta_zero``, ``slip_zero`` per run [1]; ``pad_scale`` common factor on nominal pads at the
-    identified ratio, per run [1]; ``residuals`` of eta and of slip over their noise, per run, (k,) of
-    the blocks used; ``chi2`` mean square of them; ``nominal_weight`` of the file's pad ratio.
+    identified ratio, per run [1]; ``residuals`` of eta and of slip over their noise, per run, over
+    the blocks used, (k,); ``chi2`` mean square of them; ``nominal_weight`` of the file's pad ratio.
     """
 
     mean: Array

@@ -45,8 +45,9 @@ class Priors:
 
     ``ratio`` sigma of rho when the pads do not change alike: a wet front and a dry rear pad differ
     by a quarter. ``ratio_odds`` odds that they do change alike, within ``ratio_alike``.
-    ``stiffness`` sigma of s: tile to dry asphalt spans 0.6 to 1.1. ``peak_per_stiffness``, ``peak``: a softer surface also peaks
-    earlier; mean of w - 1 per unit of s, and sigma around it. ``zero`` radii agree within 1 %.
+    ``stiffness`` sigma of s: tile to dry asphalt spans 0.6 to 1.1. ``peak_per_stiffness``,
+    ``peak``: a softer surface also peaks earlier; mean of w - 1 per unit of s, and sigma around it.
+    ``zero`` radii agree within 1 %.
     ``pitch_frequency`` [Hz], ``pitch_damping`` of a usual body (Gillespie, ch. 5); ``kappa``,
     ``kappa_sigma`` how much of the load transfer goes through it: none on a stiff car, nearly all
     without anti-dive. ``pitch`` what else is late or too far, per unit of what a filter of

@@ -21,14 +21,14 @@ LAYERS = """
     tyre magic_formula wheel evidence
     model manoeuvre
     table curve_file
-    resistance identify level lookup
+    resistance identify level lookup balance rivals
     curves
     soundness version store difference exports
     observation caveats verdict check
     fit
     kalman adaptive estimator
     simulate replay noise
-    scores limits validate
+    scores limits validate results
     diagnose
     fleet
     plots report

@@ -37,11 +37,11 @@ def sheet(a: Table, b: Table, name_a: str, name_b: str) -> Sheet:
         ),
         panels=(
             Panel("f1-f2", "Normalised force curves", lambda ax: forces(ax, both, pair), 2),
-            Panel("f1-f2-gap", "Their difference", lambda ax: force_gaps(ax, both)),
+            Panel("f1-f2-gap", "Change of $f_1$ and $f_2$", lambda ax: force_gaps(ax, both)),
             Panel("difference", r"Difference $D = F_f - F_r$", lambda ax: one(ax, both["D"], pair)),
-            Panel("difference-gap", "Its difference", lambda ax: one_gap(ax, both["D"])),
+            Panel("difference-gap", "Change of $D$", lambda ax: one_gap(ax, both["D"])),
             Panel("tyre", "Common tyre curve", lambda ax: tyres(ax, both["g"], pair)),
-            Panel("tyre-gap", "Its difference", lambda ax: tyre_gap(ax, both["g"])),
+            Panel("tyre-gap", "Change of the tyre curve", lambda ax: tyre_gap(ax, both["g"])),
         ),
         rows=(("f1-f2", "f1-f2-gap"), ("difference", "difference-gap"), ("tyre", "tyre-gap")),
         heights=(1.3, 1.0, 1.0),
@@ -107,6 +107,7 @@ def _draw_both(ax: "Axes", both: tuple[Curve, Curve], labels: Sequence[str]) -> 
 def _draw_gap(ax: "Axes", both: tuple[Curve, Curve], stroke: Stroke, label: str) -> None:
     ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
     x, difference, half = gap(*both)
+    ax.set_xlim(min(c[0][0] for c in both), max(c[0][-1] for c in both))  # as the curves beside it
     if x.size == 0:
         ax.text(0.5, 0.5, "no common range", transform=ax.transAxes, ha="center")
         return

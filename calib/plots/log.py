@@ -1,6 +1,6 @@
 """A log as it is, without table or vehicle: speeds, pressure, deceleration, raw eta."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,8 +9,8 @@ from calib.course import MOVING, NOMINAL_RADIUS
 from calib.logs.log import Log
 from calib.names import WHEELS, G
 from calib.plots.sheet import Panel, Sheet
-from calib.plots.stop import WHEEL_STROKES
-from calib.plots.style import BODY, LEVEL, noisy, smooth, view
+from calib.plots.stop import RATIO, WHEEL_STROKES
+from calib.plots.style import BODY, noisy, smooth, view
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 BAR = 1e5
+DRIVEN = 0.05
+"""A car that gains speed faster than this is driven [g]."""
 WHEEL_PRESSURES = tuple(f"p_{wheel}" for wheel in WHEELS)
 SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 
@@ -68,9 +70,7 @@ def speeds(ax: "Axes", log: Log) -> None:
     scaled = log["v"] / NOMINAL_RADIUS
     ax.plot(log.time, scaled, label=f"$V$ / {NOMINAL_RADIUS:g} m", linewidth=0.8, **BODY)
     _frame(ax, log, "wheel speed [rad/s]")
-    right = ax.secondary_yaxis(
-        "right", functions=(lambda w: w * NOMINAL_RADIUS * 3.6, lambda v: v / 3.6 / NOMINAL_RADIUS)
-    )
+    right = ax.secondary_yaxis("right", functions=(_to_kmh, _from_kmh))
     right.set_ylabel("$V$ [km/h]")
 
 
@@ -93,8 +93,11 @@ def deceleration(ax: "Axes", log: Log) -> None:
 def eta(ax: "Axes", log: Log) -> None:
     """Eta of the axle means (22), not zeroed, while the wheels turn fast enough to be believed."""
     percent = raw_eta(log)
-    noisy(ax, log.time, percent, LEVEL, r"$\omega_r/\omega_f - 1$")
-    view(ax, smooth(log.time, percent))
+    noisy(ax, log.time, percent, RATIO, r"$\omega_r/\omega_f - 1$")
+    shown = smooth(log.time, percent)
+    if "a_x" in log:  # wheels that spin under power would hide what braking does
+        shown = shown[smooth(log.time, -log["a_x"] / G) > -DRIVEN]
+    view(ax, shown)
     _frame(ax, log, r"$\eta - 1$ [%]")
 
 
@@ -104,6 +107,14 @@ def raw_eta(log: Log) -> Array:
     rear = 0.5 * (log["omega_rl"] + log["omega_rr"])
     turning = np.minimum(front, rear) > MOVING / NOMINAL_RADIUS
     return np.where(turning, 100.0 * (rear / np.where(turning, front, 1.0) - 1.0), np.nan)
+
+
+def _to_kmh(omega: Any) -> Any:
+    return np.asarray(omega) * NOMINAL_RADIUS * 3.6
+
+
+def _from_kmh(speed: Any) -> Any:
+    return np.asarray(speed) / 3.6 / NOMINAL_RADIUS
 
 
 def _frame(ax: "Axes", log: Log, ylabel: str) -> None:

@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib import identify
+from calib.course import BITE
 from calib.estimator import known_resistance
 from calib.forces import paper_curves
 from calib.logs.log import Log
 from calib.names import G
-from calib.signals import BITE, Blocks, blocks, sensor_noise, signals
+from calib.signals import Blocks, blocks, sensor_noise, signals
 from calib.table import Table
 
 Array = NDArray[np.float64]
@@ -24,9 +25,9 @@ GROUP = 5
 class MeasuredRamp:
     """A ramp in blocks, shapes (k,), SI.
 
-    ``time`` [s]; ``pressure`` [Pa]; ``z`` as measured and ``carried``, the part of it that the tyres
-    carry [1]; ``eta`` zeroed on the lead-in and ``eta_model``, what the identified car would show
-    on this run [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads, ``f1``,
+    ``time`` [s]; ``pressure`` [Pa]; ``z`` as measured and ``carried``, the part of it that the
+    tyres carry [1]; ``eta`` zeroed on the lead-in and ``eta_model``, what the identified car would
+    show on this run [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads, ``f1``,
     ``f2`` of them [1]; ``slip_f``, ``slip_r`` [1] as at the load of the tyre curve, None without v;
     ``braked`` blocks that count.
     """

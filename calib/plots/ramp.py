@@ -1,4 +1,4 @@
-"""The ramp of a calibration: its pressure (Fig. 4), its forces (Fig. 5), its points for Figs. 3, 6."""
+"""The ramp of a calibration: pressure (Fig. 4), forces (Fig. 5), and points for Figs. 3 and 6."""
 
 from typing import TYPE_CHECKING
 
@@ -35,7 +35,7 @@ def pressure(ax: "Axes", ramp: MeasuredRamp) -> None:
 
 
 def forces(ax: "Axes", ramp: MeasuredRamp) -> None:
-    """Fig. 5: what the tyres carry of the deceleration lies between the axles' normalised forces."""
+    """Fig. 5: what the tyres carry of z lies between the normalised forces of the axles."""
     noisy(ax, ramp.time, ramp.F_f, FRONT, "front $F_f$")
     noisy(ax, ramp.time, ramp.z, NOMINAL, "$z$ as measured")
     noisy(ax, ramp.time, ramp.F_r, REAR, "rear $F_r$")
@@ -48,6 +48,6 @@ def points(
 ) -> None:
     """Blocks as dots, and their means over a quarter of a second as rings."""
     ax.plot(x[mask], y[mask], ".", color=stroke["color"], ms=2.0, alpha=0.35, mew=0.0)
-    ring = {"color": stroke["color"], "mfc": "white", "ms": 3.4, "mew": 0.8}
-    kwargs = {"label": label} if label else {}
-    ax.plot(grouped(x, mask), grouped(y, mask), "o", linestyle="", zorder=3, **ring, **kwargs)
+    ring: Stroke = {"color": stroke["color"], "mfc": "white", "ms": 3.4, "mew": 0.8}
+    shown = label or "_points"  # a legend leaves out what begins with an underscore
+    ax.plot(grouped(x, mask), grouped(y, mask), "o", linestyle="", label=shown, zorder=3, **ring)

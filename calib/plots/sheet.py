@@ -36,7 +36,7 @@ class Panel:
         self.draw(ax)
         entries = len(ax.get_legend_handles_labels()[1])
         if entries:
-            ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=self.columns)
+            ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
         return math.ceil(entries / self.columns)
 
 

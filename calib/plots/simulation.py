@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.stop import frame, note, pad_estimate, stop_panels
-from calib.plots.style import BODY, FRONT, LAW, NOMINAL, REAR, TRUTH, Stroke, smooth, view
+from calib.plots.style import BODY, FRONT, LAW, NOMINAL, REAR, TRUTH, Stroke, noisy, smooth, view
 from calib.plots.trace import AxleTrace, Trace
 
 if TYPE_CHECKING:
@@ -78,8 +78,8 @@ def compensation(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> N
 def torque(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
     """Figs. 10 and 11: the left wheel's torque, true, with nominal pads and compensated."""
     if axle.nominal_torque is not None:
-        ax.plot(trace.time, 0.5 * axle.nominal_torque, label="uncompensated", **NOMINAL)
-    ax.plot(trace.time, axle.wheel_torque, label="compensated", **{**stroke, "linewidth": 1.7})
+        noisy(ax, trace.time, 0.5 * axle.nominal_torque, NOMINAL, "uncompensated")
+    noisy(ax, trace.time, axle.wheel_torque, {**stroke, "linewidth": 1.7}, "compensated")
     if axle.true_wheel_torque is not None:
         ax.plot(trace.time, axle.true_wheel_torque, label="truth", **TRUTH)
     frame(ax, trace, "wheel torque [N m]")

@@ -39,6 +39,9 @@ WHEEL_STROKES: dict[str, Stroke] = {
     "rl": {"color": "#D55E00", "linestyle": DASHED},
     "rr": {"color": "#E69F00", "linestyle": DOTTED},
 }
+RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
+SLIP_MEAN = 0.3
+"""Slip is the difference of two nearly equal speeds: it takes a longer mean [s] to be seen."""
 RIVALS: dict[str, tuple[str, Stroke]] = {
     "mean_gain": ("one mean gain", LEVEL),
     "gradient_paper": ("gradient law, paper look-up", LAW),
@@ -108,10 +111,10 @@ def frame(ax: "Axes", trace: Trace, ylabel: str) -> None:
 
 def wheel_speeds(ax: "Axes", trace: Trace) -> None:
     """Panel (a)."""
+    if trace.v_wheel is not None:  # first, so that it lies below the wheels
+        ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=1.0, **BODY)
     for wheel, omega in trace.wheels.items():
         ax.plot(trace.time, omega, label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
-    if trace.v_wheel is not None:
-        ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=0.8, **BODY)
     frame(ax, trace, "wheel speed [rad/s]")
 
 
@@ -137,11 +140,11 @@ def slip(ax: "Axes", trace: Trace) -> None:
     for values, stroke, label in (
         (trace.front.slip, FRONT, "front slip"),
         (trace.rear.slip, REAR, "rear slip"),
-        (trace.eta - 1.0, LEVEL, r"$\eta - 1$, zeroed"),
+        (trace.eta - 1.0, RATIO, r"$\eta - 1$, zeroed"),
     ):
         if values is not None:
-            noisy(ax, trace.time, 100.0 * values, stroke, label)
-            shown.append(100.0 * smooth(trace.time, values)[trace.valid])
+            noisy(ax, trace.time, 100.0 * values, stroke, label, SLIP_MEAN)
+            shown.append(100.0 * smooth(trace.time, values, SLIP_MEAN)[trace.valid])
     view(ax, *shown, zero=True)
     frame(ax, trace, r"slip, $\eta - 1$ [%]" if len(shown) > 1 else r"$\eta - 1$ [%]")
 
@@ -150,7 +153,7 @@ def pad(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
     """Panel (d), one axle: the estimate with its interval, truth, nominal, and rivals thin."""
     for name, (label, thin) in RIVALS.items():
         if name in axle.rivals:
-            ax.plot(trace.time, axle.rivals[name], label=label, linewidth=0.7, **thin)
+            ax.plot(trace.time, axle.rivals[name], label=label, linewidth=0.9, **thin)
     pad_estimate(ax, trace, axle, stroke)
     _view_pads(ax, trace, axle, [axle.rivals[name] for name in RIVALS if name in axle.rivals])
     frame(ax, trace, "pad friction [1]")
@@ -159,12 +162,12 @@ def pad(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
 def pad_estimate(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
     """Draw the estimate with its interval, the nominal pad and the truth, as far as known."""
     band(ax, trace.time, axle.lower, axle.upper, stroke)
-    label = r"$\mu_{p,c}$ with 95 % interval"
+    label = r"estimate $\mu_{p,c}$, 95 %"
     ax.plot(trace.time, axle.pad, label=label, **{**stroke, "linewidth": 1.7})
     if axle.nominal is not None:
         ax.axhline(axle.nominal, label=r"nominal $\mu_{p,n}$", **NOMINAL)
     if axle.true_pad is not None:
-        ax.plot(trace.time, axle.true_pad, label="truth", **TRUTH)
+        ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
 
 
 def _view_pads(ax: "Axes", trace: Trace, axle: AxleTrace, rivals: list[Array]) -> None:
@@ -177,13 +180,16 @@ def _view_pads(ax: "Axes", trace: Trace, axle: AxleTrace, rivals: list[Array]) -
     view(ax, *core, *thin)
 
 
+NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
+
+
 def axle_torques(ax: "Axes", trace: Trace) -> None:
     """Panel (e): per axle, with nominal pads and compensated."""
     for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
-        ax.plot(trace.time, axle.torque / 1e3, label=f"{word} compensated", **stroke)
+        noisy(ax, trace.time, axle.torque / 1e3, stroke, f"{word} compensated")
         if axle.nominal_torque is not None:
-            thin = {"color": stroke["color"], "linestyle": DASH_DOT, "linewidth": 0.8}
-            ax.plot(trace.time, axle.nominal_torque / 1e3, label=f"{word} nominal", **thin)
+            thin = {"color": stroke["color"], "linestyle": NOMINALS[word], "linewidth": 0.9}
+            noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, f"{word} nominal")
     frame(ax, trace, "axle torque [kN m]")
 
 

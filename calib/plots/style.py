@@ -1,8 +1,8 @@
 """How every figure looks: one place for fonts, colours and line styles.
 
 Colours are those of Okabe and Ito, which colour-blind readers tell apart; every line style differs
-as well, so that a print in grey still reads. What is measured is drawn twice: thin as it came, thick
-as its mean over a tenth of a second.
+as well, so that a print in grey still reads. What is measured is drawn twice: thin as it came,
+thick as its mean over a tenth of a second.
 """
 
 from collections.abc import Iterator
@@ -36,7 +36,7 @@ LEVEL: Stroke = {"color": "#009E73", "linestyle": DASHED}
 IDENTIFIED: Stroke = {"color": "#009E73", "linestyle": "-"}
 
 SHADE = "#E9E9E9"
-RAW = 0.35
+RAW = 0.3
 """Opacity of a line as it came."""
 BAND = 0.18
 """Opacity of a 95 % band."""
@@ -84,19 +84,22 @@ def styled() -> Iterator[None]:
 
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
-        matplotlib.rcParams.update(_RC)
+        for name, value in _RC.items():
+            matplotlib.rcParams[name] = value  # type: ignore[literal-required,index]
         yield
 
 
-def noisy(ax: "Axes", time: Array, values: Array, stroke: Stroke, label: str) -> None:
-    """Draw a measured line: thin as it came, thick as its centred mean over `MEAN`."""
+def noisy(
+    ax: "Axes", time: Array, values: Array, stroke: Stroke, label: str, window: float = MEAN
+) -> None:
+    """Draw a measured line: thin as it came, thick as its centred mean over ``window`` [s]."""
     ax.plot(time, values, color=stroke["color"], linewidth=0.5, alpha=RAW)
-    ax.plot(time, smooth(time, values), label=label, **stroke)
+    ax.plot(time, smooth(time, values, window), label=label, **stroke)
 
 
-def smooth(time: Array, values: Array) -> Array:
-    """Centred mean over `MEAN`, shape (n,); NaN stays NaN and spreads to no neighbour."""
-    width = max(1, round(MEAN / float(np.median(np.diff(time)))))
+def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
+    """Centred mean over ``window`` [s], shape (n,); NaN stays NaN and spreads to no neighbour."""
+    width = max(1, round(window / float(np.median(np.diff(time)))))
     known = np.isfinite(values)
     weight = centred_mean(known.astype(float), width)
     total = centred_mean(np.where(known, values, 0.0), width)

@@ -1,6 +1,6 @@
 """A table on a page: Figs. 2, 3 and 6, D(eta), and how often each cell was seen.
 
-With the ramps it was made of, what they measured stands beside the curves, and Figs. 4 and 5 follow.
+With the ramps it was made of, what they measured stands beside the curves; Figs. 4 and 5 follow.
 """
 
 from typing import TYPE_CHECKING
@@ -81,13 +81,13 @@ def _note(table: Table, ramps: Ramps) -> str:
     if ramps:
         note += (
             "Dots: blocks of 50\u00a0ms; rings: means over 0.25\u00a0s, grey where the ramp is past "
-            f"the {table.paper.decelerations[1]:.2f}\u00a0g at which the curves over \u03b7 end. The "
-            "curves are those of a car without air drag; dotted: the same car as it was driven. "
+            f"the {table.paper.decelerations[1]:.2f}\u00a0g at which the curves over \u03b7 end. "
+            "The curves are those of a car without air drag; dotted: the same car as driven. "
         )
     return note
 
 
-def by_flag(ax: "Axes", x: Array, y: Array, flag: Array, stroke: Stroke, label: str = "") -> None:
+def by_flag(ax: "Axes", x: Array, y: Array, flag: Array, stroke: Stroke, label: str) -> None:
     """Draw a curve of a table, each piece as the worse of its two ends is flagged."""
     worse = np.maximum(flag[:-1], flag[1:])
     for value, (word, style, width) in FLAGS.items():
@@ -95,16 +95,10 @@ def by_flag(ax: "Axes", x: Array, y: Array, flag: Array, stroke: Stroke, label: 
         if not piece.any():
             continue
         ends = np.concatenate([piece, [False]]) | np.concatenate([[False], piece])
-        # A point that only joins two pieces of this kind to one of another breaks the line there.
+        # a value that is not a number breaks the line between pieces of this kind
         shown = np.where(ends, y, np.nan)
-        ax.plot(
-            x,
-            shown,
-            color=stroke["color"],
-            linestyle=style,
-            linewidth=width,
-            label=f"{label} {word}".strip() if label or stroke is BODY else "_",
-        )
+        line: Stroke = {"color": stroke["color"], "linestyle": style, "linewidth": width}
+        ax.plot(x, shown, label=f"{label} {word}", **line)
 
 
 def tyre(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
@@ -194,12 +188,14 @@ def _reach(ax: "Axes", x: Array) -> None:
 
 def coverage(ax: "Axes", table: Table) -> None:
     """Blocks seen in each cell of D(eta), and how many make it a measured one."""
+    from matplotlib.ticker import MaxNLocator
+
     curve = table.difference
     x = 100.0 * (curve.eta - 1.0)
     ax.fill_between(x, 0.0, curve.count, step="mid", color=IDENTIFIED["color"], alpha=0.5, lw=0.0)
     ax.step(x, curve.count, where="mid", color=IDENTIFIED["color"], label="blocks in the cell")
     ax.axhline(MIN_COUNT, label="least for a measured cell", **NOMINAL)
     ax.set(xlabel=ETA, ylabel="blocks [1]")
-    ax.yaxis.get_major_locator().set_params(integer=True)
+    ax.yaxis.set_major_locator(MaxNLocator("auto", integer=True))
     _reach(ax, x)
     ax.set_ylim(0.0, 1.1 * max(float(curve.count.max()), 2.0 * MIN_COUNT))

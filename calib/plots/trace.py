@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib import forces
+from calib.course import BITE
 from calib.effects.catalogue import total_body_force
 from calib.effects.effect import Motion
 from calib.estimator import AxleEstimate, Estimate, calibrated, known_resistance
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.plots.result import Result
-from calib.signals import BITE
 from calib.table import Table
 from calib.vehicle import Axle, Vehicle
 
@@ -81,7 +81,7 @@ class Trace:
 def from_estimate(
     table: Table, name: str, log: Log, estimate: Estimate, vehicle: Vehicle | None = None
 ) -> Trace:
-    """Trace of an ``estimate`` that the table ``name`` gave on ``log``, with the same ``vehicle``."""
+    """Trace of an ``estimate`` that the table ``name`` gave on ``log`` with ``vehicle``."""
     car = vehicle or calibrated(table)
     front = _axle(car.front, estimate.front, estimate, 0, log)
     rear = _axle(car.rear, estimate.rear, estimate, 1, log)
