@@ -289,15 +289,19 @@ def _lagged(x: Array, gain: float) -> Array:
 
 def _measure(x: Array, P: Array, step: _Step, innovation: Array) -> float:
     """Take in eta and, where there is one, the slip; return the mean squared innovation."""
-    eta, row, _, _ = _predict(x, step)
-    signal = step.relative * (eta - 1.0 - float(x[ETA0]))
-    innovation[0] = _update(x, P, row, step.eta - eta, step.var_eta + signal * signal)
+    eta, row_eta, slip, row_slip = _predict(x, step)
+    signal_eta = step.relative * (eta - 1.0 - float(x[ETA0]))
+    signal_slip = step.relative * (slip - float(x[SLIP0]))
+    before = x.copy()
+    first = _update(x, P, row_eta, step.eta - eta, step.var_eta + signal_eta**2)
+    innovation[0] = first
     if math.isnan(step.slip):
-        return float(innovation[0]) ** 2
-    _, _, slip, row = _predict(x, step)
-    signal = step.relative * (slip - float(x[SLIP0]))
-    innovation[1] = _update(x, P, row, step.slip - slip, step.var_slip + signal * signal)
-    return 0.5 * (float(innovation[0]) ** 2 + float(innovation[1]) ** 2)
+        return first * first
+    # the slip as predicted along its gradient from where eta has moved the state
+    error = step.slip - slip - float(row_slip @ (x - before))
+    second = _update(x, P, row_slip, error, step.var_slip + signal_slip**2)
+    innovation[1] = second
+    return 0.5 * (first * first + second * second)
 
 
 def _update(x: Array, P: Array, row: Array, error: float, variance: float) -> float:

@@ -55,7 +55,7 @@ def rivals(table: Table, car: Vehicle, s: Signals, b: Balance, eta: Array, level
 def read(table: Table, car: Vehicle, s: Signals, b: Balance, eta: Array, name: str) -> Reading:
     """Normalised forces by one look-up from filtered z and eta."""
     z, smooth = low_pass(s, s.z), low_pass(s, eta)
-    return LOOKUPS[name](table, z, smooth, z - low_pass(s, b.body) / car.weight)
+    return LOOKUPS[name](table, z, smooth, z - b.body / car.weight)
 
 
 def adapt(car: Vehicle, s: Signals, b: Balance, reading: Reading, law: str) -> Pair:

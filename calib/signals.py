@@ -35,7 +35,7 @@ class Signals:
 
     ``p_f``, ``p_r`` axle pressures (wheel pressures where logged, else master cylinder); ``z`` (5);
     ``omega_f``, ``omega_r`` axle means; ``v`` reference speed or None; ``speed`` v, else what the
-    rear wheels say. ``lead_in`` is true where the car is not yet braked.
+    rear wheels say. ``lead_in`` is true where the car is not yet braked; ``sample_time`` [s].
     """
 
     time: Array
@@ -47,11 +47,7 @@ class Signals:
     v: Array | None
     speed: Array
     lead_in: Mask
-
-    @property
-    def sample_time(self) -> float:
-        """Median step [s]."""
-        return float(np.median(np.diff(self.time)))
+    sample_time: float
 
 
 @dataclass(frozen=True)
@@ -122,6 +118,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
         v=v,
         speed=speed,
         lead_in=lead_in(log.time, np.maximum(p_f, p_r), z, speed),
+        sample_time=log.sample_time,
     )
 
 

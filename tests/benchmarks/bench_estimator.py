@@ -1,4 +1,6 @@
-"""Speed of the estimator against the plain ways, in one run: python tests/benchmarks/bench_estimator.py
+"""Speed of the estimator against the plain ways, in one run.
+
+    python tests/benchmarks/bench_estimator.py
 
 Prints nanoseconds a sample and ratios; nothing is asserted, machines differ. Needs the extra
 `bench` (padasip, filterpy).
@@ -73,16 +75,16 @@ def recursions() -> None:
     y = 0.1 * u + rng.normal(0.0, 2.0, n)
     gamma = 5.0 / 50.0**2
     short = slice(0, 5000)
-    rows = [
-        ("gradient law (25), bidiagonal solve", best(lambda: adaptive.gradient(y, u, gamma, dt)), n),
-        ("recursive least squares, two filters", best(lambda: adaptive.least_squares(y, u, 1.0, dt)), n),
-        ("gradient law, Python loop", best(lambda: loop_gradient(y[short], u[short], gamma, dt), 3), 5000),
-        ("padasip FilterRLS", best(lambda: padasip_rls(y[short], u[short]), 3), 5000),
-        ("filterpy KalmanFilter", best(lambda: filterpy_kalman(y[short], u[short]), 3), 5000),
-    ]  # fmt: skip
-    base = rows[0][1] / rows[0][2]
-    for name, seconds, count in rows:
-        each = seconds / count
+    ways: list[tuple[str, Callable[[], object], int]] = [
+        ("gradient law (25), bidiagonal solve", lambda: adaptive.gradient(y, u, gamma, dt), n),
+        ("recursive least squares, filters", lambda: adaptive.least_squares(y, u, 1.0, dt), n),
+        ("gradient law, Python loop", lambda: loop_gradient(y[short], u[short], gamma, dt), 5000),
+        ("padasip FilterRLS", lambda: padasip_rls(y[short], u[short]), 5000),
+        ("filterpy KalmanFilter", lambda: filterpy_kalman(y[short], u[short]), 5000),
+    ]
+    rows = [(name, best(call, 3) / count) for name, call, count in ways]
+    base = rows[0][1]
+    for name, each in rows:
         print(f"{name:<40} {1e9 * each:10.1f} ns a sample   {each / base:8.1f} x")
 
 
