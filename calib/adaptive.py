@@ -5,8 +5,8 @@
 
 (25) as printed lacks the dot and the sampling time; it is theta_dot = gamma eps u. In steps of dt
 it is stable while gamma u^2 dt < 2. The Lyapunov function that decreases is theta_err^2/(2 gamma):
-(26) takes eps for it, and (27), (28) drop the factor u^2. theta moves only while u does; it is
-frozen below a pressure.
+(26) takes eps = -theta_err u in place of theta_err, so that (27), (28) hold for constant u only.
+theta moves only while u is not 0; it is frozen below a pressure.
 
 The recursion theta[k+1] = (1 - gamma u^2 dt) theta[k] + gamma dt u y is a lower bidiagonal system,
 so LAPACK solves it in one call.
@@ -33,7 +33,8 @@ def measured_output(
 ) -> Array:
     """Output y of (23) of one wheel [N m], what else slows the wheel (``moment``) taken out.
 
-    ``force`` normalised force F_bar [1]; ``load`` of the wheel [N]; ``spin`` d omega/dt [rad/s^2].
+    It is (13) or (14) with all that is known on one side. ``force`` normalised force F_bar [1];
+    ``load`` of the wheel [N]; ``spin`` d omega/dt [rad/s^2].
     """
     return (
         axle.wheel_inertia * spin
@@ -69,7 +70,7 @@ def gradient(y: Array, u: Array, gamma: float, dt: float, start: float = 0.0) ->
             do="lower the gain, or log faster",
         )
     n = u.size
-    # (1) theta[k] - (1 - gamma dt u^2) theta[k-1] = gamma dt u y, lower band of the unit diagonal
+    # theta[k] - (1 - gamma dt u^2) theta[k-1] = gamma dt u y: unit diagonal and one below it
     band = np.empty((2, n), order="F")
     band[0] = 1.0
     band[1, : n - 1] = step * u[1:] * u[1:] - 1.0
@@ -84,7 +85,8 @@ def gradient(y: Array, u: Array, gamma: float, dt: float, start: float = 0.0) ->
 def least_squares(y: Array, u: Array, memory: float, dt: float, prior: float = 0.0) -> Array:
     """theta by recursive least squares with forgetting over ``memory`` [s], (n,).
 
-    ``prior`` [N^2 m^2] is the weight of theta = 0 at the start. Nought until u first moves.
+    ``prior`` [N^2 m^2] is a weight of theta = 0 that is never forgotten: it draws theta to nought
+    where u is small. Without it theta is nought until u first moves, and held after u has ended.
     """
     from scipy.signal import lfilter
 

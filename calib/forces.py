@@ -63,8 +63,12 @@ def wheel_torque(
 
 
 def spin_rate(axle: Axle, torque: Array, force: Array) -> Array:
-    """d omega/dt [rad/s^2] of one wheel under ``torque`` [N m] and tyre ``force`` [N], (1), (4)."""
-    return (axle.rolling_radius * force - torque) / axle.wheel_inertia  # (1)
+    """d omega/dt [rad/s^2] of one wheel under ``torque`` [N m] and tyre ``force`` [N], (1).
+
+    With the torque of (3) and the force F F_z of the axle's normalised force and half its load,
+    (6) or (7), it is (4), and (13) or (14).
+    """
+    return (axle.rolling_radius * force - torque) / axle.wheel_inertia  # (1), (4), (13), (14)
 
 
 def braking_sum(vehicle: Vehicle, z: Array, body_force: Array | float = 0.0) -> Array:
@@ -109,9 +113,9 @@ def paper_curves(vehicle: Vehicle, z: Array, D: Array) -> tuple[Array, Array]:
 def front_biased_up_to(vehicle: Vehicle) -> float:
     """z [1] at which F_f = F_r with nominal pads: the car is front-biased below it.
 
-    From (2), (9) and the I curve: the front share of the tyre force equals that of the load.
-    Infinite when no z short of rear-wheel lift satisfies it, nought when the car is rear-biased
-    from rest.
+    From (2), (9) and the I curve: the front share of the tyre force equals that of the load. With
+    any rear brake that is short of rear-wheel lift; infinite without one, nought when the car is
+    rear-biased from rest.
     """
     force = {
         side: axle.torque_gain * axle.pad_friction / axle.rolling_radius
@@ -119,8 +123,7 @@ def front_biased_up_to(vehicle: Vehicle) -> float:
     }
     share = force["f"] / (force["f"] + force["r"])
     z = (share * vehicle.wheelbase - vehicle.cg_to_rear_axle) / vehicle.cg_height
-    lift = vehicle.cg_to_front_axle / vehicle.cg_height
-    return float("inf") if z >= lift else max(z, 0.0)
+    return float("inf") if force["r"] == 0.0 else max(z, 0.0)
 
 
 def slip(axle: Axle, omega: Array, v: Array) -> Array:

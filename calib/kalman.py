@@ -255,10 +255,20 @@ def _steps(vehicle: Vehicle, b: Blocks, d: Demand, noise: Noise, priors: Priors)
         d.psi,
         np.full(count, priors.drift_ratio**2 * b.length),
         np.full(count, priors.drift_surface**2 * b.length),
-        b.speed > MOVING,
+        (b.speed > MOVING) & _rolling(b, d.slip),
         held < priors.change_calm,
     )
     return [_Step(*row) for row in np.column_stack(columns).tolist()]
+
+
+ROLLING = 0.08
+"""Slip or eta - 1 [1] past which a tyre is beyond its peak, or a wheel locks: no curve holds."""
+
+
+def _rolling(b: Blocks, slip: Array | None) -> NDArray[np.bool_]:
+    """Blocks in which all wheels roll on the rising branch of their tyres."""
+    ok = np.abs(b.eta - 1.0) < ROLLING
+    return np.asarray(ok if slip is None else ok & (np.abs(slip) < ROLLING))
 
 
 def pitch_deficit(vehicle: Vehicle, z: Array, step: float, priors: Priors) -> Array:

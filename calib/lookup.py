@@ -19,6 +19,16 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
+STEPS = 4
+"""Newton steps of the `tyre` look-up: eta leaves the curve nearly straight in D."""
+
+SETTLED = 1e-3
+"""Last step in D [1] beyond which the look-up has not settled; what is left is of its square."""
+
+DRIVEN = -0.05
+"""Normalised force [1] below which an axle drives more than coasting wheels can: no braking."""
+
+
 class Reading(NamedTuple):
     """Normalised forces of the axles [1] and where the table covers them, shapes (n,)."""
 
@@ -42,13 +52,17 @@ def difference(table: Table, z: Array, eta: Array, level: Array) -> Reading:
 
 
 def tyre(table: Table, z: Array, eta: Array, level: Array) -> Reading:
-    """F_f, F_r from the common tyre curve: D such that the slips give eta, by Newton's method."""
+    """F_f, F_r from the common tyre curve: D such that the slips give eta, by Newton's method.
+
+    Inside while neither axle passes the greatest force of the curve nor drives, and the steps have
+    settled: they may not on a curve that turns over.
+    """
     vehicle = table.vehicle
     curve = Tyre(*table.posterior.mean[:4])
     load_f, load_r = axle_loads(vehicle, z)
     half = 0.5 * vehicle.weight
-    D = np.zeros_like(z)
-    for _ in range(4):
+    D, step = np.zeros_like(z), np.full_like(z, np.inf)
+    for _ in range(STEPS):
         F_f, F_r = split(vehicle, z, D, level)
         slip_f, slip_r = curve.slip(F_f, load_f / half), curve.slip(F_r, load_r / half)
         # (22): (1 - slip_r) - eta (1 - slip_f) = 0, and its slope in D
@@ -57,11 +71,12 @@ def tyre(table: Table, z: Array, eta: Array, level: Array) -> Reading:
             curve.slope(F_r, load_r / half) * load_f
             + eta * curve.slope(F_f, load_f / half) * load_r
         ) / (load_f + load_r)
-        D = D - rest / slope
+        step = rest / slope
+        D = D - step
     F_f, F_r = split(vehicle, z, D, level)
     top = float(table.tyre.force[-1])
-    inside = (F_f <= top) & (F_r <= top) & (np.minimum(F_f, F_r) > -0.05)
-    return Reading(F_f, F_r, inside)
+    inside = (F_f <= top) & (F_r <= top) & (np.minimum(F_f, F_r) > DRIVEN)
+    return Reading(F_f, F_r, inside & (np.abs(step) < SETTLED))
 
 
 LOOKUPS: dict[str, Callable[[Table, Array, Array, Array], Reading]] = {

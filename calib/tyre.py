@@ -1,5 +1,7 @@
 """One tyre curve for both axles, written as compliance: slip over normalised force.
 
+(15) and (16) say that one f gives F_f = f(lambda_f) and F_r = f(lambda_r). Here is its inverse:
+
     slip = exp(c - s) (2 F_z/W)^q F (1 + b2 u + b3 u^2),   u = F w
 
 c = ln of the compliance at the table's surface, b2 and b3 its curvature, q the load exponent (a
@@ -41,6 +43,7 @@ class Tyre:
         """Slip [1] that carries the normalised ``force`` [1]; load is that of the axle over W/2."""
         u = force * self.peak_ratio
         gain = np.exp(self.log_compliance - self.log_stiffness) * relative_load**self.load_exponent
+        # (15), (16) solved for lambda
         slip = gain * force * (1.0 + self.curvature_2 * u + self.curvature_3 * u * u)
         return np.asarray(slip)
 

@@ -21,17 +21,18 @@ LAYERS = """
     tyre magic_formula wheel evidence
     model manoeuvre
     table curve_file
-    resistance identify level lookup balance rivals
+    resistance identify level lookup balance
     curves
     soundness version store difference exports
     observation caveats verdict check
     fit
-    kalman adaptive estimator
+    kalman adaptive rivals estimator
     simulate replay noise
     scores limits validate results
     diagnose
     fleet
     plots report
+    demo
 """
 """A file imports from rows above its own, or from its own row where that makes no circle."""
 

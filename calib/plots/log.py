@@ -9,8 +9,8 @@ from calib.course import MOVING, NOMINAL_RADIUS
 from calib.logs.log import Log
 from calib.names import WHEELS, G
 from calib.plots.sheet import Panel, Sheet
-from calib.plots.stop import RATIO, WHEEL_STROKES
-from calib.plots.style import BODY, noisy, smooth, view
+from calib.plots.stop import WHEEL_STROKES
+from calib.plots.style import BODY, IDENTIFIED, noisy, smooth, view
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,11 +76,16 @@ def speeds(ax: "Axes", log: Log) -> None:
 
 def pressure(ax: "Axes", log: Log) -> None:
     """Master-cylinder pressure, and those of the wheels where logged."""
-    if "p_mc" in log:
-        ax.plot(log.time, log["p_mc"] / BAR, label="master cylinder", **BODY)
-    for name, wheel in zip(WHEEL_PRESSURES, WHEELS, strict=True):
+    labels = {"p_mc": ("master cylinder", BODY)}
+    labels |= {
+        f"p_{wheel}": (wheel, {**WHEEL_STROKES[wheel], "linewidth": 1.0}) for wheel in WHEELS
+    }
+    shown = []
+    for name, (label, stroke) in labels.items():
         if name in log:
-            ax.plot(log.time, log[name] / BAR, label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
+            noisy(ax, log.time, log[name] / BAR, stroke, label)
+            shown.append(smooth(log.time, log[name] / BAR))
+    view(ax, *shown, np.array([0.0, 1.0]))  # a bar at least: noise of an unbraked run stays small
     _frame(ax, log, "pressure [bar]")
 
 
@@ -93,7 +98,7 @@ def deceleration(ax: "Axes", log: Log) -> None:
 def eta(ax: "Axes", log: Log) -> None:
     """Eta of the axle means (22), not zeroed, while the wheels turn fast enough to be believed."""
     percent = raw_eta(log)
-    noisy(ax, log.time, percent, RATIO, r"$\omega_r/\omega_f - 1$")
+    noisy(ax, log.time, percent, IDENTIFIED, r"$\omega_r/\omega_f - 1$")
     shown = smooth(log.time, percent)
     if "a_x" in log:  # wheels that spin under power would hide what braking does
         shown = shown[smooth(log.time, -log["a_x"] / G) > -DRIVEN]

@@ -27,9 +27,9 @@ class MeasuredRamp:
 
     ``time`` [s]; ``pressure`` [Pa]; ``z`` as measured and ``carried``, the part of it that the
     tyres carry [1]; ``eta`` zeroed on the lead-in and ``eta_model``, what the identified car would
-    show on this run [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads, ``f1``,
-    ``f2`` of them [1]; ``slip_f``, ``slip_r`` [1] as at the load of the tyre curve, None without v;
-    ``braked`` blocks that count.
+    show on this run [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads,
+    ``f1``, ``f2`` of them [1]; ``slip_f``, ``slip_r`` [1] as at the load of the tyre curve, None
+    without v; ``braked`` blocks that count.
     """
 
     name: str

@@ -4,6 +4,7 @@ PNG and SVG hold one page each; a PDF holds as many as there are.
 """
 
 import io
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,31 +33,34 @@ def render(figure: "Figure", ending: str) -> bytes:
         return buffer.getvalue()
 
 
-def render_pages(figures: "list[Figure]") -> bytes:
-    """Bytes of one PDF with a page for each figure."""
+def render_pages(figures: "list[Figure]", done: Callable[[], None] = lambda: None) -> bytes:
+    """Bytes of one PDF with a page for each figure; ``done`` is called after each."""
     from matplotlib.backends.backend_pdf import PdfPages
 
     buffer = io.BytesIO()
     with styled(), PdfPages(buffer, metadata=METADATA[".pdf"]) as pages:
         for figure in figures:
             figure.savefig(pages, format="pdf")
+            done()
     return buffer.getvalue()
 
 
-def save(pages: "dict[Path, list[Figure]]") -> None:
+def save(pages: "dict[Path, list[Figure]]", done: Callable[[], None] = lambda: None) -> None:
     """Write each file with its pages; all are drawn before the first is written.
 
-    A file other than a PDF takes one page. Raises KeyError for an unknown ending, ValueError for
+    ``done`` is called after each page is drawn. A file other than a PDF takes one page. Raises KeyError for an unknown ending, ValueError for
     too many pages, OSError if a file cannot be written.
     """
-    ready = {path: _content(path, figures) for path, figures in pages.items()}
+    ready = {path: _content(path, figures, done) for path, figures in pages.items()}
     for path, content in ready.items():
         write_whole(path, content)
 
 
-def _content(path: Path, figures: "list[Figure]") -> bytes:
+def _content(path: Path, figures: "list[Figure]", done: Callable[[], None]) -> bytes:
     ending = path.suffix.lower()
     if ending == ".pdf":
-        return render_pages(figures)
+        return render_pages(figures, done)
     (figure,) = figures
-    return render(figure, ending)
+    content = render(figure, ending)
+    done()
+    return content

@@ -104,5 +104,6 @@ def _frame(figure: "Figure", sheet: Sheet, width: int) -> None:
     """Title above and note below, both from the left edge."""
     figure.suptitle(sheet.title, x=0.012, ha="left")
     if sheet.note:
-        text = "\n".join(textwrap.wrap(sheet.note, width))
+        whole = sheet.note.replace(" %", "\u00a0%")  # a figure keeps its unit on its line
+        text = "\n".join(textwrap.wrap(whole, width))
         figure.supxlabel(text, x=0.012, ha="left", fontsize=7.0, color="#444444")

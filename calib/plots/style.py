@@ -61,8 +61,8 @@ _RC: dict[str, Any] = {
     "lines.linewidth": 1.3,
     "legend.fontsize": 7.0,
     "legend.frameon": False,
-    "legend.handlelength": 2.4,
-    "legend.columnspacing": 1.2,
+    "legend.handlelength": 2.3,
+    "legend.columnspacing": 1.0,
     "legend.borderaxespad": 0.15,
     "legend.borderpad": 0.1,
     "xtick.labelsize": 7.5,
@@ -85,7 +85,7 @@ def styled() -> Iterator[None]:
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         for name, value in _RC.items():
-            matplotlib.rcParams[name] = value  # type: ignore[literal-required,index]
+            matplotlib.rcParams[name] = value  # type: ignore[index]
         yield
 
 

@@ -77,12 +77,12 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
 def _note(table: Table, ramps: Ramps) -> str:
     logs = ", ".join(log.name for log in table.provenance.logs)
     note = f"Digest {table.digest[:16]}, made of {logs} with {table.provenance.program}. "
-    note += "Bands are 95 %. "
+    note += "Bands are 95 %."
     if ramps:
         note += (
-            "Dots: blocks of 50\u00a0ms; rings: means over 0.25\u00a0s, grey where the ramp is past "
-            f"the {table.paper.decelerations[1]:.2f}\u00a0g at which the curves over \u03b7 end. "
-            "The curves are those of a car without air drag; dotted: the same car as driven. "
+            " Dots: blocks of 50\u00a0ms; rings: means over 0.25\u00a0s, grey where the ramp is "
+            f"past the {table.paper.decelerations[1]:.2f}\u00a0g at which the curves over \u03b7 end. "
+            "The curves are those of a car without air drag; dotted: the same car as driven."
         )
     return note
 

@@ -1,0 +1,205 @@
+"""The whole program on the sample logs: check, fit, validate, draw, and the paper's two studies.
+
+Section IV is judged against the truth of its simulation. Section V has no truth on the road: what
+counts there is that the pads come out where they should be and agree with themselves.
+"""
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from calib.check import check
+from calib.fit import fit
+from calib.limits import DEFAULTS
+from calib.logs.log import Log
+from calib.logs.read import read_log
+from calib.results import write_results
+from calib.samples import sample_logs
+from calib.scores import truth_of
+from calib.store import save
+from calib.validate import Validation, to_dict, validate
+from calib.vehicle import Vehicle, read_vehicle
+from calib.version import Stored
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Study:
+    """One car of the samples: folder, ramps and coasts, hold-outs, vehicle of the validation."""
+
+    folder: str
+    fitted: tuple[str, ...]
+    held_out: tuple[str, ...]
+    vehicle: str = "vehicle.toml"
+
+
+STUDIES = (
+    Study(
+        "sedan",
+        ("ramp_wet_asphalt.csv", "ramp_wet_asphalt_repeat.csv", "coast.csv"),
+        (
+            "dry_asphalt_stop.csv",
+            "transition_dry_to_basalt.csv",
+            "basalt_wet_pads.csv",
+            "wet_tile_wet_pads.csv",
+        ),
+    ),
+    Study(
+        "simulation_study",
+        ("ramp_noisy.parquet",),
+        ("stop_noisy.parquet",),
+        "vehicle_wrong_pads.toml",
+    ),
+    Study(
+        "third_party",
+        ("cal_ramp.parquet",),
+        (
+            "hold1_const_mu30.parquet",
+            "hold2_steps_muf25_mur33.parquet",
+            "hold3_const_fade35_22.parquet",
+            "hold4_driver_mu28.parquet",
+        ),
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one study gave: the table, the validations, the figures drawn."""
+
+    study: Study
+    stored: Stored
+    results: tuple[Validation, ...]
+    logs: tuple[Log, ...]
+
+
+def run(out: Path, say: Say) -> list[Outcome]:
+    """Run every study below ``out``: sample_logs/, tables/, results/, figures/."""
+    logs = out / "sample_logs"
+    shutil.copytree(sample_logs(), logs, dirs_exist_ok=True)
+    return [run_study(study, logs / study.folder, out, say) for study in STUDIES]
+
+
+def run_study(study: Study, source: Path, out: Path, say: Say) -> Outcome:
+    """Check, fit, validate and draw one study."""
+    fitted = [read_log(source / name) for name in study.fitted]
+    held = [read_log(source / name) for name in study.held_out]
+    for log in fitted + held:
+        usable = [v.purpose for v in check(log).verdicts if v.usable]
+        say(f"checked {study.folder}/{log.name}: good for {', '.join(usable)}")
+    stored = save(fit(read_vehicle(source / "vehicle.toml"), fitted), out / "tables")
+    say(f"fitted {stored.id} from {', '.join(log.name for log in fitted)}")
+    other = None
+    if study.vehicle != "vehicle.toml":
+        other = read_vehicle(source / study.vehicle)
+    results = validate(stored.table, held, other, DEFAULTS)
+    write_results(results, to_dict(stored.id, results), out / "results" / study.folder)
+    say(f"validated {stored.id} on {', '.join(log.name for log in held)}")
+    draw(stored, fitted, held, other, out / "figures")
+    return Outcome(study, stored, tuple(results), tuple(held))
+
+
+def draw(
+    stored: Stored, fitted: list[Log], held: list[Log], other: Vehicle | None, where: Path
+) -> None:
+    """One page for the table with its ramps, one for each hold-out, as PNG."""
+    from calib.plots.choose import Given, sheets
+    from calib.plots.save import save as save_figures
+
+    where.mkdir(parents=True, exist_ok=True)
+    ramps = tuple(log for log in fitted if "coast" not in log.name)
+    pages = [
+        *sheets(Given(tables=(stored,), logs=ramps)),
+        *sheets(Given(tables=(stored,), logs=tuple(held), vehicle=other)),
+    ]
+    save_figures({where / f"{sheet.name}.png": [sheet.overview()] for sheet in pages})
+
+
+@dataclass(frozen=True)
+class SectionFour:
+    """One line of Section IV: a method, its final pad frictions and its torque error [N m rms]."""
+
+    method: str
+    final_f: float
+    final_r: float
+    torque_rms: float
+
+
+METHODS = ("nominal", "mean_gain", "gradient_difference", "rls_tyre")
+
+
+def section_four(outcome: Outcome) -> list[SectionFour]:
+    """The stop of Section IV by method; torque error over both axles from the first bite on."""
+    result, log, car = outcome.results[0], outcome.logs[0], outcome.stored.table.vehicle
+    e = result.estimate
+    truth = truth_of(log, car, e)
+    assert truth is not None
+    braked = e.braked & (e.speed > 3.0) & np.isfinite(e.front.pad_friction)
+    last = int(np.flatnonzero(braked)[-1])
+    pads = {name: e.rivals[name] for name in METHODS}
+    pads["kalman"] = (e.front.pad_friction, e.rear.pad_friction)
+    rows = []
+    for name, (front, rear) in pads.items():
+        errors = [
+            (mu * axle.torque_gain * p - t.torque)[braked]
+            for mu, axle, p, t in (
+                (front, car.front, e.pressure_f, truth[0]),
+                (rear, car.rear, e.pressure_r, truth[1]),
+            )
+        ]
+        rms = float(np.sqrt(np.mean(np.square(np.concatenate(errors)))))
+        rows.append(SectionFour(name, float(front[last]), float(rear[last]), rms))
+    return rows
+
+
+@dataclass(frozen=True)
+class SectionFive:
+    """One stop of Section V: pad friction with the half width of its 95 % interval, and the sums.
+
+    ``sum_nominal``, ``sum_compensated`` mean braking force over M a_x with nominal and with
+    compensated pads [1]; the second is near one for any table.
+    """
+
+    log: str
+    pads_f: float
+    width_f: float
+    pads_r: float
+    width_r: float
+    sum_nominal: float
+    sum_compensated: float
+
+
+def section_five(outcome: Outcome) -> list[SectionFive]:
+    """The stops of Section V in our numbers."""
+    return [_stop(result, outcome.stored.table.vehicle) for result in outcome.results]
+
+
+def _stop(result: Validation, car: Vehicle) -> SectionFive:
+    e, figures = result.estimate, result.figures
+    demand = car.weight * e.z[e.valid]
+
+    def share(front: np.ndarray, rear: np.ndarray) -> float:
+        total = sum(
+            2.0 * mu[e.valid] * axle.torque_gain * p[e.valid] / axle.rolling_radius
+            for mu, axle, p in (
+                (front, car.front, e.pressure_f),
+                (rear, car.rear, e.pressure_r),
+            )
+        )
+        return float(np.mean(total / demand))
+
+    pads = [figures[f"pad_friction_{side}"] or np.nan for side in "fr"]
+    widths = [figures[f"interval_{side}"] or np.nan for side in "fr"]
+    return SectionFive(
+        log=result.log,
+        pads_f=pads[0],
+        width_f=pads[0] * widths[0],
+        pads_r=pads[1],
+        width_r=pads[1] * widths[1],
+        sum_nominal=share(*e.rivals["nominal"]),
+        sum_compensated=share(e.front.pad_friction, e.rear.pad_friction),
+    )

@@ -1,0 +1,92 @@
+"""`brake-cal demo`: all of it on the sample logs."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, say
+from cli.options import Json, example
+
+if TYPE_CHECKING:
+    from rich.table import Table as Grid
+
+    from calib.demo import SectionFive, SectionFour
+
+EPILOG = example("brake-cal demo", "brake-cal demo --out somewhere")
+FOLDER = Path("brake-cal-demo")
+
+
+def demo(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for everything.")] = FOLDER,
+    json: Json = False,
+) -> None:
+    """Check, fit, validate and draw the sample logs, and print the paper's two studies.
+
+    Everything goes into one folder: the sample logs, the store, results and figures.
+    """
+    from calib.demo import run, section_five, section_four
+
+    if out.exists() and not out.is_dir():
+        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
+    out.mkdir(parents=True, exist_ok=True)
+    outcomes = run(out, say)
+    by_folder = {outcome.study.folder: outcome for outcome in outcomes}
+    four = section_four(by_folder["simulation_study"])
+    five = section_five(by_folder["sedan"])
+    if json:
+        emit_json(
+            {
+                "schema": 1,
+                "folder": out,
+                "tables": [outcome.stored.id for outcome in outcomes],
+                "section_4": four,
+                "section_5": five,
+            }
+        )
+        return
+    emit("\nSection IV: pads are 0.4, the vehicle file says 0.5 and 0.6")
+    emit(_four(four))
+    emit("\nSection V: stops of the reference car, nominal pads 0.38")
+    emit(_five(five))
+    emit("The last column is near one for any table; it validates nothing.")
+    emit(f"\ntables    {out / 'tables'}")
+    emit(f"results   {out / 'results'}")
+    emit(f"figures   {out / 'figures'}")
+
+
+def _four(rows: "list[SectionFour]") -> "Grid":
+    grid = _grid("method", "final front", "final rear", "torque error [N m]", "better by")
+    nominal = next(row.torque_rms for row in rows if row.method == "nominal")
+    for row in rows:
+        grid.add_row(
+            row.method,
+            f"{row.final_f:.3f}",
+            f"{row.final_r:.3f}",
+            f"{row.torque_rms:.1f}",
+            f"{nominal / row.torque_rms:.1f} x",
+        )
+    return grid
+
+
+def _five(rows: "list[SectionFive]") -> "Grid":
+    grid = _grid("stop", "front pads", "rear pads", "sum, nominal pads", "sum, compensated")
+    for row in rows:
+        grid.add_row(
+            row.log,
+            f"{row.pads_f:.3f} +- {row.width_f:.3f}",
+            f"{row.pads_r:.3f} +- {row.width_r:.3f}",
+            f"{row.sum_nominal:.2f}",
+            f"{row.sum_compensated:.2f}",
+        )
+    return grid
+
+
+def _grid(first: str, *others: str) -> "Grid":
+    from rich.table import Table
+
+    grid = Table(box=None, header_style="bold", pad_edge=False)
+    grid.add_column(first)
+    for title in others:
+        grid.add_column(title, justify="right")
+    return grid
