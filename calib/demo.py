@@ -35,6 +35,8 @@ class Study:
     fitted: tuple[str, ...]
     held_out: tuple[str, ...]
     vehicle: str = "vehicle.toml"
+    before: tuple[str, ...] = ()
+    """Logs of an earlier version of the table: what one ramp alone gives."""
 
 
 STUDIES = (
@@ -47,6 +49,7 @@ STUDIES = (
             "basalt_wet_pads.csv",
             "wet_tile_wet_pads.csv",
         ),
+        before=("ramp_wet_asphalt.csv",),
     ),
     Study(
         "simulation_study",
@@ -91,7 +94,11 @@ def run_study(study: Study, source: Path, out: Path, say: Say) -> Outcome:
     for log in fitted + held:
         usable = [v.purpose for v in check(log).verdicts if v.usable]
         say(f"checked {study.folder}/{log.name}: good for {', '.join(usable)}")
-    stored = save(fit(read_vehicle(source / "vehicle.toml"), fitted), out / "tables")
+    car = read_vehicle(source / "vehicle.toml")
+    if study.before:
+        first = [log for log in fitted if log.source.endswith(study.before)]
+        say(f"fitted {save(fit(car, first), out / 'tables').id} from {study.before[0]} alone")
+    stored = save(fit(car, fitted), out / "tables")
     say(f"fitted {stored.id} from {', '.join(log.name for log in fitted)}")
     other = None
     if study.vehicle != "vehicle.toml":

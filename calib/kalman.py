@@ -58,8 +58,8 @@ class Priors:
     """
 
     ratio: float = 0.25
-    ratio_odds: float = 1.5
-    ratio_alike: float = 0.015
+    ratio_odds: float = 1.0
+    ratio_alike: float = 0.02
     stiffness: float = 0.35
     peak_per_stiffness: float = -5.0
     peak: float = 1.0
@@ -334,7 +334,8 @@ def _predict(x: Array, step: _Step) -> tuple[float, Array, float, Array]:
     load_f, load_r = step.load_f - moved, step.load_r + moved
     half = math.exp(0.5 * rho)
     B_f, B_r = step.brake_f * half, step.brake_r / half
-    if step.level > 0.0:
+    carried = step.level > 0.0  # the brakes give forces; unbraked, the normalised force is given
+    if carried:
         phi = B_f / (B_f + B_r)
         total = step.level * (step.brake_f + step.brake_r)
         turn = phi * (1.0 - phi) * total
@@ -355,7 +356,7 @@ def _predict(x: Array, step: _Step) -> tuple[float, Array, float, Array]:
                 slope * sign * turn / load,
                 -slip,
                 E * F * F * (b2 + 2.0 * b3 * u),
-                sign * W_ / load * (slope * F - slip * q) if turn else 0.0,
+                sign * W_ / load * (slope * F * carried - slip * q),
                 slip * math.log(relative),
                 slip,
                 E * F * u,

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from calib.errors import InputError
 
 EPILOG = example(
-    "brake-cal check sample_logs/sedan/*.csv", "brake-cal check run.csv --map names.toml"
+    "brake-cal check sample_logs/sedan/*.csv"
 )
 
 USELESS, UNREADABLE = 1, 3

@@ -14,5 +14,5 @@ STORE = Path("tables")
 
 
 def example(*lines: str) -> str:
-    """Epilog of a command's help: ``lines`` as they can be typed after `brake-cal demo`."""
+    """Epilog of a command's help: ``lines`` as they can be typed in the folder of the demo."""
     return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))

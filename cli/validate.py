@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 EPILOG = example(
     "brake-cal validate sedan-2up sample_logs/sedan/basalt_wet_pads.csv --out results",
-    "brake-cal validate sedan-2up@1 sample_logs/sedan/*stop.csv --limits limits.toml",
+    "brake-cal validate sedan-2up@1 sample_logs/sedan/*stop.csv --limits sample_logs/limits.toml",
 )
 FAILED = 1
 
@@ -45,25 +45,25 @@ def validate(
     """
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
-    from calib.results import write_results
     from calib.store import load
-    from calib.validate import to_dict, validate_one
+    from calib.validate import require_same_vehicle, to_dict, validate_one
     from calib.vehicle import read_vehicle
 
-    _check_names(logs, out)
+    _check_out(logs, out)
     stored = load(table, store)
     car = read_vehicle(vehicle) if vehicle else None
+    require_same_vehicle(stored.table, car, vehicle)
     held = _limits(limits)
     mapping = read_channel_map(channel_map) if channel_map else None
     results = []
-    with progress(f"validating {stored.id} on {len(logs)} logs", len(logs)) as done:
+    plural = "s" * (len(logs) > 1)
+    with progress(f"validating {stored.id} on {len(logs)} log{plural}", len(logs)) as done:
         for path in logs:
             results.append(validate_one(stored.table, read_log(path, mapping), car, held))
             done()
     summary = to_dict(stored.id, results)
     if out is not None:
-        for path in write_results(results, summary, out):
-            say(f"wrote {path}")
+        _write(results, summary, out)
     if json:
         emit_json(summary)
     else:
@@ -72,15 +72,34 @@ def validate(
         raise typer.Exit(FAILED)
 
 
-def _check_names(logs: list[Path], out: Path | None) -> None:
+def _check_out(logs: list[Path], out: Path | None) -> None:
+    if out is None:
+        return
     stems = [path.stem for path in logs]
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})
-    if out is not None and twice:
+    if twice:
         raise typer.BadParameter(
             f"two logs are named {twice[0]}, and --out has one file a name", param_hint="LOG"
         )
-    if out is not None and out.exists() and not out.is_dir():
+    written = {(out / f"{stem}.parquet").resolve() for stem in stems}
+    lost = [path for path in logs if path.resolve() in written]
+    if lost:
+        raise typer.BadParameter(f"would overwrite the log {lost[0]}", param_hint="--out")
+    if out.exists() and not out.is_dir():
         raise typer.BadParameter(f"{out} is a file", param_hint="--out")
+
+
+def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -> None:
+    from calib.results import write_results
+
+    try:
+        paths = write_results(results, summary, out)
+    except OSError as error:
+        raise typer.BadParameter(
+            f"{out} cannot be written ({error.strerror})", param_hint="--out"
+        ) from error
+    for path in paths:
+        say(f"wrote {path}")
 
 
 def _limits(path: Path | None) -> "tuple[Limit, ...]":

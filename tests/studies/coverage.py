@@ -1,4 +1,4 @@
-"""How often the 95 % intervals hold the truth, and how large the errors are, on cars drawn at random.
+"""How often the 95 % intervals hold the truth, and how large the errors are, on random cars.
 
     python tests/studies/coverage.py --cars 150 --seed 2
 
@@ -127,9 +127,10 @@ def report(rows: list[Row], seed: int) -> None:
         for alike in (True, False):
             part = [r for r in rows if (r.surface, r.alike) == (surface, alike) and r.samples]
             if part:
+                share = np.mean([r.valid_share for r in part])
+                bias, width = pair([r.bias for r in part]), pair([r.width for r in part])
                 print(f"{surface:<8} {'alike' if alike else 'differing':<9} {len(part):5d} "
-                      f"{np.mean([r.valid_share for r in part]):6.2f} {pooled(part):12.3f} "
-                      f"{pair([r.bias for r in part]):>12} {pair([r.width for r in part]):>13}")  # fmt: skip
+                      f"{share:6.2f} {pooled(part):12.3f} {bias:>12} {width:>13}")  # fmt: skip
     print("\nmedian rms error of the pad friction, front / rear %")
     for name in METHODS:
         errors = np.array([r.rms[name] for r in rows if r.rms])

@@ -1,0 +1,193 @@
+"""`brake-cal plot`: tables, results and logs as figures in a file."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.options import STORE, Json, Map, Store, example
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from calib.plots.choose import Given
+    from calib.plots.sheet import Sheet
+
+EPILOG = example(
+    "brake-cal plot sedan-2up",
+    "brake-cal plot sedan-2up sample_logs/sedan/ramp_wet_asphalt.csv --out ramp.pdf",
+    "brake-cal plot sedan-2up sample_logs/sedan/basalt_wet_pads.csv",
+    "brake-cal plot sedan-2up@1 sedan-2up@2 --figure f1-f2 --out f1f2.svg",
+)
+ALL = "all"
+"""What `--figure` says for every figure on a page of its own."""
+
+
+def plot(
+    what: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="TABLE|RESULT|LOG...",
+            help="A table (name, name@version or path), a log, a result of validate.",
+        ),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="File to write: .png, .svg or .pdf."),
+    ] = None,
+    store: Store = STORE,
+    vehicle: Annotated[
+        Path | None,
+        typer.Option(metavar="V.toml", help="Vehicle whose pads are the nominal ones."),
+    ] = None,
+    figure: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="One figure of the page, or 'all' one by one."),
+    ] = None,
+    channel_map: Map = None,
+    json: Json = False,
+) -> None:
+    """Draw what is given.
+
+    A table: its curves, and with the ramps it was made of, what they measured. Two tables: one
+    against the other. A table and another log: the stop as the estimator saw it, or the simulation
+    where the log knows the truth. A log or a result: itself.
+
+    One page for each; a PDF holds all pages, of PNG and SVG there is a file for each. Without
+    --out they are PNG in this directory, named after what they show.
+    """
+    _check_out(out)
+    from calib.plots.save import save
+    from cli.console import emit, emit_json, progress, say
+
+    given = _read(what, store, vehicle, channel_map)
+    drawn = _draw(given, figure)
+    files = _files(drawn, out, figure)
+    pages = sum(map(len, files.values()))
+    try:
+        with progress(f"drawing {pages} page{'s' * (pages > 1)}", pages) as done:
+            save(files, done)
+    except OSError as error:
+        raise typer.BadParameter(
+            f"cannot be written ({error.strerror})", param_hint="--out"
+        ) from None
+    if json:
+        emit_json({"schema": 1, "files": list(files), "sheets": [_document(s) for s, _ in drawn]})
+        return
+    for path in files:
+        emit(str(path))
+    for sheet, _ in drawn:
+        say(f"{sheet.title}: {', '.join(sheet.names)} (one alone with --figure NAME)")
+
+
+def _check_out(out: Path | None) -> None:
+    if out is None:
+        return
+    from calib.plots.save import ENDINGS
+
+    if out.suffix.lower() not in ENDINGS:
+        raise typer.BadParameter(f"must end in {', '.join(ENDINGS)}", param_hint="--out")
+    if not out.absolute().parent.is_dir():
+        raise typer.BadParameter(f"no directory {out.parent}", param_hint="--out")
+    if out.is_dir():
+        raise typer.BadParameter(f"{out} is a directory", param_hint="--out")
+
+
+def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path | None) -> "Given":
+    """Read everything; whatever is no log and no result is a table."""
+    from calib.logs.channel_map import read_channel_map
+    from calib.logs.read import FORMATS, REQUIRED, read_log
+    from calib.plots.choose import Given
+    from calib.plots.result import is_result, read_result
+    from calib.store import load
+    from calib.vehicle import read_vehicle
+    from calib.version import RECORD
+
+    files = [Path(w) for w in what]
+    results = [p for p in files if is_result(p)]
+    logs = [
+        p
+        for p in files
+        if p not in results
+        and p.name != RECORD
+        and not p.is_dir()
+        and (p.suffix.lower() in FORMATS or p.is_file())
+    ]
+    names = [w for w, p in zip(what, files, strict=True) if p not in results and p not in logs]
+    _check_usage(len(names), len(logs), len(results), vehicle is not None)
+    mapping = read_channel_map(channel_map) if channel_map else None
+    needed = REQUIRED if names else ()  # a log alone is drawn as far as it goes
+    return Given(
+        tables=tuple(load(name, store) for name in names),
+        logs=tuple(read_log(path, mapping, require=needed) for path in logs),
+        results=tuple(read_result(path) for path in results),
+        vehicle=read_vehicle(vehicle) if vehicle else None,
+    )
+
+
+def _check_usage(tables: int, logs: int, results: int, vehicle: bool) -> None:
+    if tables > 2 or (tables == 2 and logs):
+        raise typer.BadParameter(
+            "give one table with its logs, or two tables alone", param_hint="TABLE"
+        )
+    if vehicle and not results and not (tables and logs):
+        raise typer.BadParameter(
+            "only with a TABLE and a LOG, or with a RESULT", param_hint="--vehicle"
+        )
+
+
+def _draw(given: "Given", figure: str | None) -> "list[tuple[Sheet, dict[str, Figure]]]":
+    """Every sheet with its figures by name; the page itself has the name ''."""
+    from calib.plots.choose import sheets
+
+    drawn = []
+    for sheet in sheets(given):
+        if figure is None:
+            figures = {"": sheet.overview()}
+        elif figure == ALL:
+            figures = {name: sheet.figure(name) for name in sheet.names}
+        elif figure in sheet.names:
+            figures = {figure: sheet.figure(figure)}
+        else:
+            raise typer.BadParameter(
+                f"{sheet.title} has no {figure!r}; one of {', '.join((*sheet.names, ALL))}",
+                param_hint="--figure",
+            )
+        drawn.append((sheet, figures))
+    return drawn
+
+
+def _files(
+    drawn: "list[tuple[Sheet, dict[str, Figure]]]", out: Path | None, figure: str | None
+) -> "dict[Path, list[Figure]]":
+    """Where each figure goes: one PDF for all, else a file for each, named after what it shows."""
+    if out is not None and out.suffix.lower() == ".pdf":
+        return {out: [f for _, figures in drawn for f in figures.values()]}
+    files: dict[Path, list[Figure]] = {}
+    for sheet, figures in drawn:
+        for name, found in figures.items():
+            told = sheet.name if out is None or len(drawn) > 1 else ""
+            part = name if out is None or figure == ALL else ""
+            stem = "-".join(p for p in (out.stem if out else "", told, part) if p)
+            place = (out or Path("x.png")).with_name(f"{stem}{out.suffix if out else '.png'}")
+            files[_unused(place, files)] = [found]
+    return files
+
+
+def _unused(path: Path, taken: "dict[Path, list[Figure]]") -> Path:
+    """``path``, numbered where logs of one name from several directories would meet."""
+    number, found = 1, path
+    while found in taken:
+        number += 1
+        found = path.with_name(f"{path.stem}-{number}{path.suffix}")
+    return found
+
+
+def _document(sheet: "Sheet") -> dict[str, object]:
+    return {
+        "kind": sheet.kind,
+        "name": sheet.name,
+        "title": sheet.title,
+        "note": sheet.note,
+        "figures": sheet.names,
+    }

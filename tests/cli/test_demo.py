@@ -1,0 +1,97 @@
+"""The demo, and in its folder every example that a help text prints, and the README's commands."""
+
+import json
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import typer.main
+
+from calib.samples import sample_logs
+from cli.main import app, main
+
+ROOT = Path(__file__).parents[2]
+
+
+def run(folder: Path, line: str) -> int:
+    """Run one printed line in a folder as a shell would: globs filled, options split."""
+    words = shlex.split(line)
+    assert words[0] == "brake-cal"
+    arguments = []
+    for word in words[1:]:
+        found = sorted(str(p.relative_to(folder)) for p in folder.glob(word)) if "*" in word else []
+        arguments += found or [word]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.setattr("sys.argv", ["brake-cal", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+    return int(ended.value.code or 0)
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder that the demo leaves, made once."""
+    folder = tmp_path_factory.mktemp("newcomer")
+    assert run(folder, "brake-cal demo") == 0
+    return folder / "brake-cal-demo"
+
+
+def examples() -> list[str]:
+    """Every line that a help text prints as an example, but the demo itself."""
+
+    def lines(command) -> list[str]:
+        own = re.findall(r"^ *(brake-cal .*)$", command.epilog or "", re.MULTILINE)
+        return own + [x for c in getattr(command, "commands", {}).values() for x in lines(c)]
+
+    found = lines(typer.main.get_command(app))
+    return sorted({line for line in found if "demo" not in line}, key=found.index)
+
+
+def readme_commands() -> list[str]:
+    """The commands for one's own car."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    section = text.split("## Your own car")[1].split("```")[1]
+    return [line for line in section.splitlines() if line.startswith("brake-cal ")]
+
+
+def test_the_demo_leaves_logs_tables_results_and_figures(demo: Path) -> None:
+    assert {p.name for p in demo.iterdir()} == {"sample_logs", "tables", "results", "figures"}
+    for summary in demo.glob("results/*/summary.json"):
+        document = json.loads(summary.read_text())
+        for log in document["logs"]:
+            frame = pd.read_parquet(summary.parent / f"{log['log']}.parquet")
+            assert len(frame) > 1000
+    assert (demo / "tables/sedan-2up/v0002/record.json").is_file()
+    for figure in demo.glob("figures/*.png"):
+        assert figure.read_bytes()[:4] == b"\x89PNG"
+
+
+@pytest.mark.parametrize("line", examples())
+def test_the_examples_work_as_printed_in_the_folder_of_the_demo(demo: Path, line: str) -> None:
+    # a simulation writes the log that the next example replays
+    if "simulate ramp.csv" in line:
+        first = next(x for x in examples() if "--manoeuvre" in x)
+        assert run(demo, first) == 0
+    assert run(demo, line) == 0
+
+
+def test_the_commands_of_the_readme_work(tmp_path: Path) -> None:
+    source = sample_logs() / "sedan"
+    for name, copy in (
+        ("ramp_wet_asphalt.csv", "ramp.csv"),
+        ("coast.csv", "coast.csv"),
+        ("basalt_wet_pads.csv", "stop.csv"),
+    ):
+        shutil.copy(source / name, tmp_path / copy)
+    vehicle = (source / "vehicle.toml").read_text().replace("sedan-2up", "car")
+    (tmp_path / "car.toml").write_text(vehicle)
+    lines = readme_commands()
+    assert len(lines) == 3
+    for line in lines:
+        assert run(tmp_path, line) == 0, line
+    assert (tmp_path / "tables/car/v0001/record.json").is_file()
+    assert (tmp_path / "results/stop.parquet").is_file()
