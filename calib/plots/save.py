@@ -48,8 +48,9 @@ def render_pages(figures: "list[Figure]", done: Callable[[], None] = lambda: Non
 def save(pages: "dict[Path, list[Figure]]", done: Callable[[], None] = lambda: None) -> None:
     """Write each file with its pages; all are drawn before the first is written.
 
-    ``done`` is called after each page is drawn. A file other than a PDF takes one page. Raises KeyError for an unknown ending, ValueError for
-    too many pages, OSError if a file cannot be written.
+    ``done`` is called after each page is drawn. A file other than a PDF takes one page. Raises
+    KeyError for an unknown ending, ValueError for too many pages, OSError if a file cannot be
+    written.
     """
     ready = {path: _content(path, figures, done) for path, figures in pages.items()}
     for path, content in ready.items():

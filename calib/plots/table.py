@@ -80,8 +80,8 @@ def _note(table: Table, ramps: Ramps) -> str:
     note += "Bands are 95 %."
     if ramps:
         note += (
-            " Dots: blocks of 50\u00a0ms; rings: means over 0.25\u00a0s, grey where the ramp is "
-            f"past the {table.paper.decelerations[1]:.2f}\u00a0g at which the curves over \u03b7 end. "
+            " Dots: blocks of 50\u00a0ms; rings: means over 0.25\u00a0s, grey past the "
+            f"{table.paper.decelerations[1]:.2f}\u00a0g at which the curves over \u03b7 end. "
             "The curves are those of a car without air drag; dotted: the same car as driven."
         )
     return note
@@ -125,7 +125,7 @@ def tyre(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
 def _mark_p(ax: "Axes", table: Table) -> None:
     """Where the axles are on the curve at 0.3 g, if the table reaches there."""
     low, high = table.paper.decelerations
-    if not low <= P <= high:
+    if not low <= P <= high + 1e-9:  # a table may end there but for rounding
         return
     order = np.argsort(table.paper.z)
     for f, word in ((table.paper.f1, "front"), (table.paper.f2, "rear")):

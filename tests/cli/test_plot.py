@@ -1,0 +1,184 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from calib.fit import fit
+from calib.logs.read import read_log
+from calib.store import save
+from calib.vehicle import read_vehicle
+from tests.tables_made import made_table
+
+LOGS = Path(__file__).parents[2] / "sample_logs"
+SEDAN = LOGS / "sedan"
+RAMP, STOP = SEDAN / "ramp_wet_asphalt.csv", SEDAN / "basalt_wet_pads.csv"
+WRONG = LOGS / "simulation_study" / "vehicle_wrong_pads.toml"
+PNG, SVG, PDF = b"\x89PNG", b"<?xml", b"%PDF"
+
+
+@pytest.fixture(scope="module")
+def tables(tmp_path_factory):
+    """A store with a fitted sedan-2up@1 and two made tables."""
+    store = tmp_path_factory.mktemp("store")
+    save(fit(read_vehicle(SEDAN / "vehicle.toml"), [read_log(RAMP)]), store)
+    save(made_table(), store)
+    save(made_table(28.0), store)
+    return store
+
+
+@pytest.fixture
+def plot(brake_cal, tables, tmp_path, monkeypatch):
+    """Run `plot` in an empty directory."""
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    return lambda *arguments: brake_cal("plot", *arguments, "--store", tables)
+
+
+def files():
+    return sorted(p.name for p in Path().iterdir())
+
+
+def test_a_table_becomes_one_page_named_after_it(plot):
+    ran = plot("sedan@1")
+    assert (ran.code, ran.out) == (0, "sedan@1.png\n")
+    assert files() == ["sedan@1.png"]
+    assert Path("sedan@1.png").read_bytes().startswith(PNG)
+    assert "f1-f2" in ran.err
+
+
+@pytest.mark.parametrize(("name", "magic"), [("a.png", PNG), ("a.SVG", SVG), ("a.pdf", PDF)])
+def test_the_ending_names_the_format_and_the_bytes_are_the_same_again(plot, name, magic):
+    assert plot("sedan@1", "--figure", "coverage", "--out", name).code == 0
+    first = Path(name).read_bytes()
+    assert first.startswith(magic)
+    assert plot("sedan@1", "--figure", "coverage", "--out", name).code == 0
+    assert Path(name).read_bytes() == first
+
+
+def test_an_unknown_ending_is_a_usage_error_that_names_the_known(plot):
+    for name in ("a.jpg", "a"):
+        ran = plot("sedan@1", "--out", name)
+        assert (ran.code, ran.out) == (2, "")
+        assert ".png, .svg, .pdf" in ran.err
+    assert files() == []
+
+
+def test_a_parent_shows_what_the_ramp_measured(plot):
+    ran = plot("sedan-2up", RAMP, "--figure", "pressure", "--json")
+    (sheet,) = json.loads(ran.out)["sheets"]
+    assert sheet["kind"] == "table"
+    assert "pressure" in sheet["figures"]
+    assert files() == ["sedan-2up@1-pressure.png"]
+
+
+def test_another_log_is_drawn_as_a_stop(plot):
+    ran = plot("sedan-2up", STOP, "--json")
+    document = json.loads(ran.out)
+    assert document["files"] == ["basalt_wet_pads.png"]
+    assert document["schema"] == 1
+    (sheet,) = document["sheets"]
+    assert (sheet["kind"], sheet["name"]) == ("stop", "basalt_wet_pads")
+
+
+def test_a_simulation_with_the_wrong_vehicle(plot):
+    run = LOGS / "simulation_study" / "stop_noisy.parquet"
+    ran = plot("sedan-2up", run, "--vehicle", WRONG, "--json", "--figure", "deceleration")
+    assert json.loads(ran.out)["sheets"][0]["kind"] == "simulation"
+
+
+def test_two_tables_are_compared(plot):
+    assert plot("sedan@1", "sedan@2", "--figure", "tyre").code == 0
+    assert files() == ["sedan@1_sedan@2-tyre.png"]
+
+
+def test_a_log_needs_no_store(brake_cal, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert brake_cal("plot", STOP, "--figure", "speeds").code == 0
+    assert files() == ["basalt_wet_pads-speeds.png"]
+
+
+def test_a_result_of_validate(plot, brake_cal, tables):
+    assert brake_cal("validate", "sedan-2up", STOP, "--store", tables, "--out", "r").code in (0, 1)
+    car = ("--vehicle", SEDAN / "vehicle.toml")
+    ran = plot("r/basalt_wet_pads.parquet", *car, "--figure", "force-sum", "--json")
+    (sheet,) = json.loads(ran.out)["sheets"]
+    assert sheet["kind"] == "stop"
+    assert "force-sum" in sheet["figures"]
+
+
+def test_several_logs_are_pages_of_a_pdf_or_files(plot):
+    few = ("--figure", "deceleration")
+    assert plot(RAMP, STOP, *few, "--out", "logs.pdf").code == 0
+    assert Path("logs.pdf").read_bytes().count(b"/Type /Page ") == 2
+    assert plot(RAMP, STOP, *few, "--out", "logs.svg").code == 0
+    assert files() == ["logs-basalt_wet_pads.svg", "logs-ramp_wet_asphalt.svg", "logs.pdf"]
+
+
+def test_logs_of_one_name_do_not_overwrite_each_other(plot):
+    assert plot(STOP, STOP, "--figure", "eta").code == 0
+    assert files() == ["basalt_wet_pads-eta-2.png", "basalt_wet_pads-eta.png"]
+
+
+def test_one_figure_or_all_of_them(plot):
+    assert plot("sedan@1", "--figure", "f1-f2").out == "sedan@1-f1-f2.png\n"
+    assert plot("sedan@1", "--figure", "coverage", "--out", "t.png").out == "t.png\n"
+    assert plot("sedan@1", "--figure", "all", "--out", "t.pdf").code == 0
+    assert Path("t.pdf").read_bytes().count(b"/Type /Page ") == 5
+
+
+def test_all_of_them_as_svg_are_a_file_each(plot):
+    ran = plot("sedan@1", "--figure", "all", "--out", "x.svg")
+    assert sorted(ran.out.splitlines()) == files()
+    assert "x-f1-f2.svg" in files()
+    assert len(files()) == 5
+
+
+def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
+    ran = plot("sedan@1", "--figure", "f3")
+    assert (ran.code, ran.out) == (2, "")
+    assert "torque-distribution, tyre, f1-f2" in ran.err
+    assert files() == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (("sedan@1", "sedan@2", STOP), 2, "two tables alone"),
+        (("sedan@1", "sedan@2", "sedan@1"), 2, "two tables alone"),
+        (("sedan@1", "--vehicle", WRONG), 2, "only with a TABLE and a LOG"),
+        (("sedan@1", "--out", "none/a.png"), 2, "no directory none"),
+        (("nothing.csv",), 3, "no such file"),
+        (("sedna",), 4, "did you mean 'sedan'"),
+    ],
+)
+def test_what_cannot_be_drawn_says_why(plot, arguments, code, says):
+    ran = plot(*arguments)
+    assert (ran.code, ran.out) == (code, "")
+    assert says in ran.err
+    assert files() == []
+
+
+def test_a_log_that_the_estimator_refuses_leaves_nothing(plot, tmp_path):
+    from calib.logs.log import Log
+    from calib.logs.write import write_csv
+
+    whole = read_log(STOP)
+    braked = {name: x[400:] for name, x in whole.channels.items()}  # without its lead-in
+    write_csv(Log("late", "late", "", braked), tmp_path / "late.csv")
+    ran = plot("sedan-2up", STOP, tmp_path / "late.csv")
+    assert (ran.code, ran.out) == (3, "")
+    assert "late.csv" in ran.err
+    assert files() == []
+
+
+def test_an_out_that_cannot_be_written_is_a_usage_error(plot, monkeypatch):
+    import calib.plots.save
+
+    def full(path, content):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(calib.plots.save, "write_whole", full)
+    ran = plot("sedan@1")
+    assert ran.code == 2
+    assert "No space left on device" in ran.err

@@ -1,0 +1,65 @@
+from pathlib import Path
+
+import pytest
+
+from calib.estimator import estimate
+from calib.fit import fit
+from calib.logs.log import Log
+from calib.logs.read import read_log
+from calib.plots import compare, log, simulation, stop, table
+from calib.plots.measured import measure
+from calib.plots.trace import Trace, from_estimate
+from calib.table import Table
+from calib.vehicle import read_vehicle
+from tests.tables_made import made_table
+
+LOGS = Path(__file__).parents[2] / "sample_logs"
+SEDAN, SIMULATION = LOGS / "sedan", LOGS / "simulation_study"
+
+
+@pytest.fixture(scope="session")
+def ramp() -> Log:
+    return read_log(SEDAN / "ramp_wet_asphalt.csv")
+
+
+@pytest.fixture(scope="session")
+def transition() -> Log:
+    return read_log(SEDAN / "transition_dry_to_basalt.csv")
+
+
+@pytest.fixture(scope="session")
+def sedan(ramp) -> Table:
+    return fit(read_vehicle(SEDAN / "vehicle.toml"), [ramp, read_log(SEDAN / "coast.csv")])
+
+
+@pytest.fixture(scope="session")
+def trace(sedan, transition) -> Trace:
+    return from_estimate(sedan, "sedan@1", transition, estimate(sedan, transition))
+
+
+@pytest.fixture(scope="session")
+def simulated() -> Trace:
+    """The paper's Section IV: the estimator is told 0.5 and 0.6 where the pads are 0.4."""
+    found = fit(
+        read_vehicle(SIMULATION / "vehicle.toml"), [read_log(SIMULATION / "ramp_noisy.parquet")]
+    )
+    wrong = read_vehicle(SIMULATION / "vehicle_wrong_pads.toml")
+    run = read_log(SIMULATION / "stop_noisy.parquet")
+    return from_estimate(found, "sim@1", run, estimate(found, run, wrong), wrong)
+
+
+SHEETS = ("table", "ramp", "stop", "simulation", "comparison", "log")
+
+
+@pytest.fixture(scope="session", params=SHEETS)
+def sheet(request, sedan, ramp, transition):
+    """One sheet of every family."""
+    made = made_table()
+    return {
+        "table": lambda: table.sheet(made, "sedan@1"),
+        "ramp": lambda: table.sheet(sedan, "sedan@1", (measure(sedan, ramp),)),
+        "stop": lambda: stop.sheet(request.getfixturevalue("trace")),
+        "simulation": lambda: simulation.sheet(request.getfixturevalue("simulated")),
+        "comparison": lambda: compare.sheet(made, made_table(28.0), "sedan@1", "sedan@2"),
+        "log": lambda: log.sheet(transition),
+    }[request.param]()

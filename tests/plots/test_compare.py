@@ -1,0 +1,56 @@
+import numpy as np
+import pytest
+
+from calib.plots import compare
+from tests.plots.lines import axes, line
+from tests.tables_made import C, made_table
+
+FIRST, SECOND = made_table(), made_table(28.0, rows=31)
+
+
+def one_curve(table):
+    d = table.difference
+    return 100.0 * (d.eta - 1.0), d.D, d.lower, d.upper
+
+
+def test_the_gap_of_two_straight_lines_is_straight():
+    x, gap, half = compare.gap(one_curve(FIRST), one_curve(SECOND))
+    assert gap == pytest.approx((28.0 - C) * x / 100.0)
+    # both bands are +- 2 (eta - 1)
+    assert half == pytest.approx(np.sqrt(2.0) * 2.0 * x / 100.0)
+
+
+def test_only_the_common_range_counts():
+    x, y, lower, upper = one_curve(FIRST)
+    shifted = x + 0.3, y, lower, upper
+    found, _, _ = compare.gap((x, y, lower, upper), shifted)
+    assert found[0] == pytest.approx(0.3)
+    assert found[-1] == pytest.approx(x[-1])
+    assert compare.gap((x, y, lower, upper), (x + 9.0, y, lower, upper))[0].size == 0
+
+
+def test_tables_that_do_not_meet_say_so():
+    x, y, lower, upper = one_curve(FIRST)
+    ax = axes()
+    compare.one_gap(ax, ((x, y, lower, upper), (x + 9.0, y, lower, upper)))
+    assert [text.get_text() for text in ax.texts] == ["no common range"]
+
+
+def test_both_tables_are_drawn_with_their_bands():
+    sheet = compare.sheet(FIRST, SECOND, "sedan@1", "sedan@2")
+    (ax,) = sheet.figure("f1-f2").axes
+    assert np.array_equal(line(ax, "$f_1$ sedan@1")[1], FIRST.paper.f1)
+    assert np.array_equal(line(ax, "$f_2$ sedan@2")[1], SECOND.paper.f2)
+    assert len(ax.collections) == 4
+    (ax,) = sheet.figure("f1-f2-gap").axes
+    x, y = line(ax, r"$\Delta f_1$")
+    # f1 = D F_zr/F_z with the load of z = 60 (eta - 1); linear between rows
+    rear = (1.1556 - 60.0 * x / 100.0 * 0.615) / 2.805
+    assert y == pytest.approx((28.0 - C) * x / 100.0 * rear, abs=2e-5)
+
+
+def test_the_sheet_says_which_is_which():
+    sheet = compare.sheet(FIRST, SECOND, "sedan@1", "sedan@2")
+    assert sheet.title == "sedan@2 against sedan@1"
+    assert FIRST.digest[:16] in sheet.note
+    assert SECOND.digest[:16] in sheet.note

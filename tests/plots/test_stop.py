@@ -1,0 +1,116 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.plots import stop
+from calib.plots.style import FRONT
+from tests.plots.lines import axes, drawn, labels, line
+
+
+def test_panels_in_the_order_of_the_paper(trace):
+    assert stop.sheet(trace).names == (
+        "wheel-speeds",
+        "deceleration",
+        "normalised-forces",
+        "slip",
+        "pad-front",
+        "pad-rear",
+        "axle-torques",
+        "force-sum",
+    )
+
+
+def test_wheel_speeds_and_the_reference_speed(trace, transition):
+    ax = axes()
+    stop.wheel_speeds(ax, trace)
+    for wheel in ("fl", "fr", "rl", "rr"):
+        assert np.array_equal(line(ax, wheel)[1], transition[f"omega_{wheel}"])
+    assert line(ax, "$V/R$")[1] == pytest.approx(transition["v"] / 0.322)
+
+
+def test_deceleration_and_forces_are_the_records(trace):
+    ax = axes()
+    stop.deceleration(ax, trace)
+    assert drawn(ax, trace.time, trace.z)
+    ax = axes()
+    stop.normalised_forces(ax, trace)
+    assert drawn(ax, trace.time, trace.front.force)
+    assert drawn(ax, trace.time, trace.rear.force)
+
+
+def test_slip_where_v_is_known_and_eta_always(trace):
+    ax = axes()
+    stop.slip(ax, trace)
+    assert labels(ax) == ["front slip", "rear slip", r"$\eta - 1$, zeroed"]
+    assert drawn(ax, trace.time, 100.0 * trace.front.slip)
+    ax = axes()
+    front, rear = (replace(axle, slip=None) for axle in (trace.front, trace.rear))
+    stop.slip(ax, replace(trace, front=front, rear=rear))
+    assert labels(ax) == [r"$\eta - 1$, zeroed"]
+    assert ax.get_ylabel() == r"$\eta - 1$ [%]"
+
+
+def test_pad_friction_with_interval_nominal_and_rivals(trace):
+    ax = axes()
+    stop.pad(ax, trace, trace.front, FRONT)
+    assert np.array_equal(
+        line(ax, r"estimate $\mu_{p,c}$, 95 %")[1], trace.front.pad, equal_nan=True
+    )
+    assert line(ax, r"nominal $\mu_{p,n}$")[1] == [trace.front.nominal] * 2
+    for name, (label, _) in stop.RIVALS.items():
+        assert np.array_equal(line(ax, label)[1], trace.front.rivals[name], equal_nan=True)
+    low, high = ax.get_ylim()
+    held = trace.valid
+    assert low < trace.front.lower[held].min()
+    assert high > trace.front.upper[held].max()
+
+
+def test_axle_torques_nominal_and_compensated(trace):
+    ax = axes()
+    stop.axle_torques(ax, trace)
+    assert drawn(ax, trace.time, trace.front.torque / 1e3)
+    assert drawn(ax, trace.time, trace.rear.nominal_torque / 1e3)
+
+
+def test_the_sum_of_forces_says_that_it_proves_nothing(trace):
+    ax = axes()
+    stop.force_sum(ax, trace)
+    assert [text.get_text() for text in ax.texts] == ["true for any table: no validation"]
+    assert drawn(ax, trace.time, trace.force_sum / 1e3)
+    assert drawn(ax, trace.time, trace.inertia / 1e3)
+
+
+def test_every_panel_marks_the_change_of_surface(trace):
+    (time,) = trace.changes
+    assert 8.5 < time < 9.5  # the paper's Fig. 14: at 9 s
+    for ax in stop.sheet(trace).overview().axes:
+        uprights = [one for one in ax.get_lines() if list(one.get_xdata()) == [time, time]]
+        assert len(uprights) == 1
+    assert stop.CHANGED in stop.sheet(trace).note
+    assert stop.CHANGED not in stop.sheet(replace(trace, changes=())).note
+
+
+def test_samples_that_are_not_valid_are_shaded(trace):
+    ax = axes()
+    stop.deceleration(ax, trace)
+    (area,) = ax.collections
+    first = trace.time[np.argmax(trace.valid)]
+    before = area.get_paths()[0].vertices[:, 0]
+    assert before.min() == trace.time[0]
+    assert before.max() == pytest.approx(first, abs=0.0051)
+
+
+def test_a_trace_without_speeds_and_sum_has_no_such_panels(trace):
+    bare = replace(trace, wheels={}, force_sum=None)
+    sheet = stop.sheet(bare)
+    assert sheet.names[0] == "deceleration"
+    assert "force-sum" not in sheet.names
+    assert len(sheet.overview().axes) == 6
+    odd = stop.sheet(replace(trace, wheels={}))
+    assert odd.rows[-1] == ("force-sum", "force-sum")
+
+
+def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(trace):
+    nowhere = replace(trace, valid=np.zeros(trace.time.size, bool))
+    assert len(stop.sheet(nowhere).overview().axes) == 8

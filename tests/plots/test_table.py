@@ -1,0 +1,123 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.plots import table as figures
+from calib.plots.measured import measure
+from calib.table import EXTRAPOLATED, INTERPOLATED, MEASURED
+from tests.plots.lines import axes, drawn, labels, line
+from tests.tables_made import C, made_table
+
+TABLE = made_table()
+PERCENT = 100.0 * (TABLE.paper.eta - 1.0)
+
+
+def pieces(ax, symbol):
+    """y of all pieces of a curve put together, by what the flags say."""
+    found = [line(ax, f"{symbol} {w}")[1] for w in ("measured", "interpolated", "extrapolated")]
+    return np.nanmax(np.where(np.isnan(found), -np.inf, found), axis=0)
+
+
+def test_f1_and_f2_are_those_of_the_table():
+    ax = axes()
+    figures.f1_f2(ax, TABLE)
+    assert np.array_equal(pieces(ax, "$f_1$"), TABLE.paper.f1)
+    assert np.array_equal(pieces(ax, "$f_2$"), TABLE.paper.f2)
+    assert np.array_equal(line(ax, "$f_1$ measured")[0], PERCENT)
+
+
+def test_bands_are_those_of_the_table():
+    ax = axes()
+    figures.difference(ax, TABLE)
+    (band,) = ax.collections
+    corners = {tuple(v) for v in band.get_paths()[0].vertices}
+    assert set(zip(PERCENT, TABLE.difference.lower, strict=True)) <= corners
+    assert set(zip(PERCENT, TABLE.difference.upper, strict=True)) <= corners
+
+
+def test_d_is_the_straight_line_it_was_made_as():
+    ax = axes()
+    figures.difference(ax, TABLE)
+    assert pieces(ax, "$D$") == pytest.approx(C * PERCENT / 100.0)
+
+
+def test_a_piece_is_as_bad_as_the_worse_of_its_ends():
+    flag = np.array([INTERPOLATED, MEASURED, MEASURED, INTERPOLATED, MEASURED, EXTRAPOLATED])
+    x = np.arange(6.0)
+    ax = axes()
+    figures.by_flag(ax, x, x, flag, {"color": "black"}, "c")
+    assert list(np.isnan(line(ax, "c measured")[1])) == [True, False, False, True, True, True]
+    assert list(np.isnan(line(ax, "c extrapolated")[1])) == [True] * 4 + [False] * 2
+
+
+def test_a_table_that_is_measured_throughout_names_nothing_else():
+    flag = np.full(21, MEASURED)
+    ax = axes()
+    figures.f1_f2(ax, replace(TABLE, paper=replace(TABLE.paper, flag=flag)))
+    assert labels(ax) == ["$f_1$ measured", "$f_2$ measured"]
+
+
+def test_coverage_is_the_count():
+    ax = axes()
+    figures.coverage(ax, TABLE)
+    x, y = line(ax, "blocks in the cell")
+    assert np.array_equal(x, PERCENT)
+    assert np.array_equal(y, TABLE.difference.count)
+    assert all(tick == round(tick) for tick in ax.get_yticks())
+
+
+def test_the_axles_at_p_lie_on_the_tyre_curve_on_both_sides_of_it():
+    ax = axes()
+    figures.tyre(ax, TABLE)
+    marks = [one.get_xydata()[0] for one in ax.get_lines() if one.get_marker() == "s"]
+    assert [text.get_text() for text in ax.texts] == ["front at 0.3 g", "rear at 0.3 g"]
+    (front, rear) = marks
+    assert front[1] > 0.3 > rear[1]
+    # z = K (eta - 1) = 0.3 at eta - 1 = 0.005: D = 27 * 0.005, and g = C slip is linear
+    assert front[1] - rear[1] == pytest.approx(0.135)
+    for slip, force in marks[1:]:
+        assert force == pytest.approx(C * slip / 100.0)
+
+
+def test_a_table_that_ends_before_p_does_not_mark_it():
+    ax = axes()
+    figures.tyre(ax, replace(TABLE, paper=replace(TABLE.paper, z=0.5 * TABLE.paper.z)))
+    assert len(ax.texts) == 0
+
+
+def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
+    run = measure(sedan, ramp)
+    percent = 100.0 * (run.eta - 1.0)
+    beyond = run.z > sedan.paper.z[-1]
+    ax = axes()
+    figures.f1_f2(ax, sedan, (run,))
+    for part in (run.braked & beyond, run.braked & ~beyond):
+        assert part.any()
+        assert drawn(ax, percent[part], run.f1[part])
+        assert drawn(ax, percent[part], run.f2[part])
+    ax = axes()
+    figures.tyre(ax, sedan, (run,))
+    assert {"front measured", "rear measured"} <= {*labels(ax)}
+    assert drawn(ax, 100.0 * run.slip_r[run.braked], run.F_r[run.braked])
+
+
+def test_a_ramp_without_v_leaves_the_tyre_curve_alone(sedan, ramp):
+    run = replace(measure(sedan, ramp), slip_f=None, slip_r=None)
+    ax = axes()
+    figures.tyre(ax, sedan, (run,))
+    assert "front measured" not in labels(ax)
+
+
+def test_the_sheet_names_digest_and_parents():
+    sheet = figures.sheet(TABLE, "sedan@3")
+    assert "sedan@3" in sheet.title
+    assert TABLE.digest[:16] in sheet.note
+    assert "ramp.csv, coast.csv" in sheet.note
+
+
+def test_each_ramp_has_a_row(sedan, ramp):
+    run = measure(sedan, ramp)
+    assert figures.sheet(sedan, "s", (run,)).rows[3:] == (("pressure", "forces"),)
+    both = figures.sheet(sedan, "s", (run, run))
+    assert both.rows[3:] == (("pressure-1", "forces-1"), ("pressure-2", "forces-2"))

@@ -1,0 +1,104 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.estimator import estimate
+from calib.plots.result import COLUMNS, Result, read_result
+from calib.plots.trace import from_estimate, from_result
+from calib.results import write_result
+from calib.vehicle import read_vehicle
+from tests.plots.conftest import SEDAN
+
+WEIGHT = 1744.0 * 9.80665
+
+
+def test_a_trace_is_the_estimate(sedan, transition, trace):
+    found = estimate(sedan, transition)
+    assert np.array_equal(trace.front.pad, found.front.pad_friction, equal_nan=True)
+    assert np.array_equal(trace.rear.upper, found.rear.upper, equal_nan=True)
+    assert np.array_equal(trace.rear.torque, 2.0 * found.rear.torque, equal_nan=True)
+    assert np.array_equal(trace.valid, found.valid)
+    assert trace.changes == found.split.changes
+    assert not trace.has_truth
+
+
+def test_the_sum_of_forces_is_that_of_the_deceleration(trace):
+    """(18) makes it so for any table; air drag is part of what slows the car."""
+    held = trace.valid
+    assert np.mean(trace.force_sum[held]) == pytest.approx(np.mean(trace.inertia[held]), rel=0.02)
+    assert trace.inertia == pytest.approx(WEIGHT * trace.z)
+
+
+def test_nominal_torque_is_that_of_table_1_at_the_pressure(sedan, transition):
+    car = read_vehicle(SEDAN / "vehicle.toml")
+    found = from_estimate(sedan, "s", transition, estimate(sedan, transition, car), car)
+    p = np.maximum(transition["p_mc"], 0.0)
+    per_wheel = 0.38 * 2 * 28.84e-4 * 0.1309 * p
+    assert found.front.nominal == 0.38
+    assert found.front.nominal_torque == pytest.approx(2.0 * per_wheel)
+    # what nominal pads brake more, in forces at the road
+    excess = (found.front.nominal_torque - found.front.torque) / 0.322
+    excess += (found.rear.nominal_torque - found.rear.torque) / 0.322
+    held = found.valid
+    gap = found.force_sum_nominal - found.force_sum
+    assert gap[held] == pytest.approx(excess[held])
+
+
+def test_a_simulation_knows_its_pads(simulated):
+    assert simulated.has_truth
+    for axle, nominal in ((simulated.front, 0.5), (simulated.rear, 0.6)):
+        assert axle.nominal == nominal
+        # the paper's Section IV: 0.4; the pressure is noisy
+        assert np.mean(axle.true_pad[simulated.valid]) == pytest.approx(0.4, rel=0.01)
+        assert np.isnan(axle.true_pad[0])
+
+
+def test_logged_truth_is_taken_as_it_is(sedan, transition):
+    truth = {"true_mu_pad_f": np.full(transition.time.size, 0.31)}
+    found = from_estimate(sedan, "s", replace(transition, truth=truth), estimate(sedan, transition))
+    assert np.all(found.front.true_pad == 0.31)
+    assert found.rear.true_pad is None
+    assert not found.has_truth
+
+
+def test_without_v_there_is_neither_slip_nor_speed(sedan, transition):
+    log = replace(transition, channels={k: v for k, v in transition.channels.items() if k != "v"})
+    found = from_estimate(sedan, "s", log, estimate(sedan, log))
+    assert found.v_wheel is None
+    assert found.front.slip is None
+    assert found.rear.slip is None
+
+
+def made_result():
+    n = 40
+    values = dict.fromkeys(COLUMNS, np.full(n, 0.4)) | {"time": 0.01 * np.arange(n)}
+    values |= {f"brake_torque_{w}": np.full(n, 100.0) for w in ("fl", "fr", "rl", "rr")}
+    return Result("stop", "ab" * 32, values, np.ones(n, bool))
+
+
+def test_a_result_alone_has_no_nominal_pads():
+    found = from_result(made_result())
+    assert found.front.nominal is None
+    assert found.force_sum is None
+    assert found.wheels == {}
+    assert np.all(found.front.torque == 200.0)
+    assert np.all(found.front.wheel_torque == 100.0)
+
+
+def test_a_vehicle_adds_nominal_pads_and_the_sum():
+    car = read_vehicle(SEDAN / "vehicle.toml")
+    found = from_result(made_result(), car)
+    assert found.front.nominal == 0.38
+    assert found.front.nominal_torque == pytest.approx(np.full(40, 200.0 * 0.38 / 0.4))
+    assert found.force_sum == pytest.approx(np.full(40, 0.4 * WEIGHT))  # F = 0.4 on both axles
+    assert found.force_sum_nominal == pytest.approx(found.force_sum - 2 * 10.0 / 0.322)
+
+
+def test_what_validate_writes_is_what_was_estimated(sedan, transition, trace, tmp_path):
+    write_result(estimate(sedan, transition), tmp_path / "stop.parquet")
+    found = from_result(read_result(tmp_path / "stop.parquet"))
+    for name in ("pad", "lower", "upper", "torque", "force"):
+        a, b = getattr(found.rear, name), getattr(trace.rear, name)
+        assert np.array_equal(a, b, equal_nan=True), name
+    assert np.array_equal(found.valid, trace.valid)
