@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from calib import __version__, curves, identify, resistance
 from calib.check import problems_for
-from calib.course import BITE
+from calib.course import BITE, SETTLE
 from calib.errors import LogError
 from calib.forces import front_biased_up_to
 from calib.identify import Identified, Run
 from calib.logs.log import Log
 from calib.resistance import Resistance
-from calib.signals import Blocks, Noise, blocks, sensor_noise, signals
+from calib.signals import Blocks, Noise, Signals, blocks, sensor_noise, signals
 from calib.table import (
     Calibration,
     LogReference,
@@ -31,6 +31,9 @@ Array = NDArray[np.float64]
 
 OUTLIER = 4.0
 """Residuals past this many sigma are named."""
+
+RADIUS_TOLERANCE = 0.03
+"""How far v/(R omega) may be from one on the unbraked part: tyre wear and pressure make 2 %."""
 
 
 def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
@@ -80,14 +83,14 @@ Prepared = tuple[Log, Blocks, Noise]
 def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[Prepared]]:
     """Ramps and coast logs, each with blocks and noise, in the order of their digests.
 
-    The order of the command line must not change a bit of the table.
+    The order of the command line must not change a bit of the table. Raises LogError for a log
+    that will not do, that is not of this vehicle, or that is there twice.
     """
+    _refuse_twice(logs)
     ramps: list[Prepared] = []
     coasts: list[Prepared] = []
     for log in sorted(logs, key=lambda item: item.digest):
         s = signals(log, vehicle)
-        b = blocks(s)
-        prepared = (log, b, sensor_noise(log, b))
         coasting = float(np.max(np.maximum(s.p_f, s.p_r))) < BITE
         problems = problems_for(log, "diagnose" if coasting else "fit")
         if problems:
@@ -97,7 +100,11 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
                 where=log.source,
                 do="see `brake-cal check`",
             )
-        (coasts if coasting else ramps).append(prepared)
+        require_same_wheels(vehicle, log, s)
+        b = blocks(s)
+        if not coasting:
+            _require_front_bias(vehicle, log, b)
+        (coasts if coasting else ramps).append((log, b, sensor_noise(log, b)))
     if not ramps:
         raise LogError(
             "none of the logs holds a braking",
@@ -107,10 +114,78 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
     return ramps, coasts
 
 
+def _refuse_twice(logs: list[Log]) -> None:
+    """A run given twice would count double and make the intervals too narrow."""
+    seen: dict[str, str] = {}
+    for log in logs:
+        if log.digest in seen:
+            raise LogError(
+                f"the same run as {seen[log.digest]}", where=log.source, do="give each run once"
+            )
+        if log.digest:  # a run that was never a file may have none
+            seen[log.digest] = log.source
+
+
+def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:
+    """Refuse a log whose wheels do not roll with the radii of the vehicle, where v is known.
+
+    Raises LogError. A log of another car with the same wheels cannot be told.
+    """
+    if s.v is None or not s.lead_in.any():
+        return
+    axles = {"front": (vehicle.front, s.omega_f), "rear": (vehicle.rear, s.omega_r)}
+    for side, (axle, omega) in axles.items():
+        radius = float(np.mean(s.v[s.lead_in]) / np.mean(omega[s.lead_in]))
+        if abs(radius / axle.rolling_radius - 1.0) > RADIUS_TOLERANCE:
+            raise LogError(
+                f"the {side} wheels roll with a radius of {radius:.3f} m",
+                where=log.source,
+                expected=f"{axle.rolling_radius:.3f} m as {vehicle.name} has",
+                do="this log is of another vehicle, or its wheel speeds or v have another unit",
+            )
+
+
+def eta_rise(b: Blocks, use: NDArray[np.bool_]) -> tuple[float, float]:
+    """Median of eta over ``use`` less that of the lead-in, and its standard error, both [1].
+
+    A median, so that a wheel that locks at times does not decide. NaN with fewer than four blocks
+    on either side.
+    """
+    sides = [b.eta[b.lead_in], b.eta[use]]
+    if min(side.size for side in sides) < 4:
+        return np.nan, np.nan
+    free, braked = (float(np.median(side)) for side in sides)
+    variance = sum(np.var(side, ddof=1) / side.size for side in sides)
+    return braked - free, float(np.sqrt(0.5 * np.pi * variance))
+
+
+def _require_front_bias(vehicle: Vehicle, log: Log, b: Blocks) -> None:
+    """Refuse a ramp on which eta falls where a front-biased car makes it rise."""
+    biased = (b.z > 0.1) & (b.z < 0.8 * front_biased_up_to(vehicle))
+    rise, error = eta_rise(b, biased & (b.end > bitten(b)))
+    if rise < -4.0 * error:
+        raise LogError(
+            f"the front wheels slip less than the rear while braking: eta {100 * rise:+.2f} %",
+            where=log.source,
+            expected=f"a rise: {vehicle.name} is front-biased there",
+            do="are the axles swapped? put them right in a channel map",
+        )
+
+
+def bitten(b: Blocks) -> float:
+    """Time from which on the brakes are applied and settled [s]; infinite if they never are."""
+    braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
+    return float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
+
+
 def calibration(
     vehicle: Vehicle, found: Identified, runs: list[Run], known: Resistance
 ) -> Calibration:
-    """Pad level with sigma from noise, drag and mass; pad ratio from the posterior."""
+    """Pad level with sigma from noise, drag and mass; pad ratio from the posterior.
+
+    The sum of forces fixes the mean of both axles weighed by their share. The scale, which is
+    their geometric mean, moves against it with the ratio by half the difference of the shares.
+    """
     scale = float(np.mean(found.pad_scale))
     sigma_z = np.mean([_sigma_level(vehicle, run, known) for run in runs])
     between = float(np.std(found.pad_scale)) / np.sqrt(len(runs))
@@ -122,7 +197,7 @@ def calibration(
     mu_f = scale * vehicle.front.pad_friction * half
     mu_r = scale * vehicle.rear.pad_friction / half
     return Calibration(
-        pad_scale=Value(scale, scale * relative),
+        pad_scale=Value(scale, scale * float(np.hypot(relative, (share - 0.5) * sigma_rho))),
         pad_log_ratio=Value(rho, sigma_rho),
         pad_friction_f=Value(mu_f, mu_f * float(np.hypot(relative, (1.0 - share) * sigma_rho))),
         pad_friction_r=Value(mu_r, mu_r * float(np.hypot(relative, share * sigma_rho))),

@@ -2,18 +2,20 @@
 
     schema = 1
     [limits]
-    axle_torque_error_f = { max = 0.05 }
+    torque_error_f = { max = 0.05 }
     valid_share = { min = 0.7 }
 
 A figure that a log cannot give (no truth, say) is not judged and says so.
 """
 
-import difflib
-import tomllib
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import LimitsError
+from calib.toml import did_you_mean, read_toml
+
+SCHEMA = 1
 
 
 @dataclass(frozen=True)
@@ -52,17 +54,8 @@ DEFAULTS: tuple[Limit, ...] = (
 
 def read_limits(path: Path, known: set[str]) -> tuple[Limit, ...]:
     """Read limits. Raises LimitsError for an unreadable file, an unknown figure or a bad range."""
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise LimitsError(f"cannot be read ({error})", where=path) from error
-    except tomllib.TOMLDecodeError as error:
-        raise LimitsError(f"not TOML: {error}", where=path) from error
-    if document.get("schema") != 1:
-        raise LimitsError(
-            f"schema is {document.get('schema')!r}", where=path, expected="schema = 1"
-        )
-    extra = sorted(set(document) - {"schema", "limits"})
+    document = read_toml(path, SCHEMA, LimitsError)
+    extra = sorted(set(document) - {"limits"})
     if extra:
         raise LimitsError(f"unknown key {extra[0]!r}", where=path, expected="[limits]")
     table = document.get("limits")
@@ -73,8 +66,7 @@ def read_limits(path: Path, known: set[str]) -> tuple[Limit, ...]:
 
 def _limit(path: Path, name: str, spec: object, known: set[str]) -> Limit:
     if name not in known:
-        near = difflib.get_close_matches(name, sorted(known), 1)
-        hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(sorted(known))}"
+        hint = did_you_mean(name, sorted(known)) or f"known: {', '.join(sorted(known))}"
         raise LimitsError(f"unknown figure {name!r}", where=path, do=hint)
     if not isinstance(spec, dict) or not spec or set(spec) - {"min", "max"}:
         raise LimitsError(
@@ -82,12 +74,16 @@ def _limit(path: Path, name: str, spec: object, known: set[str]) -> Limit:
         )
     ends = {key: spec.get(key) for key in ("min", "max")}
     for key, value in ends.items():
-        if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
-            raise LimitsError(f"{name}.{key} = {value!r}", where=path, expected="a number")
+        if value is not None and not _is_number(value):
+            raise LimitsError(f"{name}.{key} = {value!r}", where=path, expected="a finite number")
     low, high = ends["min"], ends["max"]
     if low is not None and high is not None and low > high:
         raise LimitsError(f"{name}: min {low} lies above max {high}", where=path)
     return Limit(name, None if low is None else float(low), None if high is None else float(high))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def judge(limits: tuple[Limit, ...], figures: dict[str, float | None]) -> tuple[Judgement, ...]:

@@ -4,7 +4,10 @@ Units stand in the metadata of each column, so that any Parquet reader can show 
 written whole or not at all.
 """
 
+import contextlib
 import json
+import os
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +37,8 @@ UNITS = {
 }
 """Columns of a result, in their order."""
 
+SUMMARY = "summary.json"
+
 
 def columns(e: Estimate) -> dict[str, NDArray[np.float64] | NDArray[np.bool_]]:
     """Columns of one result, (n,) each. Both wheels of an axle carry its pad friction."""
@@ -60,7 +65,7 @@ def columns(e: Estimate) -> dict[str, NDArray[np.float64] | NDArray[np.bool_]]:
 
 
 def write_result(e: Estimate, path: Path) -> None:
-    """Write the columns of one estimate as Parquet."""
+    """Write the columns of one estimate as Parquet. Raises OSError if it cannot."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -76,13 +81,25 @@ def write_result(e: Estimate, path: Path) -> None:
 
 
 def write_results(results: list[Validation], summary: dict[str, object], out: Path) -> list[Path]:
-    """Write ``out``/<log>.parquet for every log and ``out``/summary.json; return the paths."""
+    """Write ``out``/<log>.parquet for every log and ``out``/summary.json; return the paths.
+
+    All are made in a hidden directory first and then moved into place, so that a full disk leaves
+    nothing of them. Raises OSError if ``out`` cannot be written.
+    """
+    made = not out.exists()
     out.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for result in results:
-        path = out / f"{result.log}.parquet"
-        write_result(result.estimate, path)
-        paths.append(path)
-    text = json.dumps(summary, indent=2, allow_nan=False) + "\n"
-    write_whole(out / "summary.json", text.encode())
-    return [*paths, out / "summary.json"]
+    try:
+        with tempfile.TemporaryDirectory(prefix=".new-", dir=out) as work:
+            names = [f"{result.log}.parquet" for result in results]
+            for name, result in zip(names, results, strict=True):
+                write_result(result.estimate, Path(work) / name)
+            text = json.dumps(summary, indent=2, allow_nan=False) + "\n"
+            write_whole(Path(work) / SUMMARY, text.encode())
+            for name in (*names, SUMMARY):
+                os.replace(Path(work) / name, out / name)
+    except BaseException:
+        if made:
+            with contextlib.suppress(OSError):
+                out.rmdir()
+        raise
+    return [out / name for name in (*names, SUMMARY)]

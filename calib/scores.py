@@ -90,7 +90,8 @@ def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
     counted = e.braked & (e.speed > 3.0)
     valid = e.valid & counted
     out: dict[str, float | None] = {
-        "valid_share": _share(valid, counted),
+        # a stop in which nothing can be judged must not pass for want of figures
+        "valid_share": _share(valid, counted) or 0.0,
         "covered_share": _share(valid & e.covered, valid),
         "eta_zero": e.eta_zero,
         "force_sum_error": force_sum_error(vehicle, e),

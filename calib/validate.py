@@ -11,10 +11,11 @@ import numpy as np
 from calib.check import problems_for
 from calib.errors import LogError, VehicleError
 from calib.estimator import Estimate, estimate
+from calib.fit import bitten, eta_rise, require_same_wheels
 from calib.limits import DEFAULTS, Judgement, Limit, judge
 from calib.logs.log import Log
 from calib.scores import rival_errors, score, truth_of
-from calib.signals import signals
+from calib.signals import blocks, signals
 from calib.table import Table
 from calib.vehicle import Vehicle
 
@@ -79,7 +80,8 @@ def validate_one(
             do="see `brake-cal check`",
         )
     car = vehicle or table.vehicle
-    require_same_car(table, log, vehicle)
+    require_same_vehicle(table, vehicle)
+    require_same_car(table, log)
     result = estimate(table, log, vehicle)
     figures = score(log, car, result)
     truth = truth_of(log, car, result)
@@ -95,36 +97,49 @@ def validate_one(
     )
 
 
-RADIUS_TOLERANCE = 0.03
-"""How far v/(R omega) may be from one on the unbraked part: tyre wear and pressure make 2 %."""
+SWAPPED = 0.5
+"""Share of the table's rise of eta by which eta must fall for the axles to count as swapped. Front
+pads that lost 30 % against the rear make it fall too, but by less."""
 
 
-def require_same_car(table: Table, log: Log, vehicle: Vehicle | None) -> None:
-    """Refuse a vehicle or a log that is not of the table's car.
+def require_same_vehicle(table: Table, vehicle: Vehicle | None, where: object = None) -> None:
+    """Refuse a vehicle that differs from the table's in more than its pads and known effects.
 
-    A vehicle may differ from the table's in its pads and known effects only. Raises VehicleError or
-    LogError. A log of another car with the same wheels cannot be told.
+    ``where`` names its file. Raises VehicleError.
     """
-    if vehicle is not None:
-        ours, theirs = _geometry(table.vehicle), _geometry(vehicle)
-        differ = [f"{k} {theirs[k]:.6g} for {ours[k]:.6g}" for k in ours if theirs[k] != ours[k]]
-        if differ:
-            raise VehicleError(
-                f"the table was fitted for another car: {', '.join(differ[:4])}",
-                where=vehicle.name,
-                expected="a vehicle that differs in its pads only",
-                do="fit a table for this car",
-            )
-    s = signals(log, table.vehicle)
-    if s.v is None or not s.lead_in.any():
+    if vehicle is None:
         return
-    radius = float(np.mean(s.v[s.lead_in]) / np.mean(s.omega_r[s.lead_in]))
-    if abs(radius / table.vehicle.rear.rolling_radius - 1.0) > RADIUS_TOLERANCE:
+    ours, theirs = _geometry(table.vehicle), _geometry(vehicle)
+    differ = [f"{k} {theirs[k]:.6g} for {ours[k]:.6g}" for k in ours if theirs[k] != ours[k]]
+    if differ:
+        raise VehicleError(
+            f"the table was fitted for another car: {', '.join(differ[:4])}",
+            where=vehicle.name if where is None else where,
+            expected="a vehicle that differs in its pads only",
+            do="fit a table for this car",
+        )
+
+
+def require_same_car(table: Table, log: Log) -> None:
+    """Refuse a log that is plainly not of the table's car, or has its axles swapped.
+
+    Raises LogError. A log of another car with the same wheels cannot be told.
+    """
+    s = signals(log, table.vehicle)
+    require_same_wheels(table.vehicle, log, s)
+    b = blocks(s)
+    known = (b.z > 0.05) & (b.z < table.paper.z[-1])
+    braked = known & (b.end > bitten(b)) & (b.speed > 5.0)
+    rise, error = eta_rise(b, braked)
+    if not np.isfinite(rise):
+        return
+    expected = float(np.median(np.interp(b.z[braked], table.paper.z, table.paper.eta))) - 1.0
+    if expected > 0.0 and rise + 4.0 * error < -SWAPPED * expected:
         raise LogError(
-            f"the wheels roll with a radius of {radius:.3f} m",
+            f"the front wheels slip less than the rear while braking: eta {100 * rise:+.2f} %",
             where=log.source,
-            expected=f"{table.vehicle.rear.rolling_radius:.3f} m as in the table of {table.name}",
-            do="this log is of another vehicle, or its wheel speeds have another unit",
+            expected=f"about {100 * expected:+.2f} % by the table of {table.name}",
+            do="are the axles swapped? put them right in a channel map",
         )
 
 
