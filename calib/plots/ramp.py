@@ -46,8 +46,10 @@ def forces(ax: "Axes", ramp: MeasuredRamp) -> None:
 def points(
     ax: "Axes", ramp: MeasuredRamp, x: Array, y: Array, mask: Mask, stroke: Stroke, label: str = ""
 ) -> None:
-    """Blocks as dots, and their means over a quarter of a second as rings."""
+    """Blocks as dots, and their means over a quarter of a second as rings, the rear's triangles."""
     ax.plot(x[mask], y[mask], ".", color=stroke["color"], ms=2.0, alpha=0.35, mew=0.0)
     ring: Stroke = {"color": stroke["color"], "mfc": "white", "ms": 3.4, "mew": 0.8}
     shown = label or "_points"  # a legend leaves out what begins with an underscore
-    ax.plot(grouped(x, mask), grouped(y, mask), "o", linestyle="", label=shown, zorder=3, **ring)
+    marker = "^" if stroke is REAR else "o"
+    means = grouped(x, mask), grouped(y, mask)
+    ax.plot(*means, marker, linestyle="", label=shown, zorder=3, **ring)

@@ -80,8 +80,8 @@ def _note(table: Table, ramps: Ramps) -> str:
     note += "Bands are 95 %."
     if ramps:
         note += (
-            " Dots: blocks of 50\u00a0ms; rings: means over 0.25\u00a0s, grey past the "
-            f"{table.paper.decelerations[1]:.2f}\u00a0g at which the curves over \u03b7 end. "
+            " Dots: blocks of 50\u00a0ms; rings and triangles: means over 0.25\u00a0s, grey past "
+            f"the {table.paper.decelerations[1]:.2f}\u00a0g at which the curves over \u03b7 end. "
             "The curves are those of a car without air drag; dotted: the same car as driven."
         )
     return note
