@@ -26,8 +26,9 @@ TREND = 0.1
 class Level:
     """Common factor on the nominal pads, causal. Shapes (n,), [1].
 
-    ``value`` is NaN until the first braked sample; ``sigma`` counts noise and drift only, not mass
-    or drag.
+    ``value`` is NaN until the first braked sample, is held after the last and NaN again when that
+    is forgotten. ``sigma`` counts noise and the price of following a trend, not mass or drag; pads
+    that drift by ``TREND`` add up to a third on a faint braking (tests/test_level.py).
     """
 
     value: Array

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from calib.effects import aerodynamic_drag, rolling_resistance
 from calib.effects.aerodynamic_drag import AIR_DENSITY
 from calib.effects.effect import Parameters
+from calib.model import default_model
 from calib.signals import Blocks
 from calib.vehicle import Vehicle
 
@@ -56,17 +57,19 @@ class Resistance:
 def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
     """Drag and rolling resistance from the unbraked blocks of ``runs``.
 
-    Each run comes with the noise density of its z [s^0.5]. Values of the vehicle file are kept.
-    The answer is the mean of a Gaussian on the cards' typical values, cut at nought.
+    Each run comes with the noise density of its z [s^0.5]. Values of the vehicle file are kept,
+    whatever the runs say. The answer is the most probable one under a Gaussian on the cards'
+    typical values, within the cards' ranges; the covariance is that of the uncut Gaussian.
+
+    Raises ModelError if the vehicle names an effect or parameter that the catalogue does not know,
+    or a value out of its range.
     """
     from scipy.optimize import lsq_linear
 
+    effects = default_model(vehicle).effects
     cards = (aerodynamic_drag.EFFECT.card, rolling_resistance.EFFECT.card)
     priors = [card.parameters[0] for card in cards]
-    given = [
-        vehicle.effects.get(card.name, {}).get(p.name)
-        for card, p in zip(cards, priors, strict=True)
-    ]
+    given = [effects.get(card.name, {}).get(p.name) for card, p in zip(cards, priors, strict=True)]
     centre = [p.typical if g is None else g for p, g in zip(priors, given, strict=True)]
     # a given value is still a measured one: 2 % of the usual spread keeps the algebra regular
     spread = [p.spread * (1.0 if g is None else 0.02) for p, g in zip(priors, given, strict=True)]
@@ -83,8 +86,11 @@ def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
         rows.append(gain / sigma)
         sides.append(resist / sigma)
     A, y = np.vstack(rows), np.concatenate(sides)
-    upper = [p.high for p in priors]
-    solution = lsq_linear(A, y, bounds=([p.low - 1e-12 for p in priors], upper)).x
+    solution, free = np.asarray(centre), np.asarray([g is None for g in given])
+    if np.any(free):
+        low, high = np.asarray([(p.low - 1e-12, p.high) for p in priors])[free].T
+        rest = y - A[:, ~free] @ solution[~free]
+        solution[free] = lsq_linear(A[:, free], rest, bounds=(low, high)).x
     covariance = np.linalg.inv(A.T @ A)
     return Resistance(
         mean=(max(float(solution[0]), 0.0), max(float(solution[1]), 0.0)),

@@ -92,13 +92,10 @@ class Noise:
 
 
 def signals(log: Log, vehicle: Vehicle) -> Signals:
-    """Axle signals of a log. Raises LogError if nothing in it is unbraked or the wheels stand."""
+    """Axle signals of a log. Raises LogError if the car hardly moves."""
     omega_f = 0.5 * (log["omega_fl"] + log["omega_fr"])
     omega_r = 0.5 * (log["omega_rl"] + log["omega_rr"])
-    if "p_fl" in log and "p_rl" in log:
-        p_f, p_r = 0.5 * (log["p_fl"] + log["p_fr"]), 0.5 * (log["p_rl"] + log["p_rr"])
-    else:
-        p_f = p_r = log["p_mc"]
+    p_f, p_r = _axle_pressure(log, "f"), _axle_pressure(log, "r")
     v = log.channels.get("v")
     speed = vehicle.rear.rolling_radius * omega_r if v is None else v
     if np.max(speed) < MOVING:
@@ -120,6 +117,14 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
         lead_in=lead_in(log.time, np.maximum(p_f, p_r), z, speed),
         sample_time=log.sample_time,
     )
+
+
+def _axle_pressure(log: Log, axle: str) -> Array:
+    """Mean of both wheel pressures [Pa] where both are logged, else the master cylinder's."""
+    left, right = f"p_{axle}l", f"p_{axle}r"
+    if left in log and right in log:
+        return 0.5 * (log[left] + log[right])
+    return log["p_mc"]
 
 
 def lead_in(time: Array, pressure: Array, z: Array, speed: Array) -> Mask:
@@ -227,7 +232,9 @@ def long_run_density(
     signal are taken out; what is left is read as an AR(1) process, whose long-run standard
     deviation is sd sqrt((1 + r)/(1 - r)). r is corrected for the degrees of freedom taken out and
     kept at 0 or above: a negative colour (a tooth-timing sensor) promises more than a short stop
-    can hold. Reads about 10 % low on noise with a time constant of 0.1 s (tests/test_signals.py).
+    can hold. On noise with a time constant of 0.1 s it reads about 10 % low, and 30 % low with a
+    ``window`` of 2 s, where parabola and companion take much of it (tests/test_signals.py). Below
+    8 groups nothing is taken out and the noise is read as white.
     """
     per_group = max(1, round(group / step))
     groups = x.size // per_group
@@ -252,7 +259,8 @@ def long_run_density(
     total = float(np.sum(residual**2))
     if total == 0.0:
         return 0.0
-    # the median keeps out the window in which the brake bites
+    # the median keeps the window in which the brake bites out of the variance, not out of r: a
+    # violent bite reads up to 3 times high
     variance = float(np.median(np.sum(residual**2, axis=1))) / (length - taken)
     lagged = float(np.sum(residual[:, 1:] * residual[:, :-1]))
     r = lagged / total * length / (length - 1) + taken / length
