@@ -106,6 +106,19 @@ def find_peak(vehicle: Vehicle, found: Identified, z_max: float) -> Peak:
     return Peak(float(z[top]), float(eta[top]), bool(eta[top] - eta[-1] > 3.0 * sigma))
 
 
+FLAT = 0.1
+"""Share of its first slope at which eta over z is too flat to be read backwards: there an error of
+eta moves D ten times as far as it should."""
+
+
+def readable_up_to(vehicle: Vehicle, found: Identified, z_max: float) -> float:
+    """Greatest z [1] up to which eta rises steeply enough that f1 and f2 can be read from it."""
+    z = np.linspace(0.0, z_max, 201)
+    slope = np.diff(path(vehicle, found.mean, z).eta)
+    flat = np.flatnonzero(slope < FLAT * slope[0])
+    return float(z[flat[0]] if flat.size else z_max)
+
+
 def delta_sigma(f: Callable[[Array], Array], found: Identified) -> Array:
     """Standard deviation of f(parameters) by the delta method, central differences."""
     sigma = np.sqrt(np.diag(found.covariance))
@@ -147,13 +160,15 @@ def paper_table(vehicle: Vehicle, found: Identified, runs: list[Run], z_end: flo
 def tyre_curve(vehicle: Vehicle, found: Identified, runs: list[Run], z_max: float) -> TyreCurve:
     """Normalised force over slip with half the weight on the axle, up to the greatest F seen."""
     top = path(vehicle, found.mean, np.asarray([z_max]))
-    force = np.linspace(0.0, 1.1 * float(max(top.F_f[0], top.F_r[0])), ROWS)
+    greatest = 1.1 * float(max(top.F_f[0], top.F_r[0]))
+    force = np.linspace(0.0, 1.3 * greatest, 2 * ROWS)  # beyond the end, where the band needs it
     one = np.ones(())
 
     def slip(parameters: Array) -> Array:
         return Tyre(*parameters[:4]).slip(force, one)
 
-    grid = np.linspace(0.0, float(slip(found.mean)[-1]), ROWS)
+    end = float(Tyre(*found.mean[:4]).slip(np.asarray(greatest), one))
+    grid = np.linspace(0.0, end, ROWS)
     g = np.interp(grid, slip(found.mean), force)
     sigma = delta_sigma(lambda x: np.interp(grid, slip(x), force), found)
     seen = [

@@ -47,7 +47,7 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     found, runs = identify.identify(vehicle, runs)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
     peak = curves.find_peak(vehicle, found, z_max)
-    z_end = peak.z if peak.real else z_max
+    z_end = curves.readable_up_to(vehicle, found, z_max)
     quality = figures(vehicle, found, runs, peak, z_max)
     return Table(
         name=vehicle.name,
@@ -281,7 +281,7 @@ def remarks(
         )
     if peak.real:
         said.append(
-            f"eta peaks at {peak.z:.2f} g: f1 and f2 of eta end there, beyond it use the tyre curve"
+            f"eta peaks at {peak.z:.2f} g: f1, f2 of eta end before it; beyond, use the tyre curve"
         )
     rho, sigma = float(found.mean[5]), float(np.sqrt(found.covariance[5, 5]))
     if found.nominal_weight < 0.5:
