@@ -1,7 +1,11 @@
-"""What an effect is: a card that explains it, and the forces it adds.
+"""What an effect is: a card that explains it, and what it adds to one or more links of the chain.
 
-An effect only adds. Its parameters are named in its card and held outside it, so that one object
-serves the simulation (which adds it), the analysis (which accounts for it) and the report.
+    p_mc -> pressure -> friction -> wheels -> + moment -> tyre -> + body -> mass -> accelerometer
+            caliper     pads        L/R       inertia     radius  load_shift         a_x as read
+
+An effect only adds to a link, and leaves alone what it does not name. Its parameters are named in
+its card and held outside it, so that one object serves the simulation (which adds it), the analysis
+(which accounts for it) and the diagnosis (which asks how much of it there is).
 """
 
 from collections.abc import Callable, Mapping
@@ -14,13 +18,15 @@ from calib.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 Parameters = Mapping[str, float]
+Pair = tuple[Array, Array]
 
 
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of an effect: SI unit, plausible range, and what to assume when nothing is known.
 
-    ``typical`` and ``spread`` are the mean and one standard deviation over passenger cars.
+    ``typical`` and ``spread`` are the mean and one standard deviation over passenger cars, and the
+    size at which a diagnosis starts to look for it.
     """
 
     name: str
@@ -55,24 +61,108 @@ class Motion:
     load_r: Array
 
 
+@dataclass(frozen=True)
+class Trace:
+    """A run over time, for effects that remember; arrays (n,), SI.
+
+    ``time`` [s], increasing; ``v`` [m/s]; ``z`` deceleration over g [1]; ``p_mc`` [Pa];
+    ``temperature_f``, ``temperature_r`` of the discs [degC], None where not known; ``angle_f``,
+    ``angle_r`` wheel angle since the first sample [rad]; ``energy_f``, ``energy_r`` dissipated in
+    one brake of the axle since the first sample [J].
+    """
+
+    time: Array
+    v: Array
+    z: Array
+    p_mc: Array
+    temperature_f: Array | None
+    temperature_r: Array | None
+    angle_f: Array
+    angle_r: Array
+    energy_f: Array
+    energy_r: Array
+
+
 def no_force(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
     """Nothing on the body [N]."""
     return np.zeros_like(motion.v)
 
 
-def no_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> tuple[Array, Array]:
+def no_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """Nothing on the wheels [N m]."""
     return np.zeros_like(motion.v), np.zeros_like(motion.v)
+
+
+def same_pressure(parameters: Parameters, trace: Trace, p_f: Array, p_r: Array) -> Pair:
+    """Caliper pressures [Pa] as they come."""
+    return p_f, p_r
+
+
+def same_friction(parameters: Parameters, trace: Trace, p_f: Array, p_r: Array) -> Pair:
+    """Factors one on the pads [1]."""
+    one = np.ones_like(p_f)
+    return one, one
+
+
+def same_wheels(parameters: Parameters, trace: Trace) -> dict[str, Array]:
+    """Factors one on the brake torque of every wheel [1]; only wheels that differ are named."""
+    return {}
+
+
+def no_inertia(parameters: Parameters) -> tuple[float, float]:
+    """No inertia beside the wheels', front and rear, per wheel [kg m^2]."""
+    return 0.0, 0.0
+
+
+def same_mass(parameters: Parameters) -> float:
+    """Factor one on the mass [1]."""
+    return 1.0
+
+
+def same_radius(parameters: Parameters) -> tuple[float, float]:
+    """Factors one on the rolling radii, front and rear [1]."""
+    return 1.0, 1.0
+
+
+def no_shift(vehicle: Vehicle, parameters: Parameters, trace: Trace) -> Array:
+    """Nothing of the load transfer is late: share of W that the front axle still lacks [1]."""
+    return np.zeros_like(trace.z)
+
+
+def true_acceleration(
+    vehicle: Vehicle, parameters: Parameters, trace: Trace, a_x: Array
+) -> Array:
+    """The accelerometer reads what there is [m/s^2]."""
+    return a_x
 
 
 @dataclass(frozen=True)
 class Effect:
     """A named cause.
 
-    ``body_force`` gives what slows the body directly [N]; ``axle_moment`` what slows the wheels of
-    the front and of the rear axle besides the brake [N m per axle]. Both positive when they slow.
+    Attributes
+    ----------
+    card : for the user.
+    pressure : pressures of the front and the rear calipers [Pa] from those that arrive.
+    friction : factors on the pad friction of both axles [1] at the caliper pressures.
+    wheels : factors on the brake torque of single wheels [1].
+    axle_moment : what slows the wheels besides the brake [N m per axle], positive when it slows.
+    inertia : inertia of one wheel beside its own, front and rear [kg m^2].
+    radius : factors on the rolling radii [1].
+    load_shift : share of W that the front axle lacks against (6), (7) [1].
+    body_force : what slows the body directly [N], positive when it slows.
+    mass : factor on the mass [1].
+    accelerometer : a_x as read from a_x as it is [m/s^2].
     """
 
     card: Card
+    pressure: Callable[[Parameters, Trace, Array, Array], Pair] = same_pressure
+    friction: Callable[[Parameters, Trace, Array, Array], Pair] = same_friction
+    wheels: Callable[[Parameters, Trace], dict[str, Array]] = same_wheels
+    axle_moment: Callable[[Vehicle, Parameters, Motion], Pair] = no_moment
+    inertia: Callable[[Parameters], tuple[float, float]] = no_inertia
+    radius: Callable[[Parameters], tuple[float, float]] = same_radius
+    load_shift: Callable[[Vehicle, Parameters, Trace], Array] = no_shift
     body_force: Callable[[Vehicle, Parameters, Motion], Array] = no_force
-    axle_moment: Callable[[Vehicle, Parameters, Motion], tuple[Array, Array]] = no_moment
+    mass: Callable[[Parameters], float] = same_mass
+    accelerometer: Callable[[Vehicle, Parameters, Trace, Array], Array] = true_acceleration
