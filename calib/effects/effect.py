@@ -39,7 +39,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Card:
-    """What a user reads of an effect."""
+    """What a user reads of an effect.
+
+    The first of ``parameters`` is its strength: at ``neutral`` nothing happens, whatever the others.
+    """
 
     name: str
     cause: str
@@ -47,18 +50,7 @@ class Card:
     source: str
     looks_like: str
     parameters: tuple[Parameter, ...]
-
-
-@dataclass(frozen=True)
-class Motion:
-    """The state an effect may depend on; arrays of one shape.
-
-    ``v`` [m/s]; ``load_f``, ``load_r`` axle loads [N].
-    """
-
-    v: Array
-    load_f: Array
-    load_r: Array
+    neutral: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -81,6 +73,19 @@ class Trace:
     angle_r: Array
     energy_f: Array
     energy_r: Array
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The state an effect may depend on; arrays of one shape.
+
+    ``v`` [m/s]; ``load_f``, ``load_r`` axle loads [N]; ``trace`` the run behind it, where known.
+    """
+
+    v: Array
+    load_f: Array
+    load_r: Array
+    trace: Trace | None = None
 
 
 def no_force(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:

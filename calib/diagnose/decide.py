@@ -1,0 +1,107 @@
+"""From fitted candidates to a verdict: nothing, one effect, two, a set that cannot be told apart, or
+something that the catalogue does not know.
+
+    base ──> gap? ──> best single ──> enough? ──> best second ──> enough? ──> unknown
+              no: no_gap       yes: named or ambiguous      yes: named
+
+What is judged is the excess of the mean squared innovation over one. An effect must earn its place
+in innovations, explain the better part of the excess, and help on hold-outs it was not fitted to.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.diagnose.candidate import Candidate, Problem
+from calib.diagnose.search import refine
+
+DETECT = 0.005
+"""Least gain in the mean squared innovation for an effect to be seen at all. Without any effect the
+best of all names gains up to 0.0035 on a plant whose wheels have inertia (tests/studies/naming.py)."""
+
+ENOUGH = 0.93
+"""Share of the excess that an explanation must close to stand."""
+
+QUIET = 1.05
+"""Mean squared innovation below which nothing is left to explain."""
+
+SECOND = 0.02
+"""Least gain in the mean squared innovation of a second effect."""
+
+SECOND_SHARE = 0.6
+"""Share of what the first left over that a second must close."""
+
+CONFUSABLE = 0.004
+"""Rivals whose mean squared innovation lies within this of the best cannot be told from it."""
+
+
+@dataclass(frozen=True)
+class Decision:
+    """The verdict with its candidates.
+
+    ``verdict`` as in diagnosis.json; ``base`` without effects; ``best`` the explanation that stands
+    or comes nearest; ``rivals`` the other fitted ones of the last step, best first.
+    """
+
+    verdict: str
+    base: Candidate
+    best: Candidate
+    rivals: tuple[Candidate, ...]
+
+
+def decide(problem: Problem, base: Candidate) -> Decision:
+    """Search and judge."""
+    singles = refine(problem, base)
+    if not singles or gain(base, singles[0]) < DETECT:
+        verdict = "no_gap" if base.reduced < QUIET + DETECT else "unknown"
+        return Decision(verdict, base, base, tuple(singles))
+    first = singles[0]
+    pairs = seconds(problem, singles) if first.reduced > QUIET else []
+    if pairs and second_earns(first, pairs[0]):
+        verdict = standing(base, pairs[0], pairs[1:])
+        return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
+    return Decision(standing(base, first, singles[1:]), base, first, tuple(singles[1:]))
+
+
+def gain(before: Candidate, after: Candidate) -> float:
+    """Fall of the mean squared innovation."""
+    return before.reduced - after.reduced
+
+
+def seconds(problem: Problem, singles: list[Candidate]) -> list[Candidate]:
+    """Pairs from the two best singles, best first, each pair once."""
+    found: dict[frozenset[str], Candidate] = {}
+    for parent in singles[:2]:
+        for pair in refine(problem, parent, 4):
+            key = frozenset(pair.names)
+            if key not in found or pair.chi2 < found[key].chi2:
+                found[key] = pair
+    return sorted(found.values(), key=lambda candidate: candidate.chi2)
+
+
+def second_earns(first: Candidate, pair: Candidate) -> bool:
+    """Whether the second effect is worth its name."""
+    left = max(first.reduced - 1.0, 1e-9)
+    return gain(first, pair) > SECOND and gain(first, pair) / left > SECOND_SHARE
+
+
+def standing(base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
+    """Named, ambiguous or unknown."""
+    closed = gain(base, best) / max(base.reduced - 1.0, 1e-9)
+    if best.reduced > QUIET and closed < ENOUGH:
+        return "unknown"
+    return "ambiguous" if confusable(best, rivals) else "named"
+
+
+def confusable(best: Candidate, rivals: list[Candidate] | tuple[Candidate, ...]) -> list[Candidate]:
+    """Rivals that the data cannot tell from the best."""
+    return [
+        rival
+        for rival in rivals
+        if rival.reduced - best.reduced < CONFUSABLE and len(rival.names) <= len(best.names)
+    ]
+
+
+def strongest(candidate: Candidate, sigma: float = 1.0) -> np.ndarray:
+    """Parameters over their standard deviations, for the evidence."""
+    return np.asarray(candidate.x / np.sqrt(np.diag(candidate.covariance)) / sigma)
