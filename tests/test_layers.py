@@ -16,7 +16,7 @@ LAYERS = """
     vehicle
     logs samples clock
     forces
-    signals course axles sensors
+    signals course axles sensors response
     effects
     tyre magic_formula wheel evidence
     model manoeuvre

@@ -41,7 +41,8 @@ class Parameter:
 class Card:
     """What a user reads of an effect.
 
-    The first of ``parameters`` is its strength: at ``neutral`` nothing happens, whatever the others.
+    The first of ``parameters`` is its strength: at ``neutral`` nothing happens, whatever the
+    others are.
     """
 
     name: str
@@ -110,7 +111,7 @@ def same_friction(parameters: Parameters, trace: Trace, p_f: Array, p_r: Array) 
 
 
 def same_wheels(parameters: Parameters, trace: Trace) -> dict[str, Array]:
-    """Factors one on the brake torque of every wheel [1]; only wheels that differ are named."""
+    """No wheel's brake torque differs from that of the other side; only such wheels are named."""
     return {}
 
 
@@ -134,9 +135,7 @@ def no_shift(vehicle: Vehicle, parameters: Parameters, trace: Trace) -> Array:
     return np.zeros_like(trace.z)
 
 
-def true_acceleration(
-    vehicle: Vehicle, parameters: Parameters, trace: Trace, a_x: Array
-) -> Array:
+def true_acceleration(vehicle: Vehicle, parameters: Parameters, trace: Trace, a_x: Array) -> Array:
     """The accelerometer reads what there is [m/s^2]."""
     return a_x
 
@@ -148,9 +147,10 @@ class Effect:
     Attributes
     ----------
     card : for the user.
-    pressure : pressures of the front and the rear calipers [Pa] from those that arrive.
+    pressure : pressures of the front and the rear calipers [Pa] from those that arrive; reads only
+        ``time`` and ``p_mc`` of the trace.
     friction : factors on the pad friction of both axles [1] at the caliper pressures.
-    wheels : factors on the brake torque of single wheels [1].
+    wheels : factors on the brake torque of wheels that differ from the other side [1].
     axle_moment : what slows the wheels besides the brake [N m per axle], positive when it slows.
     inertia : inertia of one wheel beside its own, front and rear [kg m^2].
     radius : factors on the rolling radii [1].

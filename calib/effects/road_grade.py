@@ -1,0 +1,28 @@
+"""Road grade: a part of the weight along the road."""
+
+import numpy as np
+
+from calib.effects.effect import Array, Card, Effect, Motion, Parameter, Parameters
+from calib.vehicle import Vehicle
+
+
+def body_force(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
+    """F = W s [N], the same all along the run; the loads stay those of a flat road.
+
+    ``a_x`` is dv/dt in the logs, so the accelerometer does not see it. Within 0.5 % of the tangent
+    up to 10 %.
+    """
+    return np.full_like(motion.v, vehicle.weight * parameters["grade"])
+
+
+EFFECT = Effect(
+    card=Card(
+        name="road_grade",
+        cause="slope of the road, positive uphill",
+        equation="F = W s, s sine of the slope, on the body; nothing at grade = 0",
+        source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 1",
+        looks_like="a constant deceleration, braked or not, that no wheel shows; either sign",
+        parameters=(Parameter("grade", "1", -0.2, 0.2, 0.02, 0.02),),
+    ),
+    body_force=body_force,
+)

@@ -1,0 +1,42 @@
+"""What follows an input with delay: linear responses at the samples of any clock.
+
+The input runs straight between its samples, and for that the result is exact, however coarse or
+uneven the clock. Everything is at rest at the first sample.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def first_order(time: Array, x: Array, time_constant: float) -> Array:
+    """Return y of T dy/dt + y = x at ``time`` [s] (n,), ``x`` (n,), T [s] above nought."""
+    return np.asarray(_follow(time, x, -1.0 / time_constant), float)
+
+
+def second_order(time: Array, x: Array, frequency: float, damping: float) -> Array:
+    """Return y of y'' + 2 D w y' + w^2 y = w^2 x at ``time`` [s] (n,); ``x`` (n,).
+
+    ``frequency`` w [rad/s]; ``damping`` D [1], from 0 to below 1: the mode must ring.
+    """
+    pole = frequency * complex(-damping, np.sqrt(1.0 - damping**2))
+    # w^2/((s - p)(s - p*)) in partial fractions; the two parts are conjugate.
+    return np.asarray(np.imag(pole * np.conj(_follow(time, x, pole))) / pole.imag, float)
+
+
+def _follow(time: Array, x: Array, pole: complex) -> NDArray[Any]:
+    """Return y of y' = pole (y - x), from rest."""
+    from scipy.linalg.lapack import dtbtrs, ztbtrs
+
+    # e = y - x: e' = pole e - x' has e[k+1] = exp(a) e[k] - (x[k+1] - x[k]) (exp(a) - 1)/a
+    a = pole * np.diff(time)
+    growth = np.expm1(a)
+    bands = np.ones((2, x.size), a.dtype)
+    bands[1, :-1] = -1.0 - growth
+    pushed = np.concatenate([[0.0], -np.diff(x) * growth / a])
+    solve = ztbtrs if np.iscomplexobj(a) else dtbtrs
+    behind, _ = solve(bands, pushed[:, None], uplo="L")
+    return np.asarray(x + behind[:, 0])
