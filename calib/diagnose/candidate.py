@@ -6,6 +6,7 @@ from the cards and weak priors where a run may not say anything: the peak of a t
 near it, the second parameter of an effect.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -138,18 +139,39 @@ def prior_rows(names: tuple[str, ...], x: Array) -> Array:
     return np.asarray(rows)
 
 
-def fit(problem: Problem, names: tuple[str, ...], start: Array, evaluations: int = 12) -> Candidate:
-    """Fit base and effects from ``start`` (a vector of `unpack`)."""
+MakeTerm = Callable[[Array], Term]
+"""An empirical term from its values at the knots."""
+
+
+def fit(
+    problem: Problem,
+    names: tuple[str, ...],
+    start: Array,
+    evaluations: int = 12,
+    term: tuple[MakeTerm, int] | None = None,
+) -> Candidate:
+    """Fit base and effects from ``start`` (a vector of `unpack`).
+
+    With a ``term``, its values at so many knots stand at the end of the vector.
+    """
     from scipy.optimize import least_squares
 
     low, high = bounds(names)
+    knots = term[1] if term else 0
+    low = np.concatenate([low, np.full(knots, -0.9)])
+    high = np.concatenate([high, np.full(knots, 0.9)])
+    own = low.size - knots
 
     def objective(x: Array) -> Array:
-        base, effects = unpack(problem.vehicle, names, x)
-        return np.concatenate([problem.flat(base, effects), prior_rows(names, x)])
+        base, effects = unpack(problem.vehicle, names, x[:own])
+        extra = (term[0](x[own:]),) if term else ()
+        # a term is only as bent as it must be
+        bent = np.diff(x[own:]) / 0.5
+        rows = [problem.flat(base, effects, extra), prior_rows(names, x[:own]), bent]
+        return np.concatenate([*rows, x[own:] / 2.0])
 
     first = np.clip(start, low + 1e-6, high - 1e-6)
-    scale = np.concatenate([np.full(4, 0.1), np.ones(first.size - 4)])
+    scale = np.concatenate([np.full(4, 0.1), np.ones(own - 4), np.full(knots, 0.1)])
     found = least_squares(
         objective,
         first,
@@ -160,9 +182,9 @@ def fit(problem: Problem, names: tuple[str, ...], start: Array, evaluations: int
         ftol=1e-5,
         xtol=1e-5,
     )
-    priors = prior_rows(names, found.x).size
+    priors = prior_rows(names, found.x[:own]).size + (2 * knots - 1 if knots else 0)
     innovations = found.fun[:-priors]
-    base, effects = unpack(problem.vehicle, names, found.x)
+    base, effects = unpack(problem.vehicle, names, found.x[:own])
     return Candidate(
         names=names,
         base=base,

@@ -166,6 +166,12 @@ def predict(
     return Prediction(a_read, gained, omega, torques[0] + torques[1], torques[2] + torques[3])
 
 
+def trace_of(run: Run) -> Trace:
+    """The run as an effect sees it before anything is predicted: measured z, no energy."""
+    nothing = np.zeros_like(run.time)
+    return _trace(run, -run.a_x / G, (nothing, nothing))
+
+
 def _trace(run: Run, z: Array, energy: tuple[Array, Array]) -> Trace:
     return Trace(
         time=run.time,

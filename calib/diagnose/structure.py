@@ -11,45 +11,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.course import BITE
-from calib.diagnose.candidate import Candidate, Problem
-from calib.diagnose.predict import Run, Term
+from calib.diagnose.candidate import Candidate, Problem, fit
+from calib.diagnose.predict import Term, trace_of
 from calib.diagnose.search import base_directions
-from calib.effects.effect import Card, Effect, Motion, Pair, Parameters, Trace
-from calib.names import G
-from calib.vehicle import Vehicle
+from calib.effects.empirical import DRIVERS, PLACES, Empirical, driver_along
 
 Array = NDArray[np.float64]
 
 KNOTS = 5
 """Knots of a term over the range of its driver."""
 
-PLACES = {
-    "front_brakes": "front",
-    "rear_brakes": "rear",
-    "front_wheels": "front",
-    "rear_wheels": "rear",
-    "body": "body",
-}
-"""Places of a term and the axle they belong to."""
-
-DRIVERS = ("pressure", "speed", "temperature", "time", "deceleration")
+FITTED = 6
+"""Terms fitted in full after the linear ranking."""
 
 
 @dataclass(frozen=True)
 class Structure:
     """The empirical term that explains most of what is left.
 
-    ``place``, ``axle``, ``driver``; ``knots`` of the driver (SI) and ``values`` of the term there:
-    a factor less one on brake torque, or a force over the weight; ``explained`` share of the excess
-    [1]; ``runners_up`` (place, driver, share).
+    ``term`` and the ``axle`` it acts on; ``explained`` share of the excess [1]; ``at`` the
+    candidate with its base parameters fitted beside the term; ``runners_up`` (place, driver, share).
     """
 
-    place: str
+    term: Empirical
     axle: str
-    driver: str
-    knots: tuple[float, ...]
-    values: tuple[float, ...]
     explained: float
+    at: Candidate
     runners_up: tuple[tuple[str, str, float], ...]
 
 
@@ -59,46 +46,49 @@ def locate(problem: Problem, at: Candidate) -> Structure:
     directions = base_directions(problem, at, innovations)
     rest = innovations - directions @ (directions.T @ innovations)
     excess = max(at.chi2 - at.count, 1e-9)
-    found = []
+    found: list[Found] = []
     for driver in DRIVERS:
-        signals = [driver_of(run, driver) for run in problem.runs]
-        if any(signal is None for signal in signals):
+        if driver == "temperature" and any(run.temperature_f is None for run in problem.runs):
             continue
-        knots = knots_of([s for s in signals if s is not None])
+        signals = [driver_along(trace_of(run), driver) for run in problem.runs]
+        knots = knots_of(driver, signals)
         for place in PLACES:
             gain, values = _explain(problem, at, (place, driver), knots, (directions, rest))
-            found.append((gain / excess, place, driver, knots, values))
+            found.append((gain / excess, place, driver, knots, values, at))
     found.sort(key=lambda item: -item[0])
-    best = found[0]
+    fitted = [_fitted(problem, at, item, excess) for item in found[:FITTED]]
+    fitted.sort(key=lambda item: -item[0])
+    best = fitted[0]
     return Structure(
-        place=best[1],
+        term=Empirical(best[1], best[2], tuple(best[3].tolist()), tuple(best[4].tolist())),
         axle=PLACES[best[1]],
-        driver=best[2],
-        knots=tuple(float(k) for k in best[3]),
-        values=tuple(float(v) for v in best[4]),
         explained=float(best[0]),
-        runners_up=tuple((place, driver, float(s)) for s, place, driver, _, _ in found[1:4]),
+        at=best[5],
+        runners_up=tuple((place, driver, float(s)) for s, place, driver, *_ in fitted[1:4]),
     )
 
 
-def driver_of(run: Run, driver: str) -> Array | None:
-    """A driver of a run [SI], (n,); None where it is not logged."""
-    if driver == "pressure":
-        return run.p_mc
-    if driver == "speed":
-        return run.v_smooth
-    if driver == "temperature":
-        return run.temperature_f
-    if driver == "deceleration":
-        return -run.a_x / G
-    braked = run.p_mc > BITE
-    last_free = np.maximum.accumulate(np.where(braked, -np.inf, run.time))
-    return np.where(np.isfinite(last_free), run.time - last_free, run.time)
+Found = tuple[float, str, str, Array, Array, Candidate]
 
 
-def knots_of(signals: list[Array]) -> Array:
-    """Knots over the middle 98 % of a driver."""
+def _fitted(problem: Problem, at: Candidate, item: Found, excess: float) -> Found:
+    """A term fitted in full with the base: one linear step from a wrong base points wrong."""
+    _, place, driver, knots, _, _ = item
+
+    def make(values: Array) -> Term:
+        return _term(place, driver, knots, values)
+
+    start = np.concatenate([at.x, np.zeros(knots.size)])
+    with_term = fit(problem, at.names, start, 8, (make, knots.size))
+    share = (at.chi2 - with_term.chi2) / excess
+    return share, place, driver, knots, with_term.x[-knots.size :], with_term
+
+
+def knots_of(driver: str, signals: list[Array]) -> Array:
+    """Knots over the middle 98 % of a driver; of pressure, one where the pads bite."""
     low, high = np.percentile(np.concatenate(signals), [1.0, 99.0])
+    if driver == "pressure":
+        return np.concatenate([[0.0], np.linspace(BITE, max(high, 2.0 * BITE), KNOTS - 1)])
     return np.linspace(low, max(high, low + 1e-9), KNOTS)
 
 
@@ -117,7 +107,7 @@ def _explain(
     for k in range(knots.size):
         hat = np.zeros(knots.size)
         hat[k] = size
-        told = problem.flat(at.base, at.effects, (term(*where, knots, hat),))
+        told = problem.flat(at.base, at.effects, (_term(*where, knots, hat),))
         change = (told - innovations) / size
         columns.append(change - directions @ (directions.T @ change))
     A = np.stack(columns, axis=1)
@@ -126,54 +116,5 @@ def _explain(
     return float(rest @ rest - np.sum((rest + A @ values) ** 2)), values
 
 
-def term(place: str, driver: str, knots: Array, values: Array) -> Term:
-    """The empirical term as an effect: it adds to the same links as any other."""
-    card = Card(
-        name=f"empirical_{place}_over_{driver}",
-        cause="not known",
-        equation="piecewise linear over the driver",
-        source="this run",
-        looks_like="what was left",
-        parameters=(),
-    )
-
-    def level(trace: Trace) -> Array:
-        return np.interp(_driver(trace, driver), knots, values)
-
-    def friction(parameters: Parameters, trace: Trace, p_f: Array, p_r: Array) -> Pair:
-        one, factor = np.ones_like(p_f), 1.0 + level(trace)
-        return (factor, one) if place == "front_brakes" else (one, factor)
-
-    def force(vehicle: Vehicle, motion: Motion) -> Array:
-        assert motion.trace is not None
-        return np.asarray(vehicle.weight * level(motion.trace))
-
-    def body(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
-        return force(vehicle, motion)
-
-    def moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-        nothing = np.zeros_like(motion.v)
-        if place == "front_wheels":
-            return vehicle.front.rolling_radius * force(vehicle, motion), nothing
-        return nothing, vehicle.rear.rolling_radius * force(vehicle, motion)
-
-    if place in ("front_brakes", "rear_brakes"):
-        return Effect(card, friction=friction), {}
-    if place == "body":
-        return Effect(card, body_force=body), {}
-    return Effect(card, axle_moment=moment), {}
-
-
-def _driver(trace: Trace, driver: str) -> Array:
-    """The driver as an effect sees it."""
-    if driver == "pressure":
-        return trace.p_mc
-    if driver == "speed":
-        return trace.v
-    if driver == "temperature":
-        return np.zeros_like(trace.v) if trace.temperature_f is None else trace.temperature_f
-    if driver == "deceleration":
-        return trace.z
-    braked = trace.p_mc > BITE
-    last_free = np.maximum.accumulate(np.where(braked, -np.inf, trace.time))
-    return np.where(np.isfinite(last_free), trace.time - last_free, trace.time)
+def _term(place: str, driver: str, knots: Array, values: Array) -> Term:
+    return Empirical(place, driver, tuple(knots.tolist()), tuple(values.tolist())).effect(), {}
