@@ -15,9 +15,10 @@ import numpy as np
 from calib.diagnose.candidate import Candidate, Problem
 from calib.diagnose.search import refine
 
-DETECT = 0.005
+DETECT = 0.015
 """Least gain in the mean squared innovation for an effect to be seen at all. Without any effect the
-best of all names gains up to 0.0035 on a plant whose wheels have inertia (tests/studies/naming.py)."""
+best of all names gains up to half of this: wheels take milliseconds to follow, and pressure sensors
+do not read below nought (tests/studies/naming.py)."""
 
 ENOUGH = 0.93
 """Share of the excess that an explanation must close to stand."""
