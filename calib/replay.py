@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from calib.effects.catalogue import as_driven
 from calib.errors import LogError
 from calib.logs.log import Array, Log
 from calib.model import Model
-from calib.names import WHEELS
+from calib.names import AXLES, WHEELS
 from calib.simulate import simulate
 from calib.vehicle import Vehicle
 
@@ -17,16 +18,17 @@ brake that is just being applied bends v by less than 0.01 m/s in it."""
 def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
     """Drive the model with the pressures of a log from its first speed, open loop.
 
-    Wheel pressures [Pa] are used where they are logged, ``p_mc`` elsewhere. Ends as `simulate`
-    does, at ``stop_speed`` [m/s] at the latest. Raises LogError if the log has no first speed,
-    ModelError if there is nothing to drive.
+    Wheel pressures [Pa] are used where they are logged, ``p_mc`` elsewhere; disc temperatures where
+    they are logged. Ends as `simulate` does, at ``stop_speed`` [m/s] at the latest. Raises LogError
+    if the log has no first speed, ModelError if there is nothing to drive.
     """
     return simulate(
         model,
         log.time,
         log["p_mc"],
-        first_speed(log, model.vehicle),
+        first_speed(log, as_driven(model.vehicle, model.effects)),
         wheel_pressure={w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log},
+        temperature={a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log},
         stop_speed=stop_speed,
         name=log.name,
     )

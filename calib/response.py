@@ -1,7 +1,7 @@
 """What follows an input with delay: linear responses at the samples of any clock.
 
 The input runs straight between its samples, and for that the result is exact, however coarse or
-uneven the clock. Everything is at rest at the first sample.
+uneven the clock. What follows is at rest at the first sample.
 """
 
 from typing import Any
@@ -10,6 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+
+def integral(time: Array, x: Array) -> Array:
+    """Return the integral of ``x`` (n,) from the first sample on; ``time`` [s] (n,)."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(time))])
 
 
 def first_order(time: Array, x: Array, time_constant: float) -> Array:

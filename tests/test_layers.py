@@ -20,6 +20,7 @@ LAYERS = """
     effects
     tyre magic_formula wheel evidence
     model manoeuvre
+    road brakes passes
     table curve_file
     resistance identify level lookup balance
     curves

@@ -352,7 +352,7 @@ def test_refuses_what_cannot_be_driven(time, pressure, v0, says):
 
 
 def test_refuses_what_has_not_settled(monkeypatch):
-    monkeypatch.setattr("calib.simulate.PASSES", 2)
+    monkeypatch.setattr("calib.passes.PASSES", 2)
     with pytest.raises(ModelError, match="did not settle in 2 passes"):
         simulate(model(), clock(5), trace(ramp, clock(5)), 33.0)
 

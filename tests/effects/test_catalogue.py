@@ -37,7 +37,7 @@ def test_a_parameter_has_an_si_unit_and_a_range_around_what_is_usual(name, p):
 
 def test_one_file_for_each_effect_and_one_effect_for_each_file():
     files = {path.stem for path in Path(catalogue.__file__).parent.glob("*.py")}
-    assert files - {"__init__", "effect", "catalogue"} == set(CATALOGUE)
+    assert files - {"__init__", "effect", "catalogue", "empirical"} == set(CATALOGUE)
 
 
 def test_no_two_parameters_share_a_name():
