@@ -37,8 +37,8 @@ EFFECT = Effect(
         name="pitch_coupling",
         cause="the body pitches on its springs; e of the load transfer goes through them",
         equation=(
-            "z_b follows z with w and D; F_zf lacks W e (z - z_b) h/L; a_x reads - g e k z_b more; "
-            "nothing at elastic_share = 0"
+            "z_b'' + 2 D w z_b' + w^2 z_b = w^2 z; front load less W e (z - z_b) h/L; "
+            "a_x - g e k z_b; nothing at elastic_share = 0"
         ),
         source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 5 and 7 (anti-dive)",
         looks_like="a_x that rings at 1 to 2 Hz after a step and reads too much while held",

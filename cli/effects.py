@@ -1,0 +1,68 @@
+"""`brake-cal effects`: the causes that the catalogue knows, one line each, or one card whole."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json
+from cli.options import Json, example
+
+if TYPE_CHECKING:
+    from rich.table import Table as Grid
+
+    from calib.effects.effect import Card, Parameter
+
+EPILOG = example("brake-cal effects", "brake-cal effects hydraulic_lag")
+
+
+def effects(
+    name: Annotated[
+        str | None, typer.Argument(metavar="NAME", help="One effect; all without it.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """List the effects that a model can have, or print the card of one."""
+    from calib.effects.catalogue import CATALOGUE
+
+    if name is not None and name not in CATALOGUE:
+        from calib.toml import did_you_mean
+
+        hint = did_you_mean(name, CATALOGUE) or "'brake-cal effects' lists the known ones"
+        raise typer.BadParameter(f"unknown effect {name!r}; {hint}", param_hint="NAME")
+    cards = [e.card for n, e in CATALOGUE.items() if name in (None, n)]
+    if json:
+        emit_json({"schema": 1, "effects": cards})
+    elif name is None:
+        emit(_list(cards))
+    else:
+        emit(_card(cards[0]))
+
+
+def _list(cards: "list[Card]") -> "Grid":
+    from rich.table import Table as Grid
+
+    grid = Grid(box=None, header_style="bold", pad_edge=False)
+    grid.add_column("effect", no_wrap=True)
+    grid.add_column("cause", overflow="fold")
+    for card in cards:
+        grid.add_row(card.name, card.cause)
+    return grid
+
+
+def _card(card: "Card") -> str:
+    lines = [
+        ("effect", card.name),
+        ("cause", card.cause),
+        ("equation", card.equation),
+        ("source", card.source),
+        ("looks like", card.looks_like),
+        *((p.name, _range(p)) for p in card.parameters),
+    ]
+    width = max(len(head) for head, _ in lines)
+    return "\n".join(f"{head:<{width}}  {text}" for head, text in lines)
+
+
+def _range(p: "Parameter") -> str:
+    unit = "" if p.unit == "1" else f" {p.unit}"
+    typical = f"{p.typical:g} +- {p.spread:g}{unit}"
+    return f"{typical}, from {p.low:g} to {p.high:g}{unit}"
