@@ -153,7 +153,7 @@ def equations(car: Car, lines: Lines) -> Rates:
 
         load, force = push(y[Z])
         if not h.pitch_frequency:  # the load follows at once: a fast fixed point
-            for _ in range(3):
+            for _ in range(2):
                 load, force = push(sum(force) / weight)
         z_tyre = sum(force) / weight
         torque = [gain[i] * k[i // 2] * (p_f if i < 2 else p_r) for i in range(4)]
@@ -211,8 +211,8 @@ def pad_law(h: Hidden) -> Callable[[float, float, float, float], float]:
 
 def resisting(h: Hidden, load: list[float], radius: list[float], v: float) -> list[float]:
     """Moments against the rolling of the wheels [N m] beside the brakes."""
-    rolling = h.rolling * (1.0 + 0.15 * ((v / 20.0) ** 2 - 1.0))
-    engine = 0.5 * h.engine_torque * (0.85 + 0.15 * v / 20.0)
+    rolling = h.rolling * (1.0 + 0.08 * ((v / 20.0) ** 2 - 1.0))
+    engine = 0.5 * h.engine_torque * (0.9 + 0.1 * v / 20.0)
     fading = min(v / 2.0, 1.0)
     moments = [rolling * n * r * fading for n, r in zip(load, radius, strict=True)]
     moments[0] += engine * fading
