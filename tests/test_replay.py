@@ -54,6 +54,25 @@ def test_pressures_of_single_wheels_are_used(driven):
     assert ratio == pytest.approx(0.9)
 
 
+def test_disc_temperatures_are_used(driven):
+    hot = {f"T_disc_{a}": np.full(driven.time.size, 350.0) for a in "fr"}
+    fade = {"pad_thermal_fade": {"fade_slope": 0.001, "fade_onset": 150.0}}
+    again = replay(
+        replace(MODEL, effects={**MODEL.effects, **fade}),
+        replace(driven, channels={**driven.channels, **hot}),
+    )
+    n = again.time.size
+    assert again.truth["true_Tb_fl"] == pytest.approx(0.8 * driven.truth["true_Tb_fl"][:n])
+    assert np.array_equal(again["T_disc_f"], hot["T_disc_f"][:n])
+
+
+def test_without_v_the_radii_of_the_model_count(driven):
+    worn = replace(MODEL, effects={"rolling_radius_mismatch": {"radius_mismatch": -0.02}})
+    log = without(simulate(worn, driven.time, driven["p_mc"], 30.0), "v")
+    assert replay(worn, log)["v"][0] == pytest.approx(30.0, rel=1e-3)
+    assert replay(MODEL, log)["v"][0] == pytest.approx(30.3, rel=1e-3)
+
+
 def test_first_speed_is_that_of_v(driven):
     assert first_speed(driven, SEDAN) == pytest.approx(30.0, abs=1e-4)
     found = [first_speed(add_noise(driven, seed), SEDAN) for seed in range(50)]

@@ -351,12 +351,6 @@ def test_refuses_what_cannot_be_driven(time, pressure, v0, says):
         simulate(model(), time, pressure, v0)
 
 
-def test_refuses_what_has_not_settled(monkeypatch):
-    monkeypatch.setattr("calib.passes.PASSES", 2)
-    with pytest.raises(ModelError, match="did not settle in 2 passes"):
-        simulate(model(), clock(5), trace(ramp, clock(5)), 33.0)
-
-
 def test_refuses_an_axle_that_lifts():
     huge = {"aerodynamic_drag": {"drag_area": 100.0}}
     with pytest.raises(ModelError, match="rear axle would lift"):
@@ -366,3 +360,19 @@ def test_refuses_an_axle_that_lifts():
 def test_unknown_wheel_is_refused():
     with pytest.raises(ModelError, match="fx"):
         simulate(model(), clock(1), np.zeros(201), 20.0, wheel_pressure={"fx": np.zeros(201)})
+
+
+def test_disc_temperatures_are_handed_through_and_looked_at():
+    time, heat = clock(1), np.linspace(80.0, 120.0, 201)
+    log = simulate(model(), time, np.zeros(201), 20.0, temperature={"r": heat})
+    assert np.array_equal(log["T_disc_r"], heat)
+    assert "T_disc_f" not in log
+    with pytest.raises(ModelError, match="unknown axle 'x'"):
+        simulate(model(), time, np.zeros(201), 20.0, temperature={"x": heat})
+    with pytest.raises(ModelError, match="not finite"):
+        simulate(model(), time, np.zeros(201), 20.0, temperature={"f": heat * np.nan})
+
+
+def test_an_unknown_effect_is_refused():
+    with pytest.raises(ModelError, match="unknown effect 'fad'"):
+        simulate(model({"fad": {}}), clock(1), np.zeros(201), 20.0)

@@ -1,0 +1,28 @@
+"""Grade against the inclined plane."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.effects.effect import Motion
+from calib.effects.road_grade import EFFECT
+from calib.names import G
+from tests.effects.made import SEDAN, driven, without_inertia
+
+
+@given(st.floats(-0.2, 0.2), st.floats(0.0, 60.0))
+def test_is_the_weight_along_the_road_at_any_speed(grade, v):
+    motion = Motion(np.array([v]), np.array([1e4]), np.array([7e3]))
+    assert EFFECT.body_force(SEDAN, {"grade": grade}, motion) == pytest.approx(
+        SEDAN.mass * G * grade
+    )
+
+
+@pytest.mark.parametrize("grade", [0.04, -0.03])
+def test_a_car_left_alone_rolls_as_on_an_inclined_plane(grade):
+    log = driven({"road_grade": {"grade": grade}}, lambda t: 0.0, 20.0, car=without_inertia(SEDAN))
+    assert log["a_x"] == pytest.approx(-G * grade)
+    assert log["v"] == pytest.approx(20.0 - G * grade * log.time)
+    for w in ("fl", "rr"):
+        assert log.truth[f"true_Fx_{w}"] == pytest.approx(0.0, abs=1e-6)
