@@ -20,7 +20,7 @@ from calib.brakes import Brakes
 from calib.effects.catalogue import total_axle_moment, total_body_force, total_load_shift
 from calib.effects.effect import Motion, Pair, Trace
 from calib.errors import ModelError
-from calib.names import G
+from calib.names import AXLES, G
 from calib.response import integral
 from calib.road import tyres_along
 
@@ -55,10 +55,12 @@ class Run:
         return self.rest.time
 
     def total(self, force: Mapping[str, Array]) -> Array:
-        """Sum of the tyre forces of all four wheels [N] (n,)."""
-        alone = [w for w in force if f"{w[0]}r" not in force]  # these stand for two
-        counted = [2.0 * force[w] if w in alone else force[w] for w in force]
-        return np.asarray(np.sum(counted, axis=0))
+        """Sum of the tyre forces of all four wheels [N] (n,); one without its twin counts twice.
+
+        Axle by axle: twins that are equal then sum to the last bit as one that stands for both.
+        """
+        axles = [force[f"{a}l"] + force.get(f"{a}r", force[f"{a}l"]) for a in AXLES]
+        return axles[0] + axles[1]
 
     def speed(self, z: Array) -> Array:
         """V [m/s] (n,): v0 less the integral of g z, by trapezes."""

@@ -29,6 +29,13 @@ def test_a_wheel_without_its_twin_counts_twice():
     assert np.array_equal(run.total({"fl": one, "fr": 3.0 * one, "rl": 10.0 * one}), [24.0] * 3)
 
 
+def test_equal_twins_sum_to_the_last_bit_as_one_for_both():
+    front, rear = np.random.default_rng(0).normal(3000.0, 1000.0, (2, 1000))
+    run = run_with({})
+    four = run.total({"fl": front, "fr": front, "rl": rear, "rr": rear})
+    assert np.array_equal(four, run.total({"fl": front, "rl": rear}))
+
+
 def test_what_the_brakes_and_the_road_took_is_what_the_car_lost():
     run = run_with(DRAG)
     state = settle(run)

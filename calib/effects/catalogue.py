@@ -79,7 +79,7 @@ LINE = ("hydraulic_delay", "hydraulic_lag", "rear_proportioning")
 CALIPER = ("brake_threshold_pressure", "caliper_hysteresis")
 """In the caliper, behind a wheel pressure sensor."""
 
-SENSOR = ("pitch_coupling", "accelerometer_scale", "accelerometer_bias")
+SENSOR = ("road_grade", "pitch_coupling", "accelerometer_scale", "accelerometer_bias")
 """What is sensed comes before how it is read."""
 
 

@@ -113,7 +113,7 @@ def test_what_changes_a_pressure_or_a_reading_has_its_place_in_the_chain():
     hydraulic = {n for n, e in CATALOGUE.items() if e.pressure is not same_pressure}
     sensed = {n for n, e in CATALOGUE.items() if e.accelerometer is not true_acceleration}
     assert sorted(LINE + CALIPER) == sorted(hydraulic)
-    assert sorted(SENSOR) == sorted(sensed)
+    assert sensed <= set(SENSOR)
 
 
 # Nothing -----------------------------------------------------------------------------------------
