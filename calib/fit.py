@@ -48,6 +48,15 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
     peak = curves.find_peak(vehicle, found, z_max)
     z_end = curves.readable_up_to(vehicle, found, z_max)
+    if z_end <= 0.0:
+        raise LogError(
+            "eta does not rise under braking, so there is no curve over it: the rear axle brakes "
+            "as hard for its load as the front axle, or harder",
+            where=", ".join(log.source for log, _, _ in ramps),
+            expected=f"a front-biased car; by its file {vehicle.name} is so up to "
+            f"{front_biased_up_to(vehicle):.2f} g",
+            do="check areas and radii of the brakes in the vehicle file",
+        )
     quality = figures(vehicle, found, runs, peak, z_max)
     return Table(
         name=vehicle.name,
