@@ -28,7 +28,7 @@ from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.resistance import Resistance
 from calib.rivals import rivals
-from calib.signals import Blocks, Noise, Signals, blocks, lead_in_noise, signals
+from calib.signals import Blocks, Noise, Signals, blocks, eta_of, lead_in_noise, signals
 from calib.table import Table
 from calib.vehicle import Vehicle
 
@@ -122,7 +122,7 @@ def estimate(
     answer = split_of(plan, s, b, level)
     front, rear = _axles(plan, s, forces, level, answer, b)
     zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
-    eta = s.omega_r / s.omega_f / (1.0 + zero)
+    eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
     others = rivals(table, plan.nominal, s, forces, eta, level)
     slips = _slips(s)
     return Estimate(

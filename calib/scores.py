@@ -124,13 +124,14 @@ def _share(part: Mask, whole: Mask) -> float | None:
 
 def force_sum_error(vehicle: Vehicle, e: Estimate) -> float | None:
     """Rms of (F_xf + F_xr)/(M a_x) - 1 over valid samples: Fig. 13(f). Never a validation."""
-    if not e.valid.any():
+    slowing = e.valid & (e.z > 0.0)
+    if not slowing.any():
         return None
     total = sum(
         2.0 * axle.torque / of.rolling_radius
         for axle, of in ((e.front, vehicle.front), (e.rear, vehicle.rear))
     )
-    error = np.asarray(total)[e.valid] / (vehicle.weight * e.z[e.valid]) - 1.0
+    error = np.asarray(total)[slowing] / (vehicle.weight * e.z[slowing]) - 1.0
     return float(np.sqrt(np.mean(error**2)))
 
 

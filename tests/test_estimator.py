@@ -17,6 +17,7 @@ from tests.reference_car import (
     REAL,
     cut,
     noisy,
+    parked,
     ramp,
     stop,
     true_forces,
@@ -263,6 +264,15 @@ def test_abs_gate(table, wet, wheel):
 def test_low_speed_gate(result):
     assert np.min(result.speed) < 2.0
     assert not np.any(result.valid[result.speed < 3.0])
+
+
+def test_a_car_that_stands_at_the_end_changes_nothing(table, wet, result):
+    """Wheel speeds of exactly nought: no eta, no slip, no warning."""
+    e = estimate(table, parked(cut(wet, 0.0, 9.0)))
+    same(columns(e, 8.99), columns(result, 8.99), 1e-12)
+    still = e.time > 9.01
+    assert not np.any(e.valid[still])
+    assert np.all(np.isfinite(e.eta))
 
 
 def test_low_pressure_gate(table):

@@ -251,6 +251,17 @@ def test_several_ramps_are_better_than_one(clean):
     assert bands[1] < 0.9 * bands[0]
 
 
+def test_a_glitch_of_a_x_that_no_car_can_do_takes_no_part(run, table):
+    """One sample of 655 m/s^2 is 3.3 g in its block: the rear axle would lift."""
+    hit = run["a_x"].copy()
+    hit[800] = 655.35
+    c = fit(CAR, [replace(run, channels={**run.channels, "a_x": hit})]).calibration
+    for name in ("pad_friction_f", "pad_friction_r"):
+        assert getattr(c, name).value == pytest.approx(
+            getattr(table.calibration, name).value, rel=0.02
+        )
+
+
 # What is refused, and why.
 
 
@@ -277,6 +288,14 @@ def test_ramp_without_lead_in(run):
 def test_one_bad_log_among_good_ones_is_named(run):
     bad = replace(cut(run, 1.7), source="bad.csv", digest="bad")
     assert refusal(run, bad).startswith("bad.csv")
+
+
+def test_wheel_speeds_too_coarse_for_a_tyre_curve(clean):
+    """Front left is only renewed ten times a second: slip seems to fall with force."""
+    log = noisy(clean, 1)
+    held = np.repeat(log["omega_fl"][::20], 20)[: log.time.size]
+    coarse = replace(log, channels={**log.channels, "omega_fl": held})
+    assert "slip would fall while force grows" in refusal(coarse)
 
 
 def test_a_run_given_twice(run):

@@ -322,6 +322,16 @@ def test_variances_stay_positive_over_a_long_stop():
     assert np.all((answer.nominal_weight >= 0.0) & (answer.nominal_weight <= 1.0))
 
 
+def test_an_axle_that_lifts_is_not_taken_in():
+    """A glitch of a_x: the load left on the rear axle is negative, and no slip follows from it."""
+    blocks, demand = stop(STEADY)
+    hit = blocks.end == blocks.end[90]
+    glitch = replace(demand, load_r=np.where(hit, -3000.0, demand.load_r))
+    answer = split(CAR, blocks, glitch, NOISE, MEAN, COVARIANCE, PRIORS)
+    assert np.isnan(answer.innovation_eta[90])
+    assert np.max(np.abs(answer.innovation_eta[91:])) < 1e-6
+
+
 def test_wheels_past_their_peak_are_not_taken_in():
     """A block in which the front wheels nearly lock says nothing of any curve."""
     blocks, demand = stop(STEADY)
