@@ -28,7 +28,7 @@ from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.resistance import Resistance
 from calib.rivals import rivals
-from calib.signals import Blocks, Noise, Signals, blocks, lead_in_noise, signals
+from calib.signals import Blocks, Noise, Signals, blocks, eta_of, lead_in_noise, signals
 from calib.table import Table
 from calib.vehicle import Vehicle
 
@@ -61,7 +61,8 @@ class Gates:
 class AxleEstimate:
     """One axle: pad friction mu with 95 % interval [1], brake torque of one wheel [N m], (n,).
 
-    ``normalised_force`` F_x/F_z [1] over the quasi-static load (6), (7). NaN before the pads bite.
+    ``normalised_force`` F_x/F_z [1] over the quasi-static load (6), (7). Nominal, with a wide
+    interval, before the pads first bite.
     """
 
     pad_friction: Array
@@ -122,7 +123,7 @@ def estimate(
     answer = split_of(plan, s, b, level)
     front, rear = _axles(plan, s, forces, level, answer, b)
     zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
-    eta = s.omega_r / s.omega_f / (1.0 + zero)
+    eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
     others = rivals(table, plan.nominal, s, forces, eta, level)
     slips = _slips(s)
     return Estimate(
@@ -284,6 +285,8 @@ def _level_weighed(plan: Plan, s: Signals, level: Level) -> tuple[Array, Array]:
     """Level and its relative sigma with mass and resistance counted, weighed against nominal.
 
     On a dry road the level is nominal within its error and stays there: compensation does no harm.
+    Before the pads first bite nothing is known of them: nominal, as uncertain as pads are. Between
+    brakings the last level stands, as uncertain again.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         resist = plan.known.sigma_z(plan.nominal, s.speed) / np.maximum(low_pass(s, s.z), 0.02)
@@ -291,7 +294,10 @@ def _level_weighed(plan: Plan, s: Signals, level: Level) -> tuple[Array, Array]:
         sigma = np.sqrt(noise**2 + resist**2 + plan.nominal.mass_tolerance**2)
         free = np.log(np.where(level.value > 0.0, level.value, np.nan))
     found = weigh(free, sigma, LEVEL_FREE, LEVEL_ODDS, LEVEL_ALIKE)
-    return np.exp(found.mean), found.sigma
+    known = np.isfinite(found.mean)
+    last = np.maximum.accumulate(np.where(known, np.arange(known.size), -1))
+    held = np.where(last >= 0, found.mean[np.maximum(last, 0)], 0.0)
+    return np.exp(held), np.where(known, found.sigma, LEVEL_FREE)
 
 
 def _axles(

@@ -46,8 +46,18 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     runs = [identify.prepare(vehicle, log.name, b, noise, known.effects) for log, b, noise in ramps]
     found, runs = identify.identify(vehicle, runs)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
+    _require_tyre(vehicle, found, z_max, ramps)
     peak = curves.find_peak(vehicle, found, z_max)
     z_end = curves.readable_up_to(vehicle, found, z_max)
+    if z_end <= 0.0:
+        raise LogError(
+            "eta does not rise under braking, so there is no curve over it: the rear axle brakes "
+            "as hard for its load as the front axle, or harder",
+            where=", ".join(log.source for log, _, _ in ramps),
+            expected=f"a front-biased car; by its file {vehicle.name} is so up to "
+            f"{front_biased_up_to(vehicle):.2f} g",
+            do="check areas and radii of the brakes in the vehicle file",
+        )
     quality = figures(vehicle, found, runs, peak, z_max)
     return Table(
         name=vehicle.name,
@@ -112,6 +122,19 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
             expected="at least one ramp: 1 s unbraked, then pressure rising over 5 s or more",
         )
     return ramps, coasts
+
+
+def _require_tyre(vehicle: Vehicle, found: Identified, z_max: float, ramps: list[Prepared]) -> None:
+    """Refuse ramps whose noise bends the compliance back: no tyre has less slip at more force."""
+    top = curves.path(vehicle, found.mean, np.asarray([z_max]))
+    force = np.linspace(0.0, 1.1 * float(max(top.F_f[0], top.F_r[0])), 100)
+    if np.any(found.tyre.slope(force, 1.0) <= 0.0):
+        raise LogError(
+            "no tyre curve fits: slip would fall while force grows",
+            where=", ".join(log.source for log, _, _ in ramps),
+            expected="wheel speeds fine and even enough to show a slip of 0.1 %",
+            do="look at the wheel speeds with `brake-cal check`, or add a second ramp",
+        )
 
 
 def _refuse_twice(logs: list[Log]) -> None:

@@ -105,8 +105,13 @@ class Identified:
 def prepare(
     vehicle: Vehicle, name: str, b: Blocks, noise: Noise, effects: dict[str, Parameters]
 ) -> Run:
-    """Loads, resistances and the demanded brake force of each block."""
-    load_f, load_r = axle_loads(vehicle, b.z)
+    """Loads, resistances and the demanded brake force of each block.
+
+    A block in which an axle would lift holds a glitch of a_x: it has no loads and no part.
+    """
+    loads = axle_loads(vehicle, b.z)
+    stands = np.minimum(*loads) > 0.0
+    load_f, load_r = (np.where(stands, load, np.nan) for load in loads)
     motion = Motion(v=b.speed, load_f=load_f, load_r=load_r)
     moments = total_axle_moment(vehicle, effects, motion)
     at_road = [
@@ -117,7 +122,7 @@ def prepare(
     ]
     tyres = vehicle.weight * b.z - total_body_force(vehicle, effects, motion)
     # the last blocks of a stop hold the jerk at standstill
-    use = (b.speed > MIN_SPEED) & (b.end < b.end[-1] - 0.1)
+    use = (b.speed > MIN_SPEED) & (b.end < b.end[-1] - 0.1) & stands
     return Run(
         name=name,
         blocks=b,
@@ -172,29 +177,39 @@ def predict(
     share = run.load_f / vehicle.weight
     mean = share * slip_f + (1.0 - share) * slip_r
     b = run.blocks
-    lag = G * b.z * parameters[4] / b.speed
+    lag = G * b.z * parameters[4] / np.maximum(b.speed, MIN_SPEED)
     return speed_ratio(slip_f, slip_r) * (1.0 + eta_zero), mean + slip_zero + lag
 
 
 def measured_slip(vehicle: Vehicle, load_f: Array, b: Blocks) -> Array | None:
-    """Load-weighted mean slip (19), (20) of the axles [1], not zeroed; None without v."""
+    """Load-weighted mean slip (19), (20) of the axles [1], not zeroed; None without v.
+
+    NaN where the car stands.
+    """
     if b.v is None:
         return None
     share = load_f / vehicle.weight
     rim = share * vehicle.front.rolling_radius * b.omega_f
     rim += (1.0 - share) * vehicle.rear.rolling_radius * b.omega_r
-    return np.asarray(1.0 - rim / b.v)
+    moving = b.v > 0.0
+    return np.where(moving, 1.0 - rim / np.where(moving, b.v, 1.0), np.nan)
 
 
 def sigma_eta(noise: Noise, b: Blocks, signal: Array) -> Array:
     """Standard deviation of eta of a block [1]: two axle means, and the model error."""
-    sensor = np.sqrt(2.0 / b.length) * noise.omega / b.omega_f
+    sensor = np.sqrt(2.0 / b.length) * noise.omega / _turning(b)
     return np.asarray(np.hypot(sensor, MODEL_ERROR * signal))
+
+
+def _turning(b: Blocks) -> Array:
+    """Front wheel speed [rad/s], at least 1: what turns slower takes no part."""
+    return np.maximum(b.omega_f, 1.0)
 
 
 def sigma_slip(noise: Noise, b: Blocks, signal: Array) -> Array:
     """Standard deviation of the mean slip of a block [1]: v, the wheels, and the model error."""
-    sensor = np.hypot(noise.v / b.speed, noise.omega / b.omega_f) / np.sqrt(b.length)
+    speed = np.maximum(b.speed, MIN_SPEED)  # slower blocks take no part
+    sensor = np.hypot(noise.v / speed, noise.omega / _turning(b)) / np.sqrt(b.length)
     return np.asarray(np.hypot(sensor, MODEL_ERROR * signal))
 
 
@@ -248,7 +263,8 @@ def identify_once(vehicle: Vehicle, runs: list[Run]) -> Identified:
 
     start = np.concatenate([PRIOR_MEAN, np.zeros(2 * len(runs))])
     scale = np.concatenate([PRIOR_SIGMA, np.full(2 * len(runs), 1e-3)])
-    fit = least_squares(objective, start, x_scale=scale, loss="huber", f_scale=3.0)
+    # central differences: with one-sided ones a rounding error of a log shows in the fifth digit
+    fit = least_squares(objective, start, jac="3-point", x_scale=scale, loss="huber", f_scale=3.0)
     covariance = np.linalg.inv(fit.jac.T @ fit.jac)
     x, covariance, weight = _weigh_ratio(fit.x, covariance)
     rest = residuals(x)

@@ -180,7 +180,7 @@ def split(
         P[RHO, RHO] += step.drift_ratio
         P[S, S] += step.drift_surface
         P[W, W] += step.drift_surface
-        if step.moving:
+        if step.moving and _carried(x, step):
             pause = max(pause - 1, 0)
             before = x.copy(), P.copy()
             surprise = _measure(x, P, step, innovation[k])
@@ -295,6 +295,12 @@ def _lagged(x: Array, gain: float) -> Array:
 
     start = [(1.0 - gain) * x[0]]
     return np.asarray(lfilter([gain], [1.0, gain - 1.0], x, zi=start)[0])
+
+
+def _carried(x: Array, step: _Step) -> bool:
+    """Both axles are on the road; with one lifted, a_x had a glitch and no load is known."""
+    moved = float(x[XI] + x[KAPPA] * step.psi) * step.weight
+    return -step.load_r < moved < step.load_f
 
 
 def _measure(x: Array, P: Array, step: _Step, innovation: Array) -> float:

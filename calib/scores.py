@@ -46,7 +46,10 @@ FIGURES: dict[str, str] = {
 
 @dataclass(frozen=True)
 class AxleTruth:
-    """Truth of one axle: pad friction [1], torque of one wheel [N m], tyre force [N] or None."""
+    """Truth of one axle: pad friction [1], torque of one wheel [N m], tyre force [N] or None.
+
+    Pad friction is NaN where there is none to compare with.
+    """
 
     pad_friction: Array
     torque: Array
@@ -69,6 +72,7 @@ def truth_of(log: Log, vehicle: Vehicle, estimate: Estimate) -> tuple[AxleTruth,
         pads = log.truth.get(f"true_mu_pad_{side}")
         if pads is None:
             pads = torque / (axle.torque_gain * np.where(p > 1e5, p, np.nan))
+        pads = np.where(pads > 0.0, pads, np.nan)
         left, right = (log.truth.get(f"true_Fx_{side}{k}") for k in "lr")
         force = None if left is None or right is None else np.abs(left + right)
         out.append(AxleTruth(pads, torque, force))
@@ -120,20 +124,24 @@ def _share(part: Mask, whole: Mask) -> float | None:
 
 def force_sum_error(vehicle: Vehicle, e: Estimate) -> float | None:
     """Rms of (F_xf + F_xr)/(M a_x) - 1 over valid samples: Fig. 13(f). Never a validation."""
-    if not e.valid.any():
+    slowing = e.valid & (e.z > 0.0)
+    if not slowing.any():
         return None
     total = sum(
         2.0 * axle.torque / of.rolling_radius
         for axle, of in ((e.front, vehicle.front), (e.rear, vehicle.rear))
     )
-    error = np.asarray(total)[e.valid] / (vehicle.weight * e.z[e.valid]) - 1.0
+    error = np.asarray(total)[slowing] / (vehicle.weight * e.z[slowing]) - 1.0
     return float(np.sqrt(np.mean(error**2)))
 
 
 def accuracy(
     vehicle: Vehicle, e: Estimate, truth: tuple[AxleTruth, AxleTruth]
 ) -> dict[str, float | None]:
-    """Figures against truth, over the braked samples above 3 m/s or the valid ones as named."""
+    """Figures against truth, over the braked samples above 3 m/s or the valid ones as named.
+
+    None where the truth is nought throughout, so that nothing is relative to it.
+    """
     from calib.forces import axle_loads
 
     valid = e.valid
@@ -147,7 +155,7 @@ def accuracy(
         t = truth[i]
         error = axle.pad_friction / t.pad_friction - 1.0
         scale = float(np.sqrt(np.mean(t.torque[braked] ** 2)))
-        out[f"torque_error_{side}"] = _rms((axle.torque - t.torque)[braked]) / scale
+        out[f"torque_error_{side}"] = _ratio(_rms((axle.torque - t.torque)[braked]), scale)
         out[f"pad_friction_bias_{side}"] = abs(float(np.mean(error[valid])))
         last = np.flatnonzero(braked)[-1]
         out[f"final_error_{side}"] = abs(float(error[last]))
@@ -158,8 +166,12 @@ def accuracy(
         own.append((axle.torque - t.torque)[braked])
         nominal.append((_nominal_torque(e, side, of) - t.torque)[braked])
     out["truth_in_interval"] = float(np.mean(np.concatenate(inside)))
-    out["gain_over_nominal"] = _rms(np.concatenate(nominal)) / _rms(np.concatenate(own))
-    return out
+    out["gain_over_nominal"] = _ratio(_rms(np.concatenate(nominal)), _rms(np.concatenate(own)))
+    return {name: x if x is not None and np.isfinite(x) else None for name, x in out.items()}
+
+
+def _ratio(a: float, b: float) -> float | None:
+    return a / b if b > 0.0 else None
 
 
 def _nominal_torque(e: Estimate, side: str, axle: Axle) -> Array:

@@ -73,8 +73,8 @@ class Blocks:
 
     @property
     def eta(self) -> Array:
-        """Eta of (22), not zeroed [1]."""
-        return self.omega_r / self.omega_f
+        """Eta of (22), not zeroed [1]; 1 where the front wheels stand."""
+        return eta_of(self.omega_f, self.omega_r)
 
 
 @dataclass(frozen=True)
@@ -89,6 +89,11 @@ class Noise:
     z: float
     v: float
     omega_white: float
+
+
+def eta_of(omega_f: Array, omega_r: Array) -> Array:
+    """omega_r/omega_f of (22) [1]; 1 where the front wheels stand, so that no slip shows."""
+    return np.divide(omega_r, omega_f, out=np.ones_like(omega_f), where=omega_f > 0.0)
 
 
 def signals(log: Log, vehicle: Vehicle) -> Signals:

@@ -16,6 +16,7 @@ BRAKING = 1.0  # [s] above 3 m/s
 COASTING = 2.0  # [s]; a coast of that length shows the zero of eta and the drag
 RADIUS = (0.12, 0.9)  # [m] that a_x over wheel deceleration may look like
 PRESSURE = 350e5  # [Pa] that no master cylinder reaches
+GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] that no road car reaches
 HOLE = 0.1  # [s] that may be missing within a braking
 
 
@@ -44,6 +45,13 @@ def _unusable(seen: Observation) -> Iterator[str]:
     for sensor in seen.sensors:
         if sensor.stuck and sensor.channel in ("a_x", "p_mc", *_wheels(seen)):
             yield f"{hanging(sensor)}: mend the sensor and drive again"
+    for sensor in seen.sensors:
+        top = GREATEST.get(sensor.channel.split("_f")[0].split("_r")[0])
+        if top is not None and max(sensor.high, -sensor.low) > top:
+            yield (
+                f"{sensor.channel} reaches {max(sensor.high, -sensor.low):.4g}, no road car does: "
+                "mend the sensor, or its unit in the channel map"
+            )
     yield from _wrong_a_x(seen)
     yield from _wrong_pressure(seen)
 

@@ -13,9 +13,7 @@ if TYPE_CHECKING:
     from calib.check import Findings
     from calib.errors import InputError
 
-EPILOG = example(
-    "brake-cal check sample_logs/sedan/*.csv"
-)
+EPILOG = example("brake-cal check sample_logs/sedan/*.csv")
 
 USELESS, UNREADABLE = 1, 3
 

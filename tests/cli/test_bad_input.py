@@ -1,0 +1,332 @@
+"""Bad input at the command line: one line that names the file, exit code 3, nothing written.
+
+What each reader and check says in detail is tried beside them (tests/logs, tests/test_check.py).
+Here each way to spoil an input goes through `fit` and `validate` as a user would type them.
+"""
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.fit import fit
+from calib.logs.write import write_csv, write_parquet
+from calib.store import save
+from tests.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, swapped, without
+
+WHEELS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    """A good ramp and a good stop, each as a log and as a file, and a store with the table."""
+    home = tmp_path_factory.mktemp("bench")
+    logs = {"fit": noisy(ramp(REAL), 1), "validate": noisy(stop(REAL), 2)}
+    for command, log in logs.items():
+        write_csv(replace(log, truth={}), home / f"{command}.csv")
+        write_parquet(replace(log, truth={}), home / f"{command}.parquet")
+    save(fit(CAR, [logs["fit"]]), home / "tables")
+    return home, logs
+
+
+@pytest.fixture
+def attempt(brake_cal, bench, tmp_path):
+    """Run a command on a log; returns what it did, and the list of what it wrote."""
+    home, _ = bench
+
+    def run(command, log, *more, vehicle=SEDAN / "vehicle.toml"):
+        if command == "fit":
+            places = [tmp_path / "tables"]
+            words = ("fit", log, "--vehicle", vehicle, "--store", *places)
+        else:
+            places = [tmp_path / "results"]
+            words = ("validate", CAR.name, log, "--store", home / "tables", "--out", *places)
+        ran = brake_cal(*words, *more)
+        return ran, [p for place in places if place.exists() for p in [place, *place.rglob("*")]]
+
+    return run
+
+
+def refused(ran, written, file, says, code=3):
+    assert ran.code == code, ran.err
+    assert ran.out == ""
+    errors = [line for line in ran.err.splitlines() if line.startswith("error: ")]
+    assert len(errors) == 1
+    assert ran.err.endswith(f"{errors[0]}\n")  # the last word
+    assert len(ran.err.splitlines()) <= 2  # and before it what it was doing
+    assert str(file) in errors[0]
+    assert says in errors[0]
+    assert "Traceback" not in ran.err
+    assert written == []
+
+
+def on(text, row, column, cell):
+    """The CSV with one cell replaced; rows count from 1, the header is row 0."""
+    lines = text.splitlines()
+    cells = lines[row].split(",")
+    cells[lines[0].split(",").index(column)] = cell
+    lines[row] = ",".join(cells)
+    return "\n".join([*lines, ""])
+
+
+def repeated(text):
+    """a_x a second time, in another unit."""
+    head, *rows = text.splitlines()
+    return "\n".join([f"{head},a_x [g]", *(f"{row},0.1" for row in rows), ""])
+
+
+def without_column(text, column):
+    rows = [line.split(",") for line in text.splitlines()]
+    k = rows[0].index(column)
+    return "\n".join([*(",".join(r[:k] + r[k + 1 :]) for r in rows), ""])
+
+
+def back_in_time(text):
+    lines = text.splitlines()
+    lines[200], lines[201] = lines[201], lines[200]
+    return "\n".join([*lines, ""])
+
+
+TEXTS = {
+    "empty file": (lambda t: "", "the file is empty"),
+    "header only": (lambda t: t.splitlines()[0] + "\n", "no samples"),
+    "truncated": (lambda t: t[: len(t) // 2], "cut off"),
+    "semicolons": (lambda t: t.replace(",", ";"), "separated by a semicolon"),
+    "tabs": (lambda t: t.replace(",", "\t"), "separated by a tab"),
+    "vertical bars": (lambda t: t.replace(",", "|"), "separated by a vertical bar"),
+    "no pressure": (lambda t: without_column(t, "p_mc [bar]"), "channel p_mc missing"),
+    "no wheel": (lambda t: without_column(t, "omega_rl [rad/s]"), "channel omega_rl missing"),
+    "channel twice": (repeated, "the channel is there twice"),
+    "unknown unit": (lambda t: t.replace("[bar]", "[barg]"), "'barg'"),
+    "no unit": (lambda t: t.replace(" [bar]", ""), "the unit is missing"),
+    "other quantity": (lambda t: t.replace("[bar]", "[N]"), "not of pressure"),
+    "NaN": (lambda t: on(t, 40, "a_x [m/s^2]", "NaN"), "no value in 1 of"),
+    "hole": (lambda t: on(t, 40, "omega_fl [rad/s]", ""), "no value in 1 of"),
+    "infinite": (lambda t: on(t, 40, "p_mc [bar]", "inf"), "an infinite value"),
+    "word": (lambda t: on(t, 40, "p_mc [bar]", "high"), "'high' is not a number"),
+    "time back": (back_in_time, "time goes back in row 201"),
+    "time stands": (lambda t: on(t, 41, "time [s]", t.splitlines()[40].split(",")[0]), "stands"),
+}
+
+
+@pytest.mark.parametrize("command", ["fit", "validate"])
+@pytest.mark.parametrize("spoilt", TEXTS)
+def test_files_that_are_no_log(attempt, bench, tmp_path, command, spoilt):
+    change, says = TEXTS[spoilt]
+    path = tmp_path / "spoilt.csv"
+    path.write_text(change((bench[0] / f"{command}.csv").read_text()))
+    refused(*attempt(command, path), path, says)
+    refused(*attempt(command, path, "--json"), path, says)
+
+
+@pytest.mark.parametrize("command", ["fit", "validate"])
+def test_no_file(attempt, tmp_path, command):
+    refused(*attempt(command, tmp_path / "none.csv", "--json"), "none.csv", "no such file")
+
+
+@pytest.mark.parametrize("command", ["fit", "validate"])
+@pytest.mark.parametrize("spoilt", ["empty", "truncated", "one bit", "text"])
+def test_parquet_that_is_damaged(attempt, bench, tmp_path, command, spoilt):
+    data = bytearray((bench[0] / f"{command}.parquet").read_bytes())
+    if spoilt == "one bit":
+        data[len(data) // 2] ^= 1
+    path = tmp_path / "spoilt.parquet"
+    path.write_bytes(
+        {"empty": b"", "truncated": data[: len(data) // 2], "text": b"time,p_mc\n"}.get(
+            spoilt, bytes(data)
+        )
+    )
+    refused(*attempt(command, path, "--json"), path, "")
+
+
+def constant(channel):
+    return lambda log: changed(log, **{channel: np.full(log.time.size, log[channel][0])})
+
+
+def changed(log, **channels):
+    return replace(log, channels={**log.channels, **channels})
+
+
+def standing(log):
+    rng = np.random.default_rng(0)
+    still = {name: np.abs(1e-3 * rng.standard_normal(log.time.size)) for name in (*WHEELS, "v")}
+    return changed(log, **still, a_x=0.05 * rng.standard_normal(log.time.size))
+
+
+def controlled(log):
+    """ABS on the front left wheel: it dips by 40 % four times a second."""
+    cycle = (log.time > 4.0) & ((log.time * 4.0) % 1.0 < 0.5)
+    return changed(log, omega_fl=np.where(cycle, 0.6, 1.0) * log["omega_fl"])
+
+
+def on_other_wheels(log):
+    return changed(log, **{w: log[w] * 0.322 / 0.30 for w in WHEELS})
+
+
+RUNS = {
+    "constant a_x": (constant("a_x"), "a_x hangs from 0.00"),
+    "constant wheel": (constant("omega_rl"), "omega_rl hangs from 0.00"),
+    "constant pressure": (constant("p_mc"), ""),
+    "swapped axles": (swapped, "are the axles swapped?"),
+    "wrong sign of a_x": (lambda log: changed(log, a_x=-log["a_x"]), "a_x is positive while"),
+    "a_x in g": (lambda log: changed(log, a_x=log["a_x"] / 9.80665), "check the unit"),
+    "no unbraked part": (lambda log: cut(log, 2.0), "roll for a second"),
+    "standstill": (standing, "m/s"),
+    "another vehicle": (on_other_wheels, "radius of 0.300 m"),
+    "10 Hz": (
+        lambda log: replace(log, channels={k: x[::20] for k, x in log.channels.items()}),
+        "the clock runs at 10 Hz",
+    ),
+    "a quarter of a second": (lambda log: cut(log, 0.0, 0.3), ""),
+}
+
+
+@pytest.mark.parametrize("command", ["fit", "validate"])
+@pytest.mark.parametrize("spoilt", RUNS)
+def test_runs_that_will_not_do(attempt, bench, tmp_path, command, spoilt):
+    change, says = RUNS[spoilt]
+    path = tmp_path / "spoilt.csv"
+    write_csv(change(replace(bench[1][command], truth={})), path)
+    refused(*attempt(command, path), path, says)
+    refused(*attempt(command, path, "--json"), path, says)
+
+
+def test_abs_spoils_a_ramp_and_a_stop_is_only_not_trusted(attempt, bench, tmp_path):
+    path = tmp_path / "spoilt.csv"
+    write_csv(controlled(replace(bench[1]["fit"], truth={})), path)
+    refused(*attempt("fit", path), path, "ABS works from 4.")
+    write_csv(controlled(replace(bench[1]["validate"], truth={})), path)
+    ran, written = attempt("validate", path)
+    assert ran.code == 1
+    assert "valid_share" in ran.out
+    assert written
+
+
+def test_a_stop_is_no_ramp_but_a_hold_out(attempt, bench):
+    path = bench[0] / "validate.csv"
+    refused(*attempt("fit", path), path, "press slowly")
+    assert attempt("validate", path)[0].code == 0
+
+
+VEHICLES = {
+    "negative mass": ('mass = "1744 kg"', 'mass = "-1744 kg"', "-1744 kg is not believable"),
+    "mass in tonnes": ('mass = "1744 kg"', 'mass = "1.744 kg"', "1.744 kg is not believable"),
+    "unit missing": ('mass = "1744 kg"', "mass = 1744", "has no unit"),
+    "typing error": ("cg_height", "cg_hight", "unknown key 'cg_hight'"),
+    "key missing": ('cg_height = "0.615 m"\n', "", "key 'cg_height' is missing"),
+    "another schema": ("schema = 1", "schema = 9", "schema 9"),
+    "no TOML": ("[front]", "[front", "not TOML"),
+    "no number": ("pad_friction = 0.38", 'pad_friction = "good"', "is not a quantity"),
+}
+
+
+@pytest.mark.parametrize("command", ["fit", "validate"])
+@pytest.mark.parametrize("spoilt", VEHICLES)
+def test_vehicle_files(attempt, bench, tmp_path, command, spoilt):
+    old, new, says = VEHICLES[spoilt]
+    text = (SEDAN / "vehicle.toml").read_text()
+    assert old in text
+    path = tmp_path / "vehicle.toml"
+    path.write_text(text.replace(old, new))
+    log = bench[0] / f"{command}.csv"
+    if command == "fit":
+        refused(*attempt("fit", log, "--json", vehicle=path), path, says)
+    else:
+        refused(*attempt("validate", log, "--json", "--vehicle", path), path, says)
+
+
+def test_vehicle_of_another_car(attempt, bench, tmp_path):
+    path = tmp_path / "vehicle.toml"
+    path.write_text((SEDAN / "vehicle.toml").read_text().replace("0.322 m", "0.300 m"))
+    log = bench[0] / "fit.csv"
+    refused(*attempt("fit", log, vehicle=path), log, "0.300 m as sedan-2up has")
+    log = bench[0] / "validate.csv"
+    refused(*attempt("validate", log, "--vehicle", path), path, "rolling_radius 0.3 for 0.322")
+
+
+@pytest.mark.parametrize("command", ["fit", "validate"])
+def test_no_vehicle_file(attempt, bench, tmp_path, command):
+    path, log = tmp_path / "none.toml", bench[0] / f"{command}.csv"
+    if command == "fit":
+        refused(*attempt("fit", log, vehicle=path), path, "no such file")
+    else:
+        refused(*attempt("validate", log, "--vehicle", path), path, "no such file")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (
+            "schema = 1\n[limits]\ntorque_eror_f = { max = 0.05 }\n",
+            "did you mean 'torque_error_f'?",
+        ),
+        ("schema = 1\n[limits]\nvalid_share = { min = 2, max = 1 }\n", "lies above"),
+        ("schema = 1\n[limits]\nvalid_share = { max = inf }\n", "a finite number"),
+        ("schema = 1\n[limits\n", "not TOML"),
+        ("schema = 3\n[limits]\nvalid_share = { min = 0.7 }\n", "schema 3"),
+    ],
+)
+def test_limits_files(attempt, bench, tmp_path, text, says):
+    path = tmp_path / "limits.toml"
+    path.write_text(text)
+    log = bench[0] / "validate.csv"
+    refused(*attempt("validate", log, "--json", "--limits", path), path, says)
+
+
+@pytest.mark.parametrize("command", ["fit", "validate"])
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('schema = 1\n[channels.p_mx]\nsource = "x"\n', "p_mx"),
+        ('schema = 1\n[channels.p_mc]\nsorce = "x"\n', "did you mean 'source'?"),
+        ("schema = 1\n[channels\n", "not TOML"),
+    ],
+)
+def test_channel_maps(attempt, bench, tmp_path, command, text, says):
+    path = tmp_path / "map.toml"
+    path.write_text(text)
+    log = bench[0] / f"{command}.csv"
+    refused(*attempt(command, log, "--json", "--map", path), path, says)
+
+
+def test_the_same_ramp_twice(brake_cal, bench, tmp_path):
+    copy = tmp_path / "copy.csv"
+    copy.write_bytes((bench[0] / "fit.csv").read_bytes())
+    store = tmp_path / "tables"
+    ran = brake_cal(
+        "fit", bench[0] / "fit.csv", copy, "--vehicle", SEDAN / "vehicle.toml", "--store", store
+    )
+    refused(ran, [store] if store.exists() else [], copy, "the same run as")
+
+
+@pytest.mark.parametrize("command", ["fit", "validate"])
+def test_a_coast_alone(attempt, command):
+    path = SEDAN / "coast.csv"
+    refused(*attempt(command, path), path, "braking")
+
+
+def test_without_v_a_run_is_no_bad_input(attempt, bench, tmp_path):
+    for command in ("fit", "validate"):
+        path = tmp_path / f"{command}.csv"
+        write_csv(without(replace(bench[1][command], truth={}), "v"), path)
+        assert attempt(command, path)[0].code == 0
+
+
+def test_an_own_process_ends_the_same_way(tmp_path):
+    """Once as the shell does it: no traceback on the way out of the interpreter either."""
+    path = tmp_path / "empty.csv"
+    path.write_text("")
+    words = ("fit", path, "--vehicle", SEDAN / "vehicle.toml", "--store", tmp_path / "t", "--json")
+    ran = subprocess.run(
+        [sys.executable, "-m", "cli.main", *map(str, words)],
+        cwd=SEDAN.parents[1],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (ran.returncode, ran.stdout) == (3, "")
+    assert ran.stderr.splitlines()[-1].startswith(f"error: {path}: the file is empty")
+    assert "Traceback" not in ran.stderr
+    assert list(tmp_path.iterdir()) == [path]

@@ -1,0 +1,105 @@
+"""`brake-cal fit` as the shell runs it."""
+
+import json
+import shlex
+
+import pytest
+
+from calib.logs.write import write_csv
+from calib.store import load
+from cli.fit import EPILOG
+from tests.reference_car import CAR, REAL, SEDAN, noisy, ramp, with_pads
+
+VEHICLE = SEDAN / "vehicle.toml"
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory):
+    path = tmp_path_factory.mktemp("logs") / "ramp.csv"
+    write_csv(noisy(ramp(with_pads(REAL, 0.36, 0.36)), 1), path)
+    return path
+
+
+def test_the_examples_of_the_help_work_as_printed(brake_cal, tmp_path, monkeypatch):
+    (tmp_path / "sample_logs").symlink_to(SEDAN.parent)
+    monkeypatch.chdir(tmp_path)
+    commands = [line.split() for line in EPILOG.splitlines() if "brake-cal" in line]
+    assert commands
+    for words in commands:
+        ran = brake_cal(*shlex.split(" ".join(words[1:])))
+        assert ran.code == 0, ran.err
+    assert (tmp_path / "tables/sedan-2up/v0001/record.json").is_file()
+
+
+def test_a_table_is_stored_and_told(brake_cal, log, store):
+    ran = brake_cal("fit", log, "--vehicle", VEHICLE, "--store", store)
+    assert ran.code == 0
+    stored = load(CAR.name, store)
+    assert stored.version == 1
+    assert stored.table.calibration.pad_friction_f.value == pytest.approx(0.36, rel=0.02)
+    assert ran.err == "fitting sedan-2up from 1 log\n"
+    first, front, *_ = ran.out.splitlines()
+    assert first.split() == ["table", "sedan-2up@1", f"({stored.path})"]
+    pads = stored.table.calibration.pad_friction_f
+    low, high = pads.ci95
+    assert front == f"front pads {pads.value:.4f}  (95 % {low:.4f} to {high:.4f})"
+    for remark in stored.table.remarks:
+        assert f"note: {remark}" in ran.out
+
+
+def test_json_is_one_document(brake_cal, log, store):
+    ran = brake_cal("fit", log, "--vehicle", VEHICLE, "--store", store, "--json")
+    assert ran.code == 0
+    document = json.loads(ran.out)
+    stored = load(CAR.name, store)
+    assert document["schema"] == 1
+    assert document["table"] == "sedan-2up@1"
+    assert document["digest"] == stored.digest
+    assert document["path"] == str(stored.path)
+    assert document["calibration"]["pad_scale"]["value"] == stored.table.calibration.pad_scale.value
+    assert set(document["effects"]) == {"aerodynamic_drag", "rolling_resistance"}
+    assert document["quality"]["runs"] == 1.0
+    assert document["remarks"] == list(stored.table.remarks)
+
+
+def test_the_same_log_gives_the_same_version_and_another_the_next(brake_cal, log, store, tmp_path):
+    other = tmp_path / "other.csv"
+    write_csv(noisy(ramp(REAL), 2), other)
+    ids = [
+        json.loads(brake_cal("fit", x, "--vehicle", VEHICLE, "--store", store, "--json").out)[
+            "table"
+        ]
+        for x in (log, log, other)
+    ]
+    assert ids == ["sedan-2up@1", "sedan-2up@1", "sedan-2up@2"]
+
+
+def test_channel_map(brake_cal, log, store, tmp_path):
+    """Turned a_x and a foreign name come right through a map, and to the same table."""
+    foreign, channel_map = tmp_path / "foreign.csv", tmp_path / "map.toml"
+    lines = log.read_text().splitlines()
+    lines[0] = lines[0].replace("p_mc [bar]", "Bremsdruck [bar]")
+    foreign.write_text("\n".join([*lines, ""]))
+    channel_map.write_text('schema = 1\n[channels.p_mc]\nsource = "Bremsdruck"\n')
+    arguments = ("fit", foreign, "--vehicle", VEHICLE, "--store", store)
+    assert brake_cal(*arguments).code == 3
+    assert brake_cal(*arguments, "--map", channel_map).code == 0
+    brake_cal("fit", log, "--vehicle", VEHICLE, "--store", tmp_path / "plain")
+    mapped, plain = (load(CAR.name, s).table for s in (store, tmp_path / "plain"))
+    assert mapped.posterior == plain.posterior
+
+
+def test_what_is_missing_is_a_usage_error(brake_cal, log, store):
+    for arguments in ((), (log,), ("--vehicle", VEHICLE)):
+        ran = brake_cal("fit", *arguments, "--store", store)
+        assert (ran.code, ran.out) == (2, "")
+    assert not store.exists()
+
+
+def test_a_store_that_cannot_be_written_ends_with_4(brake_cal, log, tmp_path):
+    file = tmp_path / "store"
+    file.write_text("no directory")
+    ran = brake_cal("fit", log, "--vehicle", VEHICLE, "--store", file, "--json")
+    assert (ran.code, ran.out) == (4, "")
+    assert "cannot be written" in ran.err
+    assert file.read_text() == "no directory"

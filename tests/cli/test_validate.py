@@ -1,0 +1,237 @@
+"""`brake-cal validate` as the shell runs it."""
+
+import json
+import shlex
+from dataclasses import replace
+
+import pyarrow.parquet as pq
+import pytest
+
+from calib.fit import fit
+from calib.logs.write import write_csv, write_parquet
+from calib.scores import FIGURES
+from calib.store import save
+from calib.vehicle import write_vehicle
+from cli.validate import EPILOG
+from tests.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, with_pads
+
+LOGS = ("wet.csv", "harder.parquet", "bad.csv")
+WET = with_pads(REAL, 0.31, 0.27)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    """A store with a table of the car, two stops that pass, and one that will not do."""
+    home = tmp_path_factory.mktemp("bench")
+    table = fit(CAR, [noisy(ramp(REAL), 1)])
+    save(table, home / "tables")
+    wet = noisy(stop(WET), 3)
+    write_csv(wet, home / "wet.csv")
+    write_parquet(noisy(stop(WET, pressure=30e5), 4), home / "harder.parquet")
+    write_csv(cut(wet, 1.8), home / "bad.csv")
+    return home
+
+
+@pytest.fixture
+def run(brake_cal, bench):
+    def validate(*arguments, table=CAR.name):
+        words = [bench / a if a in LOGS else a for a in arguments]
+        return brake_cal("validate", table, *words, "--store", bench / "tables")
+
+    return validate
+
+
+def limits(tmp_path, text):
+    path = tmp_path / "limits.toml"
+    path.write_text(f"schema = 1\n[limits]\n{text}\n")
+    return path
+
+
+def test_the_examples_of_the_help_work_as_printed(brake_cal, bench, tmp_path, monkeypatch):
+    (tmp_path / "sample_logs").symlink_to(SEDAN.parent)
+    (tmp_path / "tables").symlink_to(bench / "tables")
+    limits(tmp_path, "valid_share = { min = 0.5 }")
+    monkeypatch.chdir(tmp_path)
+    commands = [line.split() for line in EPILOG.splitlines() if "brake-cal" in line]
+    assert commands
+    for words in commands:
+        line = " ".join(words[1:])
+        star = sorted(str(p) for p in SEDAN.glob("*stop.csv"))
+        ran = brake_cal(*shlex.split(line.replace("sample_logs/sedan/*stop.csv", " ".join(star))))
+        assert ran.code == 0, ran.err
+    assert (tmp_path / "results/summary.json").is_file()
+
+
+def test_logs_that_pass(run):
+    ran = run("wet.csv", "harder.parquet")
+    assert ran.code == 0
+    assert ran.err == "validating sedan-2up@1 on 2 logs\n"
+    rows = {line.split()[0]: line for line in ran.out.splitlines()}
+    assert rows["wet"].rstrip().endswith("passed")
+    assert rows["harder"].rstrip().endswith("passed")
+    assert "between the stops: pad friction differs by up to" in ran.out
+
+
+def test_a_log_that_fails_its_limits_ends_with_1_and_says_which(run, tmp_path):
+    ran = run("wet.csv", "--limits", limits(tmp_path, "torque_error_f = { max = 1e-6 }"))
+    assert ran.code == 1
+    assert "failed" in ran.out
+    assert "wet: torque_error_f" in ran.out
+    assert "above 1e-06" in ran.out
+    ran = run("wet.csv", "--limits", limits(tmp_path, "valid_share = { min = 2 }"))
+    assert "is below 2" in ran.out
+
+
+@pytest.mark.parametrize(("bound", "code"), [("{ max = 1e-6 }", 1), ("{ max = 0.5 }", 0)])
+def test_json_is_one_document(run, tmp_path, bound, code):
+    ran = run("wet.csv", "--json", "--limits", limits(tmp_path, f"torque_error_f = {bound}"))
+    assert ran.code == code
+    document = json.loads(ran.out)
+    assert document["table"] == "sedan-2up@1"
+    assert document["verdict"] == ("failed" if code else "passed")
+    assert set(document["logs"][0]["figures"]) == set(FIGURES)
+
+
+def test_out_holds_a_file_per_log_and_the_summary(run, tmp_path):
+    out = tmp_path / "results"
+    ran = run("wet.csv", "harder.parquet", "--out", out, "--json")
+    assert ran.code == 0
+    assert sorted(p.name for p in out.iterdir()) == [
+        "harder.parquet",
+        "summary.json",
+        "wet.parquet",
+    ]
+    assert json.loads((out / "summary.json").read_text()) == json.loads(ran.out)
+    table = pq.read_table(out / "wet.parquet")
+    assert table.column_names[:3] == ["time", "z", "eta"]
+    assert table.column("valid").to_numpy().sum() > 1000
+    assert f"wrote {out / 'wet.parquet'}" in ran.err
+
+
+def test_results_are_written_although_the_limits_fail(run, tmp_path):
+    out = tmp_path / "results"
+    bound = limits(tmp_path, "torque_error_f = { max = 1e-6 }")
+    assert run("wet.csv", "--out", out, "--limits", bound).code == 1
+    assert json.loads((out / "summary.json").read_text())["verdict"] == "failed"
+
+
+@pytest.mark.parametrize("there_before", [True, False])
+def test_a_bad_later_log_leaves_nothing_of_the_earlier_ones(run, tmp_path, there_before):
+    out = tmp_path / "results"
+    if there_before:
+        out.mkdir()
+    ran = run("wet.csv", "bad.csv", "--out", out, "--json")
+    assert (ran.code, ran.out) == (3, "")
+    assert "bad.csv" in ran.err
+    assert out.exists() == there_before
+    assert not there_before or not list(out.iterdir())
+
+
+def test_two_logs_of_one_name_have_no_place_in_out(run, bench, tmp_path):
+    twin = tmp_path / "wet.parquet"
+    twin.write_bytes((bench / "harder.parquet").read_bytes())
+    ran = run("wet.csv", twin, "--out", tmp_path / "results")
+    assert (ran.code, ran.out) == (2, "")
+    assert "two logs are named wet" in " ".join(ran.err.split())
+    assert not (tmp_path / "results").exists()
+    assert run("wet.csv", twin).code == 0
+
+
+def test_a_log_is_never_overwritten_by_its_result(run, bench, tmp_path):
+    log = tmp_path / "harder.parquet"
+    log.write_bytes((bench / "harder.parquet").read_bytes())
+    ran = run(log, "--out", tmp_path)
+    assert ran.code == 2
+    assert "would overwrite the log" in " ".join(ran.err.split())
+    assert log.read_bytes() == (bench / "harder.parquet").read_bytes()
+
+
+@pytest.mark.parametrize("below", ["", "deeper"])
+def test_out_must_be_a_directory_or_not_be(run, tmp_path, below):
+    (tmp_path / "file").write_text("mine")
+    ran = run("wet.csv", "--out", tmp_path / "file" / below)
+    assert ran.code == 2
+    assert "Traceback" not in ran.err
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_vehicle_with_other_pads_is_accepted(run, tmp_path):
+    path = tmp_path / "pads.toml"
+    write_vehicle(replace(CAR, front=replace(CAR.front, pad_friction=0.5)), path)
+    ran = run("wet.csv", "--vehicle", path, "--json")
+    assert ran.code == 0
+    figures = json.loads(ran.out)["logs"][0]["figures"]
+    assert figures["pad_friction_f"] == pytest.approx(0.31, rel=0.05)
+
+
+def test_vehicle_with_another_mass_is_refused_by_its_file(run, tmp_path):
+    path = tmp_path / "heavy.toml"
+    write_vehicle(replace(CAR, mass=1900.0), path)
+    ran = run("wet.csv", "--vehicle", path, "--out", tmp_path / "results")
+    assert (ran.code, ran.out) == (3, "")
+    assert f"error: {path}: the table was fitted for another car: mass 1900 for 1744" in ran.err
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_calibration_log_is_named_as_no_proof(brake_cal, tmp_path):
+    log = tmp_path / "ramp.csv"
+    write_csv(noisy(ramp(REAL), 1), log)
+    where = ("--store", tmp_path / "tables")
+    assert brake_cal("fit", log, "--vehicle", SEDAN / "vehicle.toml", *where).code == 0
+    ran = brake_cal("validate", "sedan-2up", log, *where)
+    assert "ramp: the table was fitted on this log; it proves nothing" in ran.out
+
+
+def test_a_surface_change_is_told(run, tmp_path):
+    plant = replace(
+        with_pads(REAL, 0.36, 0.36), surface=lambda x: (1.0, 1.0) if x < 100.0 else (0.95, 0.55)
+    )
+    log = tmp_path / "mixed.csv"
+    write_csv(noisy(stop(plant, pressure=24e5), 1), log)
+    # 100 m from 27 m/s are reached at 4.15 s; a block is 0.05 s
+    assert "mixed: the surface changed at 4.2" in run(log).out
+
+
+@pytest.mark.parametrize(
+    ("reference", "says"),
+    [
+        ("sedan", "did you mean 'sedan-2up'"),
+        ("sedan-2up@7", "no version '7'"),
+        ("sedan-2up@x", "no version 'x'"),
+        ("./none", "no such directory"),
+    ],
+)
+def test_an_unknown_table_ends_with_4(run, tmp_path, reference, says):
+    ran = run("wet.csv", "--json", "--out", tmp_path / "results", table=reference)
+    assert (ran.code, ran.out) == (4, "")
+    assert says in ran.err
+    assert not (tmp_path / "results").exists()
+
+
+def test_without_a_store_it_ends_with_4(brake_cal, bench, tmp_path):
+    ran = brake_cal("validate", "sedan-2up", bench / "wet.csv", "--store", tmp_path / "none")
+    assert (ran.code, ran.out) == (4, "")
+    assert "no table store here" in ran.err
+
+
+@pytest.mark.parametrize("file", ["record.json", "difference.parquet", "tyre.parquet"])
+@pytest.mark.parametrize("damage", ["cut", "bit", "gone"])
+def test_a_damaged_table_ends_with_4_and_names_the_file(brake_cal, bench, tmp_path, file, damage):
+    store = tmp_path / "tables" / "sedan-2up" / "v0001"
+    store.mkdir(parents=True)
+    for source in (bench / "tables/sedan-2up/v0001").iterdir():
+        (store / source.name).write_bytes(source.read_bytes())
+    data = bytearray((store / file).read_bytes())
+    if damage == "gone":
+        (store / file).unlink()
+    elif damage == "cut":
+        (store / file).write_bytes(data[: len(data) // 2])
+    else:
+        data[len(data) // 2] ^= 1
+        (store / file).write_bytes(data)
+    ran = brake_cal(
+        "validate", "sedan-2up@1", bench / "wet.csv", "--store", tmp_path / "tables", "--json"
+    )
+    assert (ran.code, ran.out) == (4, "")
+    assert file in ran.err
+    assert "Traceback" not in ran.err
