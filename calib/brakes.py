@@ -70,12 +70,12 @@ class Brakes:
     def pads(self, trace: Trace, side: str = "l") -> Pair:
         """Friction of the front and the rear pads [1] (n,) on one side."""
         p_f, p_r = (self.clamp[self.twin(f"{a}{side}")] for a in "fr")
-        front, rear = pad_factors(self.model.effects, trace, p_f, p_r)
+        front, rear = pad_factors(self.model.terms, trace, p_f, p_r)
         return self.model.pad_friction_f * front, self.model.pad_friction_r * rear
 
     def torques(self, trace: Trace) -> dict[str, Array]:
         """Brake torque [N m] (n,) by wheel."""
-        uneven = wheel_factors(self.model.effects, trace)
+        uneven = wheel_factors(self.model.terms, trace)
         pads = {side: self.pads(trace, side) for side in {w[1] for w in self.clamp}}
         torques = {}
         for w, p in self.clamp.items():
@@ -89,14 +89,12 @@ def brakes_of(model: Model, rest: Trace, own: Mapping[str, Array]) -> Brakes:
 
     A wheel's own pressure is behind the line, so only the caliper changes it.
     """
-    p_f, p_r = line_pressure(model.effects, rest)
+    p_f, p_r = line_pressure(model.terms, rest)
     arrives = {w: own.get(w, p_f if w[0] == "f" else p_r) for w in WHEELS}
-    uneven = {w[0] for w in wheel_factors(model.effects, rest)}
+    uneven = {w[0] for w in wheel_factors(model.terms, rest)}
     clamp: dict[str, Array] = {}
     for side in "lr" if own or uneven else "l":
-        front, rear = caliper_pressure(
-            model.effects, rest, arrives[f"f{side}"], arrives[f"r{side}"]
-        )
+        front, rear = caliper_pressure(model.terms, rest, arrives[f"f{side}"], arrives[f"r{side}"])
         clamp |= {f"f{side}": front, f"r{side}": rear}
     differ = [w for w in WHEELS if w[1] == "l" or own or w[0] in uneven]
     return Brakes(model, {w: clamp[w] for w in differ})

@@ -13,13 +13,20 @@ drag_area = "0.66 m^2"
 start = "60 m"
 stiffness = 0.8
 peak = 0.5
+[empirical]                   # over a driver in SI; see calib/effects/empirical.py
+place = "front_brakes"
+driver = "speed"
+knots = [5.0, 20.0, 35.0]
+values = [0.0, -0.05, -0.1]
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from itertools import pairwise
 from pathlib import Path
 
-from calib.effects.catalogue import CATALOGUE, effect_named
+from calib.effects.catalogue import CATALOGUE, Effects, effect_named
+from calib.effects.empirical import DRIVERS, PLACES, Empirical
 from calib.errors import ModelError
 from calib.files import write_whole
 from calib.magic_formula import MagicFormula
@@ -27,6 +34,9 @@ from calib.toml import check_keys, quantity, read_toml
 from calib.vehicle import Vehicle
 
 SCHEMA = 1
+
+TERM = "empirical"
+"""Name of the empirical term among the effects."""
 
 WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
 """What is assumed of a tyre when nothing is known: a passenger car on wet asphalt."""
@@ -57,6 +67,7 @@ class Model:
     tyre : common to both axles.
     effects : parameters [SI] by effect and parameter name; the whole list.
     surfaces : changes of road, in the order in which they are met.
+    empirical : what is added over what it depends on, its cause not known.
     """
 
     vehicle: Vehicle
@@ -65,6 +76,12 @@ class Model:
     tyre: MagicFormula
     effects: dict[str, dict[str, float]]
     surfaces: tuple[Surface, ...] = ()
+    empirical: Empirical | None = None
+
+    @property
+    def terms(self) -> Effects:
+        """The effects, and the empirical term among them."""
+        return self.effects if self.empirical is None else {**self.effects, TERM: self.empirical}
 
 
 def default_model(vehicle: Vehicle) -> Model:
@@ -90,7 +107,7 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
     """
     path = Path(path)
     table = read_toml(path, SCHEMA, ModelError)
-    check_keys(table, ("pads", "tyre", "effects", "surfaces"), (), path, ModelError)
+    check_keys(table, ("pads", "tyre", "effects", "surfaces", "empirical"), (), path, ModelError)
     base = default_model(vehicle)
     pads = _numbers(table.get("pads", {}), _PADS, f"{path}: pads")
     return Model(
@@ -100,6 +117,9 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
         tyre=_tyre(table.get("tyre", {}), f"{path}: tyre"),
         effects=_effects(table["effects"], path) if "effects" in table else base.effects,
         surfaces=_surfaces(table.get("surfaces", []), path),
+        empirical=_empirical(table["empirical"], f"{path}: empirical")
+        if "empirical" in table
+        else None,
     )
 
 
@@ -121,6 +141,10 @@ def write_model(model: Model, path: Path) -> None:
     for surface in model.surfaces:
         lines += ["", "[[surfaces]]", f'start = "{surface.start!r} {surface.unit}"']
         lines += [f"stiffness = {surface.stiffness!r}", f"peak = {surface.peak!r}"]
+    if model.empirical is not None:
+        term = model.empirical
+        lines += ["", "[empirical]", f'place = "{term.place}"', f'driver = "{term.driver}"']
+        lines += [f"knots = {list(term.knots)!r}", f"values = {list(term.values)!r}"]
     write_whole(Path(path), "\n".join([*lines, ""]).encode())
 
 
@@ -208,3 +232,26 @@ def _start(written: object, where: str) -> tuple[float, str]:
     raise ModelError(
         f"{written!r} is neither a distance nor a time", where=where, expected='"60 m" or "3 s"'
     )
+
+
+def _empirical(table: object, where: str) -> Empirical:
+    keys = ("place", "driver", "knots", "values")
+    given = check_keys(table, keys, keys, where, ModelError)
+    for key, known in (("place", PLACES), ("driver", DRIVERS)):
+        if given[key] not in known:
+            raise ModelError(
+                f"{key} = {given[key]!r}", where=where, expected=f"one of {', '.join(known)}"
+            )
+    rows = {key: _row(given[key], f"{where}.{key}") for key in ("knots", "values")}
+    knots = rows["knots"]
+    if len(knots) != len(rows["values"]) or any(b <= a for a, b in pairwise(knots)):
+        raise ModelError("knots and values", where=where, expected="as many, knots increasing")
+    return Empirical(str(given["place"]), str(given["driver"]), knots, rows["values"])
+
+
+def _row(value: object, where: str) -> tuple[float, ...]:
+    if not isinstance(value, list) or not all(
+        isinstance(v, int | float) and not isinstance(v, bool) for v in value
+    ):
+        raise ModelError(f"{value!r}", where=where, expected="a list of numbers")
+    return tuple(float(v) for v in value)

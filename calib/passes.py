@@ -112,7 +112,7 @@ def settle(run: Run) -> State:
 
 def trace_of(run: Run, state: State) -> Trace:
     """The run as the effects see it: turned angles and dissipated heat among the rest."""
-    if not run.brakes.model.effects:
+    if not run.brakes.model.terms:
         return run.rest
     v = run.moving(state.v)
     angle, energy = {}, {}
@@ -169,7 +169,7 @@ def _pass(run: Run, old: State) -> State:
     travel = wheel.Travel(run.time, run.moving(old.v), old.z)
     loads = [np.maximum(load, LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, trace)]
     motion = Motion(travel.v, loads[0], loads[1], trace)
-    moments = total_axle_moment(vehicle, model.effects, motion)
+    moments = total_axle_moment(vehicle, model.terms, motion)
     tyres = tyres_along(model, run.time, travel.v)
     slip, demand, force, used = {}, {}, {}, {}
     for w, torque in run.brakes.torques(trace).items():
@@ -179,7 +179,7 @@ def _pass(run: Run, old: State) -> State:
         slip[w] = wheel.next_slip(run.brakes.axle(w), tyre, demand[w], travel, old.slip[w])
         force[w] = demand[w].load * tyre.force(slip[w])
         used[w] = tyre.used(slip[w])
-    body = total_body_force(vehicle, model.effects, motion)
+    body = total_body_force(vehicle, model.terms, motion)
     z = (run.total(force) + body) / vehicle.weight  # (5)
     return State(run.speed(z), z, _loads(run, z, trace), slip, demand, force, used)
 
@@ -188,5 +188,5 @@ def _loads(run: Run, z: Array, trace: Trace) -> Pair:
     """Axle loads [N] at z [1], (6) and (7), less what has not arrived at the front yet."""
     vehicle = run.brakes.model.vehicle
     front, rear = forces.axle_loads(vehicle, z)
-    late = vehicle.weight * total_load_shift(vehicle, run.brakes.model.effects, trace)
+    late = vehicle.weight * total_load_shift(vehicle, run.brakes.model.terms, trace)
     return front - late, rear + late

@@ -7,6 +7,7 @@ from calib.errors import LogError
 from calib.logs.log import Array, Log
 from calib.model import Model
 from calib.names import AXLES, WHEELS
+from calib.pressure import as_pressed
 from calib.simulate import simulate
 from calib.vehicle import Vehicle
 
@@ -22,12 +23,13 @@ def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
     they are logged. Ends as `simulate` does, at ``stop_speed`` [m/s] at the latest. Raises LogError
     if the log has no first speed, ModelError if there is nothing to drive.
     """
+    step = log.sample_time
     return simulate(
         model,
         log.time,
-        log["p_mc"],
-        first_speed(log, as_driven(model.vehicle, model.effects)),
-        wheel_pressure={w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log},
+        as_pressed(log["p_mc"], step),
+        first_speed(log, as_driven(model.vehicle, model.terms)),
+        wheel_pressure={w: as_pressed(log[f"p_{w}"], step) for w in WHEELS if f"p_{w}" in log},
         temperature={a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log},
         stop_speed=stop_speed,
         name=log.name,

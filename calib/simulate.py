@@ -53,7 +53,7 @@ def simulate(
     _check_inputs(time, {"pressure": pressure}, ("pressure",))
     _check_inputs(time, own, WHEELS, "wheel")
     _check_inputs(time, heat, AXLES, "axle")
-    driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
+    driven = replace(model, vehicle=as_driven(model.vehicle, model.terms))
     rest = at_rest(time, pressure, v0, heat)
     run = Run(brakes_of(driven, rest, own), rest, v0, stop_speed)
     state = settle(run)
@@ -102,7 +102,7 @@ def _first(channels: Mapping[str, Array], end: int) -> dict[str, Array]:
 
 def _channels(run: Run, state: State, trace: Trace) -> dict[str, Array]:
     model, brakes = run.brakes.model, run.brakes
-    a_x = as_read(model.vehicle, model.effects, trace, -G * state.z)
+    a_x = as_read(model.vehicle, model.terms, trace, -G * state.z)
     channels = {"time": run.time, "p_mc": run.rest.p_mc, "a_x": a_x}
     for w in WHEELS:
         slip = state.slip[brakes.twin(w)]

@@ -16,7 +16,7 @@ LAYERS = """
     vehicle
     logs samples clock
     forces
-    signals course axles sensors response
+    signals course axles sensors response pressure
     effects
     tyre magic_formula wheel evidence
     model manoeuvre
@@ -32,8 +32,8 @@ LAYERS = """
     scores limits validate results
     diagnose
     fleet
-    plots report
-    demo
+    plots report_style
+    report demo
 """
 """A file imports from rows above its own, or from its own row where that makes no circle."""
 

@@ -7,15 +7,24 @@ near it, the second parameter of an effect.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnose.channels import Noise, noise_of, residuals, unbraked_length, whiten
-from calib.diagnose.predict import Base, Effects, Run, Term, predict
-from calib.effects.catalogue import effect_named
+from calib.diagnose.channels import (
+    Noise,
+    noise_of,
+    residuals,
+    thinned,
+    unbraked_length,
+    whiten,
+)
+from calib.diagnose.predict import Base, Run, predict
+from calib.effects.catalogue import Effects, effect_named
 from calib.effects.effect import Card
+from calib.effects.empirical import Empirical
+from calib.model import TERM
 from calib.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -38,26 +47,24 @@ class Problem:
     runs: tuple[Run, ...]
     noise: Noise
 
-    def whitened(
-        self, base: Base, effects: Effects, extra: tuple[Term, ...] = ()
-    ) -> list[list[Array]]:
+    def whitened(self, base: Base, effects: Effects) -> list[list[Array]]:
         """Innovations by run and channel."""
         return [
-            whiten(residuals(run, predict(self.vehicle, base, effects, run, extra)), self.noise)
+            whiten(residuals(run, predict(self.vehicle, base, effects, run)), self.noise)
             for run in self.runs
         ]
 
-    def flat(self, base: Base, effects: Effects, extra: tuple[Term, ...] = ()) -> Array:
+    def flat(self, base: Base, effects: Effects) -> Array:
         """All innovations in one row."""
-        return np.concatenate([c for run in self.whitened(base, effects, extra) for c in run])
+        return np.concatenate([c for run in self.whitened(base, effects) for c in run])
 
 
 @dataclass(frozen=True)
 class Candidate:
     """A fitted explanation.
 
-    ``names`` of its effects; ``x`` the fitted vector (see `unpack`) and its ``covariance``; ``chi2``
-    the sum of squared innovations, over ``count`` of them.
+    ``names`` of its effects; ``x`` the fitted vector (see `unpack`) with its ``covariance``;
+    ``chi2`` the sum of squared innovations, over ``count`` of them.
     """
 
     names: tuple[str, ...]
@@ -81,7 +88,25 @@ def problem_of(vehicle: Vehicle, runs: list[Run]) -> Problem:
     for run in runs:
         whole = residuals(run, predict(vehicle, nominal, {}, run))
         parts.append(whole[:, : unbraked_length(run)])
-    return Problem(vehicle, tuple(runs), noise_of(parts))
+    noise = noise_of(parts)
+    turned = tuple(turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
+    return Problem(vehicle, turned, noise)
+
+
+def turned_to_ripple(vehicle: Vehicle, base: Base, run: Run, noise: Noise) -> Run:
+    """Count the wheel angle of a run from where its torque ripples, if it does.
+
+    Every run begins at another angle of the disc. Where the front torque is high, the car and its
+    front wheels slow: a_x and front less rear go with -sin(angle).
+    """
+    white = whiten(residuals(run, predict(vehicle, base, {}, run)), noise)
+    angle = thinned(run, run.angle_f)
+    torque = np.maximum(thinned(run, run.p_mc), 0.0)
+    ripple = 0.0j
+    for channel in (0, 3):
+        m = white[channel].size
+        ripple += np.sum(white[channel] * torque[-m:] * np.exp(1j * angle[-m:]))
+    return replace(run, angle_f=run.angle_f - float(np.angle(ripple)) - 0.5 * np.pi)
 
 
 def base_of(vehicle: Vehicle, x: Array) -> Base:
@@ -139,7 +164,7 @@ def prior_rows(names: tuple[str, ...], x: Array) -> Array:
     return np.asarray(rows)
 
 
-MakeTerm = Callable[[Array], Term]
+MakeTerm = Callable[[Array], Empirical]
 """An empirical term from its values at the knots."""
 
 
@@ -164,10 +189,10 @@ def fit(
 
     def objective(x: Array) -> Array:
         base, effects = unpack(problem.vehicle, names, x[:own])
-        extra = (term[0](x[own:]),) if term else ()
+        present: Effects = {**effects, TERM: term[0](x[own:])} if term else effects
         # a term is only as bent as it must be
         bent = np.diff(x[own:]) / 0.5
-        rows = [problem.flat(base, effects, extra), prior_rows(names, x[:own]), bent]
+        rows = [problem.flat(base, present), prior_rows(names, x[:own]), bent]
         return np.concatenate([*rows, x[own:] / 2.0])
 
     first = np.clip(start, low + 1e-6, high - 1e-6)

@@ -1,5 +1,5 @@
-"""From fitted candidates to a verdict: nothing, one effect, two, a set that cannot be told apart, or
-something that the catalogue does not know.
+"""From fitted candidates to a verdict: nothing, one effect, two, a set that cannot be told apart,
+or something that the catalogue does not know.
 
     base ──> gap? ──> best single ──> enough? ──> best second ──> enough? ──> unknown
               no: no_gap       yes: named or ambiguous      yes: named
@@ -15,19 +15,25 @@ import numpy as np
 from calib.diagnose.candidate import Candidate, Problem
 from calib.diagnose.search import refine
 
-DETECT = 0.015
+DETECT = 0.01
 """Least gain in the mean squared innovation for an effect to be seen at all. Without any effect the
-best of all names gains up to half of this: wheels take milliseconds to follow, and pressure sensors
-do not read below nought (tests/studies/naming.py)."""
+best of all names gains up to 0.002 on a plant that is not this program's (tests/studies/naming.py);
+what gains less than this may be there, but cannot be told from its neighbours."""
 
-ENOUGH = 0.93
-"""Share of the excess that an explanation must close to stand."""
+QUIET = 1.06
+"""Mean squared innovation below which nothing is left to explain: no tyre curve is exact."""
 
-QUIET = 1.05
-"""Mean squared innovation below which nothing is left to explain."""
+ENOUGH = 0.80
+"""Share of the excess over QUIET that an explanation must close to stand."""
+
+FLOOR = 1.03
+"""What the best of models leaves on a plant that is not itself."""
 
 SECOND = 0.02
 """Least gain in the mean squared innovation of a second effect."""
+
+SECOND_OF_ALL = 0.03
+"""Least share of the whole gap that what is left must show along any further effect to count."""
 
 SECOND_SHARE = 0.6
 """Share of what the first left over that a second must close."""
@@ -57,9 +63,12 @@ def decide(problem: Problem, base: Candidate) -> Decision:
         verdict = "no_gap" if base.reduced < QUIET + DETECT else "unknown"
         return Decision(verdict, base, base, tuple(singles))
     first = singles[0]
-    pairs = seconds(problem, singles) if first.reduced > QUIET else []
-    if pairs and second_earns(first, pairs[0]):
+    pairs = seconds(problem, singles) if first.reduced > 1.0 + SECOND else []
+    if pairs and gain(first, pairs[0]) > max(SECOND, SECOND_OF_ALL * gain(base, first)):
+        # something the first does not explain lies along another effect
         verdict = standing(base, pairs[0], pairs[1:])
+        if not second_earns(first, pairs[0]):
+            verdict = "unknown"
         return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
     return Decision(standing(base, first, singles[1:]), base, first, tuple(singles[1:]))
 
@@ -82,13 +91,13 @@ def seconds(problem: Problem, singles: list[Candidate]) -> list[Candidate]:
 
 def second_earns(first: Candidate, pair: Candidate) -> bool:
     """Whether the second effect is worth its name."""
-    left = max(first.reduced - 1.0, 1e-9)
-    return gain(first, pair) > SECOND and gain(first, pair) / left > SECOND_SHARE
+    left = max(first.reduced - FLOOR, 1e-9)
+    return gain(first, pair) / left > SECOND_SHARE
 
 
 def standing(base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
     """Named, ambiguous or unknown."""
-    closed = gain(base, best) / max(base.reduced - 1.0, 1e-9)
+    closed = gain(base, best) / max(base.reduced - QUIET, 1e-9)
     if best.reduced > QUIET and closed < ENOUGH:
         return "unknown"
     return "ambiguous" if confusable(best, rivals) else "named"

@@ -9,7 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnose.candidate import Candidate, Problem, fit, problem_of
+from calib.diagnose.candidate import (
+    Candidate,
+    Problem,
+    base_of,
+    fit,
+    problem_of,
+    turned_to_ripple,
+)
 from calib.diagnose.channels import CHANNELS, residuals, thinned, whiten
 from calib.diagnose.decide import DETECT, Decision, confusable, decide, gain
 from calib.diagnose.gap import Gap, gap_of, replays
@@ -26,7 +33,8 @@ from calib.vehicle import Vehicle
 Array = NDArray[np.float64]
 
 INFLATION = 2.0
-"""Factor on the formal sigma of a parameter: the plant is not the model (tests/studies/naming.py)."""
+"""Factor on the formal sigma of a parameter: the plant is not the model, see
+tests/studies/naming.py."""
 
 SYSTEMATIC = 0.015
 """Relative sigma of every parameter for what all runs share: density of air, geometry, sensors."""
@@ -43,7 +51,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Where:
-    """Where an effect bites: the channel that shows it most, and the range in which it does [SI]."""
+    """Where an effect bites: the channel that shows it most, and the range in which it does, SI."""
 
     channel: str
     axle: str
@@ -99,7 +107,7 @@ def diagnose(calibration: list[Log], holdout: list[Log], vehicle: Vehicle) -> Di
     ordered = sorted(calibration, key=lambda log: log.digest)
     problem = problem_of(vehicle, [run_of(log) for log in ordered])
     decision = decide(problem, fit(problem, (), np.zeros(4)))
-    held = Problem(vehicle, tuple(run_of(log) for log in holdout), problem.noise)
+    held = held_out(problem, holdout)
     decision = confirm(decision, held)
     unexplained = None
     if decision.verdict == "unknown":
@@ -122,6 +130,13 @@ def diagnose(calibration: list[Log], holdout: list[Log], vehicle: Vehicle) -> Di
         reduced_before=decision.base.reduced,
         reduced_after=unexplained.at.reduced if unexplained else decision.best.reduced,
     )
+
+
+def held_out(problem: Problem, logs: list[Log]) -> Problem:
+    """The hold-outs as a problem, with the noise of the calibration."""
+    nominal = base_of(problem.vehicle, np.zeros(4))
+    runs = [turned_to_ripple(problem.vehicle, nominal, run_of(log), problem.noise) for log in logs]
+    return Problem(problem.vehicle, tuple(runs), problem.noise)
 
 
 def check_logs(calibration: list[Log], holdout: list[Log]) -> None:
@@ -308,4 +323,4 @@ def after_model(vehicle: Vehicle, decision: Decision, unexplained: Structure | N
     """The vehicle with what was found in it."""
     if unexplained is None:
         return model_of(vehicle, decision.best)
-    return replace(model_of(vehicle, unexplained.at), empirical=(unexplained.term,))
+    return replace(model_of(vehicle, unexplained.at), empirical=unexplained.term)

@@ -85,7 +85,6 @@ def _gap(gap: Gap) -> dict[str, Any]:
             for name, c in gap.by_channel.items()
         },
         "by_log": {
-            name: {"before": before, "after": after}
-            for name, (before, after) in gap.by_log.items()
+            name: {"before": before, "after": after} for name, (before, after) in gap.by_log.items()
         },
     }

@@ -1,8 +1,8 @@
 """The gap on hold-outs: open-loop replays against what was measured, over the sensors' noise.
 
-A replay knows the pressure and the first speed only, so an error of force adds up in v. The noise of
-a channel is what its differences from sample to sample show; it is taken out in squares, so that a
-perfect model has no gap.
+A replay knows the pressure and the first speed only, so an error of force adds up in v. The noise
+of a channel is what its differences from sample to sample show; it is taken out in squares, so that
+a perfect model has no gap.
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ UNITS = {"a_x": "m/s^2", "v": "m/s", **{f"omega_{w}": "rad/s" for w in WHEELS}}
 
 @dataclass(frozen=True)
 class ChannelGap:
-    """Rms of replay less measurement before and after [unit of the channel], its noise taken out."""
+    """Rms of replay less measurement before and after, its noise taken out; unit of the channel."""
 
     before: float
     after: float
@@ -49,10 +49,7 @@ class Gap:
 def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log]) -> Gap:
     """Compare replays with their logs; a replay that ends early is compared as far as it goes."""
     noise = {c: float(np.median([noise_of(log[c]) for log in measured])) for c in CHANNELS}
-    squares = {
-        key: np.array([[square(sim, log, c) for c in CHANNELS] for sim, log in zip(sims, measured, strict=True)])
-        for key, sims in (("before", before), ("after", after))
-    }  # fmt: skip
+    squares = {"before": squares_of(before, measured), "after": squares_of(after, measured)}
     floor = np.array([noise[c] for c in CHANNELS])
     excess = {key: np.maximum(value - floor**2, 0.0) for key, value in squares.items()}
     scaled = {key: value / floor**2 for key, value in excess.items()}
@@ -74,6 +71,12 @@ def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log])
     }
     closed = 1.0 - total["after"] / total["before"] if total["before"] > 0.0 else 0.0
     return Gap(total["before"], total["after"], closed, by_channel, by_log)
+
+
+def squares_of(simulated: Sequence[Log], measured: Sequence[Log]) -> Array:
+    """Mean squares by log and channel."""
+    pairs = zip(simulated, measured, strict=True)
+    return np.array([[square(sim, log, c) for c in CHANNELS] for sim, log in pairs])
 
 
 def noise_of(x: Array) -> float:

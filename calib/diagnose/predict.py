@@ -6,25 +6,36 @@
 
 The measured speed stands where the state would be, so nothing drifts and a whole run is one pass of
 arrays: cheap enough to ask it a thousand times. The open-loop replay (`calib.simulate`) is for
-showing; this is for fitting. The change of slip is left out of d omega/dt: the wheel follows within
-J v/(R^2 F_z K), 2 to 6 ms.
+showing; this is for fitting. The wheel follows its torque with the time constant J v/(R^2 F_z K) of
+2 to 10 ms, the slope K taken at rest.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.effects.catalogue import effect_named
-from calib.effects.effect import Effect, Motion, Parameters, Trace
+from calib.effects.catalogue import (
+    Effects,
+    as_driven,
+    as_read,
+    caliper_pressure,
+    line_pressure,
+    pad_factors,
+    total_axle_moment,
+    total_body_force,
+    total_load_shift,
+    wheel_factors,
+)
+from calib.effects.effect import Motion, Pair, Trace
 from calib.errors import LogError
+from calib.forces import axle_loads, tyre_force
 from calib.logs.log import Log
 from calib.names import WHEELS, G
+from calib.pressure import as_pressed, centred_mean
 from calib.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-Effects = Mapping[str, Parameters]
 
 GRID = 0.01
 """Clock on which a run is predicted [s]; a disc turns at most 20 times a second."""
@@ -75,8 +86,6 @@ class Prediction:
     a_x: Array
     gained: Array
     omega: Array
-    torque_f: Array
-    torque_r: Array
 
 
 def run_of(log: Log) -> Run:
@@ -97,73 +106,48 @@ def run_of(log: Log) -> Run:
     step = n * log.sample_time
     omega = np.stack([mean(log[f"omega_{w}"]) for w in WHEELS])
     v = mean(log["v"])
-    heat = [log.channels.get(f"T_disc_{side}") for side in "fr"]
+    slow = max(1, round(0.5 / step))
+    heat = [
+        centred_mean(mean(log[name]), slow) if name in log else None
+        for name in ("T_disc_f", "T_disc_r")
+    ]
     return Run(
         name=log.name,
         time=mean(log.time),
         step=step,
-        p_mc=mean(log["p_mc"]),
+        p_mc=as_pressed(mean(log["p_mc"]), step),
         a_x=mean(log["a_x"]),
         v=v,
         omega=omega,
-        v_smooth=smooth(v, max(1, round(0.1 / step))),
-        temperature_f=None if heat[0] is None else smooth(mean(heat[0]), max(1, round(0.5 / step))),
-        temperature_r=None if heat[1] is None else smooth(mean(heat[1]), max(1, round(0.5 / step))),
+        v_smooth=centred_mean(v, max(1, round(0.1 / step))),
+        temperature_f=heat[0],
+        temperature_r=heat[1],
         angle_f=np.cumsum(0.5 * (omega[0] + omega[1])) * step,
         angle_r=np.cumsum(0.5 * (omega[2] + omega[3])) * step,
     )
 
 
-def smooth(x: Array, width: int) -> Array:
-    """Centred mean over ``width`` samples, the ends held."""
-    left = width // 2
-    padded = np.pad(x, (left, width - 1 - left), "edge")
-    total = np.cumsum(np.concatenate([[0.0], padded]))
-    return np.asarray((total[width:] - total[:-width]) / width)
-
-
-PRESSURE_ORDER = (
-    "hydraulic_delay",
-    "hydraulic_lag",
-    "rear_proportioning",
-    "brake_threshold_pressure",
-    "caliper_hysteresis",
-)
-"""From the master cylinder to the pads."""
-
-
-Term = tuple[Effect, Parameters]
-
-
-def predict(
-    vehicle: Vehicle, base: Base, effects: Effects, run: Run, extra: tuple[Term, ...] = ()
-) -> Prediction:
-    """Predict a run; ``extra`` are effects outside the catalogue.
-
-    Loads and what depends on them are passed through three times, which settles them.
-    """
-    present = [(effect_named(name), parameters) for name, parameters in effects.items()]
-    present += extra
-    weight = vehicle.mass * G
-    for effect, parameters in present:
-        weight *= effect.mass(parameters)
+def predict(vehicle: Vehicle, base: Base, effects: Effects, run: Run) -> Prediction:
+    """Predict a run. Loads and what depends on them are passed through three times: they settle."""
+    car = as_driven(vehicle, effects)
     z = -run.a_x / G
     energy = (np.zeros_like(z), np.zeros_like(z))
-    state = _State(vehicle, base, run, present, weight)
+    arrives = line_pressure(effects, trace_of(run))
+    clamps = caliper_pressure(effects, trace_of(run), *arrives)
     for _ in range(3):
         trace = _trace(run, z, energy)
-        torques = state.torques(trace)
+        torques = _torques(car, base, effects, trace, clamps)
         energy = _energy(run, torques)
-        forces, loads, z = state.balance(trace, torques, z)
-    slips = [state.slip(force, load) for force, load in zip(forces, loads, strict=True)]
+        forces, loads, z = _balance(car, base, effects, trace, torques)
+    slips = [_slip(base, force, load) for force, load in zip(forces, loads, strict=True)]
     a_true = -G * z
-    a_read = a_true
-    trace = _trace(run, z, energy)
-    for effect, parameters in present:
-        a_read = effect.accelerometer(vehicle, parameters, trace, a_read)
+    a_read = as_read(car, effects, _trace(run, z, energy), a_true)
     gained = np.concatenate([[0.0], np.cumsum(0.5 * (a_true[1:] + a_true[:-1])) * run.step])
-    omega = np.stack([run.v * (1.0 - slips[i]) / state.radius[i // 2] for i in range(4)])
-    return Prediction(a_read, gained, omega, torques[0] + torques[1], torques[2] + torques[3])
+    axles = (car.front, car.front, car.rear, car.rear)
+    omega = np.stack(
+        [run.v * (1.0 - s) / axle.rolling_radius for s, axle in zip(slips, axles, strict=True)]
+    )
+    return Prediction(a_read, gained, omega)
 
 
 def trace_of(run: Run) -> Trace:
@@ -194,78 +178,63 @@ def _energy(run: Run, torques: list[Array]) -> tuple[Array, Array]:
     return front, rear
 
 
-class _State:
-    """The chain of one run: what stays the same from pass to pass."""
+def _torques(car: Vehicle, base: Base, effects: Effects, trace: Trace, clamps: Pair) -> list[Array]:
+    """Brake torque of every wheel [N m] in the order of `WHEELS`."""
+    k_f, k_r = pad_factors(effects, trace, *clamps)
+    front = base.pad_friction_f * k_f * car.front.torque_gain * clamps[0]
+    rear = base.pad_friction_r * k_r * car.rear.torque_gain * clamps[1]
+    uneven = wheel_factors(effects, trace)
+    even = (front, front, rear, rear)
+    return [
+        torque * uneven[w] if w in uneven else torque
+        for w, torque in zip(WHEELS, even, strict=True)
+    ]
 
-    def __init__(
-        self,
-        vehicle: Vehicle,
-        base: Base,
-        run: Run,
-        present: list[tuple[Effect, Parameters]],
-        weight: float,
-    ):
-        self.vehicle, self.base, self.run, self.weight = vehicle, base, run, weight
-        order = {name: i for i, name in enumerate(PRESSURE_ORDER)}
-        self.present = sorted(present, key=lambda item: order.get(item[0].card.name, 99))
-        self.axles = (vehicle.front, vehicle.rear)
-        self.radius = [axle.rolling_radius for axle in self.axles]
-        self.inertia = [axle.wheel_inertia for axle in self.axles]
-        for effect, parameters in self.present:
-            for i, (factor, extra) in enumerate(
-                zip(effect.radius(parameters), effect.inertia(parameters), strict=True)
-            ):
-                self.radius[i] *= factor
-                self.inertia[i] += extra
 
-    def torques(self, trace: Trace) -> list[Array]:
-        """Brake torque of every wheel [N m] in the order of `WHEELS`."""
-        p_f = p_r = self.run.p_mc
-        for effect, parameters in self.present:
-            p_f, p_r = effect.pressure(parameters, trace, p_f, p_r)
-        k_f, k_r = np.ones_like(p_f), np.ones_like(p_r)
-        for effect, parameters in self.present:
-            f, r = effect.friction(parameters, trace, p_f, p_r)
-            k_f, k_r = k_f * f, k_r * r
-        front = self.base.pad_friction_f * k_f * self.vehicle.front.torque_gain * p_f
-        rear = self.base.pad_friction_r * k_r * self.vehicle.rear.torque_gain * p_r
-        out = [front, front, rear, rear]
-        for effect, parameters in self.present:
-            for wheel, factor in effect.wheels(parameters, trace).items():
-                out[WHEELS.index(wheel)] = out[WHEELS.index(wheel)] * factor
-        return out
+def _balance(
+    car: Vehicle, base: Base, effects: Effects, trace: Trace, torques: list[Array]
+) -> tuple[list[Array], list[Array], Array]:
+    """Tyre forces and loads of every wheel [N], and z [1], from z of the last pass."""
+    late = car.weight * total_load_shift(car, effects, trace)
+    load_f, load_r = axle_loads(car, trace.z)
+    halves = (0.5 * (load_f - late), 0.5 * (load_r + late))
+    motion = Motion(trace.v, 2.0 * halves[0], 2.0 * halves[1], trace)
+    moments = total_axle_moment(car, effects, motion)
+    forces, loads = [], []
+    for i, torque in enumerate(torques):
+        side = i // 2
+        axle = (car.front, car.rear)[side]
+        spin = -G * trace.z / axle.rolling_radius
+        steady = tyre_force(axle, torque, spin, 0.5 * moments[side])
+        lag = axle.wheel_inertia * trace.v / axle.rolling_radius**2 / base.stiffness
+        forces.append(follow(steady, lag / halves[side], float(np.diff(trace.time[:2])[0])))
+        loads.append(halves[side])
+    total = forces[0] + forces[1] + forces[2] + forces[3]
+    return forces, loads, (total + total_body_force(car, effects, motion)) / car.weight
 
-    def balance(
-        self, trace: Trace, torques: list[Array], z: Array
-    ) -> tuple[list[Array], list[Array], Array]:
-        """Tyre forces and loads of every wheel [N], and z [1], from z of the last pass."""
-        car, W = self.vehicle, self.weight
-        shift = np.zeros_like(z)
-        for effect, parameters in self.present:
-            shift = shift + effect.load_shift(car, parameters, trace)
-        share = car.cg_to_rear_axle + z * car.cg_height
-        load_f = W * (share / car.wheelbase - shift)
-        load_r = W - load_f
-        motion = Motion(trace.v, load_f, load_r, trace)
-        moment = [np.zeros_like(z), np.zeros_like(z)]
-        body = np.zeros_like(z)
-        for effect, parameters in self.present:
-            f, r = effect.axle_moment(car, parameters, motion)
-            moment = [moment[0] + f, moment[1] + r]
-            body = body + effect.body_force(car, parameters, motion)
-        forces = []
-        for i, torque in enumerate(torques):
-            side = i // 2
-            spin = -G * z / self.radius[side]
-            forces.append(
-                (torque + 0.5 * moment[side] + self.inertia[side] * spin) / self.radius[side]
-            )
-        total = forces[0] + forces[1] + forces[2] + forces[3] + body
-        loads = [0.5 * load_f, 0.5 * load_f, 0.5 * load_r, 0.5 * load_r]
-        return forces, loads, total / W
 
-    def slip(self, force: Array, load: Array) -> Array:
-        """Slip [1] on the rising branch of the Magic Formula."""
-        peak, stiffness = self.base.peak, self.base.stiffness
-        x = np.clip(force / np.maximum(load, 1.0) / peak, -EDGE, EDGE)
-        return np.asarray(SHAPE * peak / stiffness * np.tan(np.arcsin(x) / SHAPE))
+def _slip(base: Base, force: Array, load: Array) -> Array:
+    """Slip [1] on the rising branch of the Magic Formula."""
+    x = np.clip(force / np.maximum(load, 1.0) / base.peak, -EDGE, EDGE)
+    return np.asarray(SHAPE * base.peak / base.stiffness * np.tan(np.arcsin(x) / SHAPE))
+
+
+def follow(x: Array, time_constant: Array, step: float) -> Array:
+    """First-order lag of ``x`` (n,) with a time constant [s] that changes along it (n,).
+
+    Exact for an input that is linear between samples; starts in balance.
+    """
+    from scipy.linalg.lapack import dtbtrs
+
+    tau = np.maximum(time_constant, 1e-6)
+    decay = np.exp(-step / tau)
+    slope = tau / step * (1.0 - decay)
+    right = (1.0 - slope) * x
+    right[1:] += (slope - decay)[1:] * x[:-1]
+    right[0] = x[0]
+    band = np.empty((2, x.size), order="F")
+    band[0] = 1.0
+    band[1, :-1] = -decay[1:]
+    band[1, -1] = 0.0
+    out, _ = dtbtrs(band, right[:, None], uplo="L", diag="U", overwrite_b=1)
+    return np.asarray(out[:, 0])

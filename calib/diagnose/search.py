@@ -1,8 +1,9 @@
 """Which effect would help: every effect of the catalogue asked in one step, the best ones fitted.
 
-One step: put the effect in at its usual size, see how the innovations change, take out what the base
-parameters could do as well, and see how much of the present innovations lies along what is left.
-That is cheap, and ranks; a few are then fitted in full, since lag and hysteresis are not linear.
+One step: put the effect in at its usual size, see how the innovations change, take out what the
+base parameters could do as well, and see how much of the present innovations lies along what is
+left. That is cheap, and ranks; a few are then fitted in full, since lag and hysteresis are not
+linear.
 """
 
 from dataclasses import dataclass
@@ -65,7 +66,7 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
             continue
         best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(effect.card.parameters))]))
         for trial in trials(name):
-            base, effects = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(4), trial]))
+            _, effects = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(4), trial]))
             change = problem.flat(at.base, {**at.effects, **effects}) - innovations
             gain, amount = along(innovations, directions, change)
             if amount > 0.0 and gain > best.gain:

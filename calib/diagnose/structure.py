@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from calib.course import BITE
 from calib.diagnose.candidate import Candidate, Problem, fit
-from calib.diagnose.predict import Term, trace_of
+from calib.diagnose.predict import trace_of
 from calib.diagnose.search import base_directions
 from calib.effects.empirical import DRIVERS, PLACES, Empirical, driver_along
+from calib.model import TERM
 
 Array = NDArray[np.float64]
 
@@ -30,7 +31,8 @@ class Structure:
     """The empirical term that explains most of what is left.
 
     ``term`` and the ``axle`` it acts on; ``explained`` share of the excess [1]; ``at`` the
-    candidate with its base parameters fitted beside the term; ``runners_up`` (place, driver, share).
+    candidate with its base parameters fitted beside the term; ``runners_up`` as (place, driver,
+    share).
     """
 
     term: Empirical
@@ -75,7 +77,7 @@ def _fitted(problem: Problem, at: Candidate, item: Found, excess: float) -> Foun
     """A term fitted in full with the base: one linear step from a wrong base points wrong."""
     _, place, driver, knots, _, _ = item
 
-    def make(values: Array) -> Term:
+    def make(values: Array) -> Empirical:
         return _term(place, driver, knots, values)
 
     start = np.concatenate([at.x, np.zeros(knots.size)])
@@ -107,14 +109,14 @@ def _explain(
     for k in range(knots.size):
         hat = np.zeros(knots.size)
         hat[k] = size
-        told = problem.flat(at.base, at.effects, (_term(*where, knots, hat),))
+        told = problem.flat(at.base, {**at.effects, TERM: _term(*where, knots, hat)})
         change = (told - innovations) / size
         columns.append(change - directions @ (directions.T @ change))
     A = np.stack(columns, axis=1)
     ridge = 1e-9 * float(np.trace(A.T @ A)) * np.eye(knots.size)
-    values = -np.linalg.solve(A.T @ A + ridge, A.T @ rest)
+    values = np.asarray(-np.linalg.solve(A.T @ A + ridge, A.T @ rest), dtype=float)
     return float(rest @ rest - np.sum((rest + A @ values) ** 2)), values
 
 
-def _term(place: str, driver: str, knots: Array, values: Array) -> Term:
-    return Empirical(place, driver, tuple(knots.tolist()), tuple(values.tolist())).effect(), {}
+def _term(place: str, driver: str, knots: Array, values: Array) -> Empirical:
+    return Empirical(place, driver, tuple(knots.tolist()), tuple(values.tolist()))

@@ -40,11 +40,12 @@ from calib.effects.effect import (
     Parameters,
     Trace,
 )
+from calib.effects.empirical import Empirical
 from calib.errors import ModelError
 from calib.vehicle import Axle, Vehicle
 
-Effects = Mapping[str, Parameters]
-"""Parameters [SI] by effect name."""
+Effects = Mapping[str, Parameters | Empirical]
+"""Parameters [SI] by effect name; an empirical term stands under a name of its own."""
 
 CATALOGUE: dict[str, Effect] = {
     effect.card.name: effect
@@ -196,4 +197,8 @@ def _each(
 ) -> Iterator[tuple[Effect, Parameters]]:
     """The effects with their parameters; those of ``order`` in that order, or all as they come."""
     for name in effects if order is None else (n for n in order if n in effects):
-        yield effect_named(name), effects[name]
+        present = effects[name]
+        if isinstance(present, Empirical):
+            yield present.effect(), {}
+        else:
+            yield effect_named(name), present

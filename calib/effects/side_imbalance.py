@@ -1,4 +1,4 @@
-"""Side imbalance: the left front brake does more than the right one, or less."""
+"""Side imbalance: the left brakes do more than the right ones, or less."""
 
 import numpy as np
 
@@ -6,22 +6,27 @@ from calib.effects.effect import Array, Card, Effect, Parameter, Parameters, Tra
 
 
 def wheels(parameters: Parameters, trace: Trace) -> dict[str, Array]:
-    """Factors 1 + x and 1 - x [1] on the torques of the front brakes, left and right.
+    """Factors 1 + x and 1 - x [1] on the brake torques, left and right; r x on the rear.
 
     The car is held straight by the driver; side forces are not looked at.
     """
     one, x = np.ones_like(trace.time), parameters["imbalance"]
-    return {"fl": (1.0 + x) * one, "fr": (1.0 - x) * one}
+    y = parameters["rear_share"] * x
+    left_right = {"fl": 1.0 + x, "fr": 1.0 - x, "rl": 1.0 + y, "rr": 1.0 - y}
+    return {wheel: factor * one for wheel, factor in left_right.items()}
 
 
 EFFECT = Effect(
     card=Card(
         name="side_imbalance",
         cause="pads, pistons or discs that differ between left and right",
-        equation="T_b,fl (1 + x), T_b,fr (1 - x); nothing at imbalance = 0",
+        equation="front T_b (1 +- x), rear T_b (1 +- r x), left +; nothing at imbalance = 0",
         source="Limpert, Brake Design and Safety, ch. 7; UN R13-H, annex 3",
-        looks_like="front wheels that differ in slip, with the brake only, in proportion to torque",
-        parameters=(Parameter("imbalance", "1", -0.5, 0.5, 0.08, 0.05),),
+        looks_like="left and right differ in slip, with the brake only, in proportion to torque",
+        parameters=(
+            Parameter("imbalance", "1", -0.5, 0.5, 0.08, 0.05),
+            Parameter("rear_share", "1", -0.2, 1.2, 0.5, 0.5),
+        ),
     ),
     wheels=wheels,
 )

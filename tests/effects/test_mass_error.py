@@ -22,7 +22,10 @@ def test_without_inertia_deceleration_goes_with_one_over_the_mass():
 
 def test_rolling_and_grade_go_with_the_weight_and_drag_does_not():
     car, heavier = without_inertia(SEDAN), {"mass_error": {"mass_error": 0.2}}
-    grade = {"road_grade": {"grade": 0.05}, "rolling_resistance": {"coefficient": 0.012}}
+    grade = {
+        "road_grade": {"grade": 0.05, "felt": 0.0},
+        "rolling_resistance": {"coefficient": 0.012},
+    }
     drag = {"aerodynamic_drag": {"drag_area": 0.7}}
 
     def first(effects):

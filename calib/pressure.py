@@ -1,0 +1,42 @@
+"""What the foot did: a pressure without the noise of its sensor.
+
+Whatever has memory, such as hysteresis, would take the noise for the foot; and a sensor that does
+not read below nought reads its noise as a slight, lasting brake.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+HOLD = 0.1
+"""Width [s] over which a held pressure is averaged."""
+
+NOTHING = 0.4e5
+"""A held pressure below this [Pa] is no pressure: return springs hold the pads off."""
+
+
+def centred_mean(x: Array, width: int) -> Array:
+    """Mean over ``width`` samples around each, the ends held; (n,)."""
+    left = width // 2
+    padded = np.pad(x, (left, width - 1 - left), "edge")
+    total = np.cumsum(np.concatenate([[0.0], padded]))
+    return np.asarray((total[width:] - total[:-width]) / width)
+
+
+def as_pressed(p: Array, step: float) -> Array:
+    """Pressure [Pa] (n,) averaged where it is held, as it came where it moves; ``step`` [s].
+
+    Held is what stays within eight sigma over twice the width; sigma is that of the third
+    differences. A pressure without noise comes back as it is.
+    """
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    width = max(1, round(HOLD / step))
+    if width < 3 or p.size < 2 * width:
+        return p
+    sigma = float(np.median(np.abs(np.diff(p, 3)))) / 0.6745 / np.sqrt(20.0)
+    mean = centred_mean(p, width)
+    swing = maximum_filter1d(p, 2 * width) - minimum_filter1d(p, 2 * width)
+    held = swing < 8.0 * sigma
+    return np.where(held, np.where(mean < NOTHING, 0.0, mean), p)
