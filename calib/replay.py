@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from calib.course import BITE, SETTLE
 from calib.effects.catalogue import as_driven
 from calib.errors import LogError
 from calib.logs.log import Array, Log
@@ -12,8 +13,11 @@ from calib.simulate import simulate
 from calib.vehicle import Vehicle
 
 FIRST_SECONDS = 0.25
-"""Span [s] of the line that gives the first speed: it takes 0.02 m/s of noise to 0.006 m/s, and a
-brake that is just being applied bends v by less than 0.01 m/s in it."""
+"""Least span [s] of the line that gives the first speed: it takes 0.02 m/s of noise to 0.006 m/s, and
+a brake that is just being applied bends v by less than 0.01 m/s in it."""
+
+COAST_SECONDS = 1.5
+"""Longest span [s], where nothing is braked: drag bends v by less than 0.001 m/s in it."""
 
 
 def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
@@ -42,7 +46,10 @@ def first_speed(log: Log, vehicle: Vehicle) -> float:
     Without ``v``, through the mean of R omega over the wheels: too low by their slip if the log
     begins braked. Raises LogError if there are no two finite samples of it.
     """
-    first = log.time - log.time[0] <= FIRST_SECONDS
+    since = log.time - log.time[0]
+    braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])
+    free = float(since[braked[0]]) - SETTLE if braked.size else np.inf
+    first = since <= min(max(free, FIRST_SECONDS), COAST_SECONDS)
     speed = (log["v"] if "v" in log else _rolling_speed(log, vehicle))[first]
     seen = np.isfinite(speed)
     if np.count_nonzero(seen) < 2:

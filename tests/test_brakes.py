@@ -50,7 +50,7 @@ def test_a_logged_wheel_pressure_is_behind_the_line_and_before_the_caliper():
 
 
 def test_only_the_axle_that_is_uneven_has_four_hands():
-    found, rest = brakes({"side_imbalance": {"imbalance": 0.2}})
+    found, rest = brakes({"side_imbalance": {"imbalance": 0.2, "rear_share": 0.0}})
     assert found.wheels == ("fl", "fr", "rl")
     torques = found.torques(rest)
     assert torques["fl"] == pytest.approx(1.5 * torques["fr"])

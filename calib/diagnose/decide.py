@@ -11,9 +11,12 @@ in innovations, explain the better part of the excess, and help on hold-outs it 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.diagnose.candidate import Candidate, Problem
 from calib.diagnose.search import refine
+
+Array = NDArray[np.float64]
 
 DETECT = 0.01
 """Least gain in the mean squared innovation for an effect to be seen at all. Without any effect the
@@ -22,6 +25,17 @@ what gains less than this may be there, but cannot be told from its neighbours."
 
 QUIET = 1.06
 """Mean squared innovation below which nothing is left to explain: no tyre curve is exact."""
+
+STRANGE = 1.15
+"""Mean squared innovation from which something is there, though no effect of the catalogue helps."""
+
+PARAMETER = 0.001
+"""What a further parameter must gain in the mean squared innovation: an effect that can mimic a
+simpler one is not preferred to it."""
+
+HURTS = 0.35
+"""Rise of the mean squared innovation of one channel in one run that no true cause brings: five
+sigma of the difference of two runs of 450 steps."""
 
 ENOUGH = 0.80
 """Share of the excess over QUIET that an explanation must close to stand."""
@@ -58,19 +72,20 @@ class Decision:
 
 def decide(problem: Problem, base: Candidate) -> Decision:
     """Search and judge."""
-    singles = refine(problem, base)
+    singles = simplest_first(refine(problem, base))
     if not singles or gain(base, singles[0]) < DETECT:
-        verdict = "no_gap" if base.reduced < QUIET + DETECT else "unknown"
+        verdict = "no_gap" if base.reduced < STRANGE else "unknown"
         return Decision(verdict, base, base, tuple(singles))
     first = singles[0]
     pairs = seconds(problem, singles) if first.reduced > 1.0 + SECOND else []
     if pairs and gain(first, pairs[0]) > max(SECOND, SECOND_OF_ALL * gain(base, first)):
         # something the first does not explain lies along another effect
-        verdict = standing(base, pairs[0], pairs[1:])
+        verdict = standing(problem, base, pairs[0], pairs[1:])
         if not second_earns(first, pairs[0]):
             verdict = "unknown"
         return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
-    return Decision(standing(base, first, singles[1:]), base, first, tuple(singles[1:]))
+    verdict = standing(problem, base, first, singles[1:])
+    return Decision(verdict, base, first, tuple(singles[1:]))
 
 
 def gain(before: Candidate, after: Candidate) -> float:
@@ -86,7 +101,12 @@ def seconds(problem: Problem, singles: list[Candidate]) -> list[Candidate]:
             key = frozenset(pair.names)
             if key not in found or pair.chi2 < found[key].chi2:
                 found[key] = pair
-    return sorted(found.values(), key=lambda candidate: candidate.chi2)
+    return simplest_first(list(found.values()))
+
+
+def simplest_first(found: list[Candidate]) -> list[Candidate]:
+    """Best first; every further parameter must be worth `PARAMETER`."""
+    return sorted(found, key=lambda candidate: candidate.reduced + PARAMETER * candidate.x.size)
 
 
 def second_earns(first: Candidate, pair: Candidate) -> bool:
@@ -95,23 +115,28 @@ def second_earns(first: Candidate, pair: Candidate) -> bool:
     return gain(first, pair) / left > SECOND_SHARE
 
 
-def standing(base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
+def standing(problem: Problem, base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
     """Named, ambiguous or unknown."""
     closed = gain(base, best) / max(base.reduced - QUIET, 1e-9)
     if best.reduced > QUIET and closed < ENOUGH:
         return "unknown"
+    if float(np.max(cells(problem, best) - cells(problem, base))) > HURTS:
+        return "unknown"
     return "ambiguous" if confusable(best, rivals) else "named"
 
 
+def cells(problem: Problem, candidate: Candidate) -> Array:
+    """Mean squared innovation by run and channel."""
+    parts = problem.whitened(candidate.base, candidate.effects)
+    return np.array([[float(np.mean(c**2)) for c in run] for run in parts])
+
+
 def confusable(best: Candidate, rivals: list[Candidate] | tuple[Candidate, ...]) -> list[Candidate]:
-    """Rivals that the data cannot tell from the best."""
+    """Rivals that the data cannot tell from the best and that are no more complicated."""
     return [
         rival
         for rival in rivals
-        if rival.reduced - best.reduced < CONFUSABLE and len(rival.names) <= len(best.names)
+        if rival.reduced - best.reduced < CONFUSABLE
+        and (rival.x.size <= best.x.size or rival.reduced < best.reduced - CONFUSABLE)
+        and len(rival.names) <= len(best.names)
     ]
-
-
-def strongest(candidate: Candidate, sigma: float = 1.0) -> np.ndarray:
-    """Parameters over their standard deviations, for the evidence."""
-    return np.asarray(candidate.x / np.sqrt(np.diag(candidate.covariance)) / sigma)
