@@ -9,7 +9,7 @@ from typer.core import TyperGroup
 
 from calib import __version__
 from calib.errors import BrakeCalError
-from cli import check, demo, effects, fit, plot, simulate, tables, validate
+from cli import check, demo, diagnose, effects, fit, plot, simulate, tables, validate
 from cli.console import complain
 from cli.options import example
 
@@ -48,6 +48,7 @@ app.command(epilog=fit.EPILOG)(fit.fit)
 app.command(epilog=validate.EPILOG)(validate.validate)
 app.command(epilog=plot.EPILOG)(plot.plot)
 app.command(epilog=simulate.EPILOG)(simulate.simulate)
+app.command(epilog=diagnose.EPILOG)(diagnose.diagnose)
 app.command(epilog=effects.EPILOG)(effects.effects)
 app.command(epilog=demo.EPILOG)(demo.demo)
 app.add_typer(tables.app, name="tables")

@@ -1,0 +1,57 @@
+"""How the report looks: on a light screen, on a dark one, and on A4."""
+
+STYLE = """
+:root { --ink: #1b1f24; --soft: #4c545e; --paper: #ffffff; --pane: #f4f6f8; --line: #d5dae0;
+        --mark: #00588c; color-scheme: light dark; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e8ebef; --soft: #b3bac4; --paper: #14181d; --pane: #1f252c; --line: #3b444e;
+          --mark: #6cbcf0; }
+}
+.no_gap { --mark: #006b4d; } .ambiguous { --mark: #8a5a00; } .unknown { --mark: #a33c00; }
+@media (prefers-color-scheme: dark) {
+  .no_gap { --mark: #4fc9a0; } .ambiguous { --mark: #e8b04a; } .unknown { --mark: #f0935a; }
+}
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--paper); color: var(--ink);
+       font: 16px/1.55 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; }
+main { max-width: 52rem; margin: 0 auto; padding: 1.5rem 1.25rem 4rem; }
+header { background: var(--pane); border-left: 0.4rem solid var(--mark);
+         padding: 1.2rem 1.5rem; border-radius: 0.3rem; }
+h1 { font-size: 1.15rem; margin: 0; color: var(--soft); font-weight: 600; }
+.kind { margin: 0 0 0.2rem; color: var(--mark); font-weight: 700; }
+.verdict { font-size: 1.5rem; line-height: 1.3; font-weight: 650; margin: 0.5rem 0; }
+h2 { font-size: 1.3rem; margin: 2.4rem 0 0.6rem; padding-bottom: 0.25rem;
+     border-bottom: 1px solid var(--line); }
+h3 { font-size: 1.02rem; margin: 1.4rem 0 0.2rem; }
+p { margin: 0.4rem 0 0.8rem; }
+header dl { display: flex; flex-wrap: wrap; gap: 0.6rem 2.2rem; margin: 1rem 0 0; }
+header dl div { display: flex; flex-direction: column-reverse; }
+header dt { color: var(--soft); font-size: 0.88rem; }
+header dd { margin: 0; font-size: 1.45rem; font-weight: 650; }
+.card { display: grid; grid-template-columns: max-content 1fr; gap: 0.35rem 1.1rem;
+        background: var(--pane); border-radius: 0.3rem; padding: 0.9rem 1.2rem; margin: 0.8rem 0; }
+.card dt { color: var(--soft); font-weight: 600; }
+.card dd { margin: 0; overflow-wrap: anywhere; }
+.wide { overflow-x: auto; margin: 1rem 0; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; min-width: 55%; }
+caption { text-align: left; color: var(--soft); font-size: 0.92rem; padding-bottom: 0.35rem; }
+th, td { padding: 0.3rem 1.3rem 0.3rem 0; text-align: right; border-bottom: 1px solid var(--line); }
+th:first-child { text-align: left; }
+thead th { border-bottom: 2px solid var(--line); font-size: 0.92rem; }
+tbody th { font-weight: 400; }
+figure { margin: 1.2rem 0; }
+img { display: block; width: 100%; height: auto; background: #ffffff; border-radius: 0.3rem; }
+figcaption { color: var(--soft); font-size: 0.92rem; margin-top: 0.4rem; }
+@page { size: A4; margin: 16mm 15mm; }
+@media print {
+  :root { --ink: #000000; --soft: #3a3a3a; --paper: #ffffff; --pane: #f4f4f4; --line: #bbbbbb;
+          --mark: #00588c; color-scheme: light; }
+  body { font-size: 10pt; }
+  main { max-width: none; padding: 0; }
+  header { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+  h2, h3, caption { break-after: avoid; }
+  figure, table, .card, header { break-inside: avoid; }
+  p { orphans: 3; widows: 3; }
+}
+"""
+"""Style sheet; contrast of text is 4.5 to 1 or better everywhere."""

@@ -1,0 +1,99 @@
+"""`brake-cal diagnose`: where a model and the measured runs disagree, why, and what closes it."""
+
+import json as jsonlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, plain, say
+from cli.options import Json, Map, example
+
+if TYPE_CHECKING:
+    from calib.diagnose.diagnose import Diagnosis
+
+EPILOG = example(
+    "brake-cal diagnose sample_logs/hidden/cal_*.csv --holdout sample_logs/hidden/hold_0.csv "
+    "--vehicle sample_logs/hidden/vehicle.toml --out found"
+)
+
+
+def diagnose(
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Logs to search in.")],
+    *,
+    holdout: Annotated[
+        list[Path],
+        typer.Option("--holdout", metavar="LOG", help="Log to prove it on; may be repeated."),
+    ],
+    vehicle: Annotated[
+        Path, typer.Option("--vehicle", metavar="V.toml", help="Vehicle as the datasheet has it.")
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="Write diagnosis, model and report here.")
+    ],
+    channel_map: Map = None,
+    json: Json = False,
+) -> None:
+    """Find where simulation and measured runs disagree, name the missing effect and add it."""
+    from calib.diagnose.diagnose import diagnose as find
+    from calib.diagnose.document import to_dict
+    from calib.diagnose.folder import write_folder
+    from calib.logs.channel_map import read_channel_map
+    from calib.logs.read import read_log
+    from calib.report import report_html
+    from calib.vehicle import read_vehicle
+
+    _check_out([*logs, *holdout, vehicle], holdout, out)
+    car = read_vehicle(vehicle)
+    mapping = read_channel_map(channel_map) if channel_map else None
+    calibration = [read_log(path, mapping) for path in logs]
+    held = [read_log(path, mapping) for path in holdout]
+    say(f"searching {len(logs)} logs, proving on {len(holdout)}")
+    found = find(calibration, held, car)
+    document = plain(to_dict(found))
+    text = jsonlib.dumps(document, indent=2, allow_nan=False) + "\n"
+    try:
+        paths = write_folder(found, text, report_html(found, car.name), out)
+    except OSError as error:
+        raise typer.BadParameter(
+            f"{out} cannot be written ({error.strerror})", param_hint="--out"
+        ) from error
+    for path in paths:
+        say(f"wrote {path}")
+    if json:
+        emit_json(document)
+    else:
+        emit(_told(found))
+
+
+def _check_out(inputs: list[Path], holdout: list[Path], out: Path) -> None:
+    """Refuse before the search what could not be written after it."""
+    from calib.diagnose.folder import files_of
+
+    stems = [path.stem for path in holdout]
+    twice = sorted({stem for stem in stems if stems.count(stem) > 1})
+    if twice:
+        raise typer.BadParameter(
+            f"two logs are named {twice[0]}, and --out has one file a name", param_hint="--holdout"
+        )
+    if out.exists() and not out.is_dir():
+        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
+    written = {(out / file).resolve() for file in files_of(stems)}
+    lost = [path for path in inputs if path.resolve() in written]
+    if lost:
+        raise typer.BadParameter(f"would overwrite {lost[0]}", param_hint="--out")
+
+
+def _told(found: "Diagnosis") -> str:
+    """The answer in sentences, as the report has them."""
+    from calib.diagnose import words
+
+    lines = [words.verdict(found)]
+    for effect in found.effects:
+        lines += [f"{effect.name}: {words.where(effect)}", words.evidence(effect, found)]
+        lines += [f"  {n} = {words.value_of(v)}" for n, v in effect.parameters.items()]
+        lines.append(words.rivals(effect))
+    if found.unexplained is not None:
+        lines.append(words.unexplained(found.unexplained))
+    lines.append(words.gap(found))
+    return "\n".join(line for line in lines if line)
