@@ -290,7 +290,8 @@ def _level_weighed(plan: Plan, s: Signals, level: Level) -> tuple[Array, Array]:
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         resist = plan.known.sigma_z(plan.nominal, s.speed) / np.maximum(low_pass(s, s.z), 0.02)
-        noise = level.sigma / level.value
+        # a level of nought is as good as unknown: ten times everything
+        noise = np.minimum(np.abs(level.sigma / level.value), 10.0)
         sigma = np.sqrt(noise**2 + resist**2 + plan.nominal.mass_tolerance**2)
         free = np.log(np.where(level.value > 0.0, level.value, np.nan))
     found = weigh(free, sigma, LEVEL_FREE, LEVEL_ODDS, LEVEL_ALIKE)
