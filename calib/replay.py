@@ -13,8 +13,8 @@ from calib.simulate import simulate
 from calib.vehicle import Vehicle
 
 FIRST_SECONDS = 0.25
-"""Least span [s] of the line that gives the first speed: it takes 0.02 m/s of noise to 0.006 m/s, and
-a brake that is just being applied bends v by less than 0.01 m/s in it."""
+"""Least span [s] of the line that gives the first speed: it takes 0.02 m/s of noise to 0.006 m/s,
+and a brake that is just being applied bends v by less than 0.01 m/s in it."""
 
 COAST_SECONDS = 1.5
 """Longest span [s], where nothing is braked: drag bends v by less than 0.001 m/s in it."""

@@ -2,9 +2,10 @@
 
 import json as jsonlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from cli.console import emit, emit_json, plain, say
 from cli.options import Json, Map, example
@@ -13,9 +14,28 @@ if TYPE_CHECKING:
     from calib.diagnose.diagnose import Diagnosis
 
 EPILOG = example(
-    "brake-cal diagnose sample_logs/hidden/cal_*.csv --holdout sample_logs/hidden/hold_0.csv "
-    "--vehicle sample_logs/hidden/vehicle.toml --out found"
+    "brake-cal diagnose sample_logs/hidden/case_0/calibration/coast.parquet "
+    "sample_logs/hidden/case_0/calibration/ramp.parquet "
+    "--holdout sample_logs/hidden/case_0/holdout/stop_a.parquet "
+    "--vehicle sample_logs/hidden/case_0/vehicle.toml --out found"
 )
+HOLDOUT = "--holdout"
+
+
+class Greedy(TyperCommand):
+    """A command whose ``--holdout`` takes every log up to the next option, as a shell's * gives."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Say ``--holdout`` once for each of its logs, then parse as ever."""
+        said: list[str] = []
+        held = False
+        for arg in args:
+            if arg.startswith("-"):
+                held = arg == HOLDOUT
+            elif held and said[-1] != HOLDOUT:
+                said.append(HOLDOUT)
+            said.append(arg)
+        return super().parse_args(ctx, said)
 
 
 def diagnose(
@@ -23,7 +43,7 @@ def diagnose(
     *,
     holdout: Annotated[
         list[Path],
-        typer.Option("--holdout", metavar="LOG", help="Log to prove it on; may be repeated."),
+        typer.Option(HOLDOUT, metavar="LOG...", help="Logs to prove it on."),
     ],
     vehicle: Annotated[
         Path, typer.Option("--vehicle", metavar="V.toml", help="Vehicle as the datasheet has it.")

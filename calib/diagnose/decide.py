@@ -27,7 +27,7 @@ QUIET = 1.06
 """Mean squared innovation below which nothing is left to explain: no tyre curve is exact."""
 
 STRANGE = 1.15
-"""Mean squared innovation from which something is there, though no effect of the catalogue helps."""
+"""Mean squared innovation from which something is there, whatever the catalogue says."""
 
 PARAMETER = 0.001
 """What a further parameter must gain in the mean squared innovation: an effect that can mimic a

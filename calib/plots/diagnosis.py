@@ -96,8 +96,8 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
         note=(
             "Replays are open loop: pressure and first speed only. Before: pads and tyre "
             "re-identified, no effect added. After: with what was found. The band is 95 % of the "
-            "noise of single samples. An innovation is a residual freed of the memory of its noise, in "
-            "units of that noise; its mean square is 1 if nothing is left to explain."
+            "noise of single samples. An innovation is a residual freed of the memory of its "
+            "noise, in units of that noise; its mean square is 1 if nothing is left to explain."
         ),
         panels=tuple(panels),
         rows=tuple(rows),

@@ -74,8 +74,9 @@ def test_what_the_catalogue_does_not_know_is_unknown_on_the_right_axle():
 
 
 def test_the_order_of_the_logs_does_not_matter(drag):
-    one, other = answer(drag), diagnose(
-        list(drag.calibration)[::-1], list(drag.holdout), drag.vehicle
+    one, other = (
+        answer(drag),
+        diagnose(list(drag.calibration)[::-1], list(drag.holdout), drag.vehicle),
     )
     assert to_dict(one) == to_dict(other)
 
