@@ -1,0 +1,55 @@
+"""`brake-cal diagnose` as the shell runs it."""
+
+import json
+
+import pytest
+
+from calib.samples import sample_logs
+from cli.diagnose import HOLDOUT
+
+CASE = sample_logs() / "hidden" / "case_0"
+SEARCHED = [CASE / "calibration" / name for name in ("coast.parquet", "ramp.parquet")]
+HELD = [CASE / "holdout" / name for name in ("stop_a.parquet", "mixed.parquet")]
+VEHICLE = CASE / "vehicle.toml"
+
+
+@pytest.fixture
+def run(brake_cal):
+    def diagnose(*words, held=tuple(HELD)):
+        return brake_cal("diagnose", *SEARCHED, HOLDOUT, *held, "--vehicle", VEHICLE, *words)
+
+    return diagnose
+
+
+def test_one_holdout_option_takes_every_log_after_it_and_all_is_written(run, tmp_path):
+    out = tmp_path / "found"
+    ran = run("--out", out, "--json")
+    assert ran.code == 0
+    said = json.loads(ran.out)
+    assert said == json.loads((out / "diagnosis.json").read_text())
+    hidden = json.loads((CASE / "answer.json").read_text())
+    assert [effect["name"] for effect in said["effects"]] == hidden["effects"]
+    assert set(said["gap"]["by_log"]) == {path.stem for path in HELD}
+    files = {str(p.relative_to(out)) for p in out.rglob("*") if p.is_file()}
+    sims = {f"sim/{when}/{p.stem}.csv" for when in ("before", "after") for p in HELD}
+    assert files == {"diagnosis.json", "model.toml", "report.html"} | sims
+
+
+def test_holdouts_of_one_name_are_refused(run, tmp_path):
+    ran = run("--out", tmp_path / "found", held=(HELD[0], HELD[0]))
+    assert ran.code == 2
+    assert "two logs are named stop_a" in ran.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_in_the_place_of_the_folder_is_refused(run, tmp_path):
+    (tmp_path / "found").write_text("mine")
+    ran = run("--out", tmp_path / "found")
+    assert ran.code == 2
+    assert (tmp_path / "found").read_text() == "mine"
+
+
+def test_a_log_that_is_searched_and_held_out_proves_nothing(run, tmp_path):
+    ran = run("--out", tmp_path / "found", held=(SEARCHED[0],))
+    assert ran.code == 3
+    assert not list(tmp_path.iterdir())
