@@ -52,7 +52,7 @@ def first_speed(log: Log, vehicle: Vehicle) -> float:
     first = since <= min(max(free, FIRST_SECONDS), COAST_SECONDS)
     speed = (log["v"] if "v" in log else _rolling_speed(log, vehicle))[first]
     seen = np.isfinite(speed)
-    if np.count_nonzero(seen) < 2:
+    if np.count_nonzero(seen[since[first] <= FIRST_SECONDS]) < 2:
         raise LogError(
             f"no speed in the first {FIRST_SECONDS:g} s",
             where=log.source,

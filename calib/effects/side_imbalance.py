@@ -13,6 +13,8 @@ def wheels(parameters: Parameters, trace: Trace) -> dict[str, Array]:
     one, x = np.ones_like(trace.time), parameters["imbalance"]
     y = parameters["rear_share"] * x
     left_right = {"fl": 1.0 + x, "fr": 1.0 - x, "rl": 1.0 + y, "rr": 1.0 - y}
+    if y == 0.0:  # the rear is even: its wheels are alike and are driven once
+        del left_right["rl"], left_right["rr"]
     return {wheel: factor * one for wheel, factor in left_right.items()}
 
 
