@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.account import motion
 from calib.course import BITE
-from calib.effects.catalogue import total_axle_moment, total_body_force
-from calib.effects.effect import Motion, Parameters
+from calib.effects.catalogue import Effects, total_axle_moment, total_body_force
 from calib.forces import axle_loads, braking_sum
 from calib.identify import brake_forces
 from calib.names import G
@@ -45,20 +45,20 @@ class Balance:
     active: Mask
 
 
-def balance(car: Vehicle, effects: dict[str, Parameters], s: Signals) -> Balance:
+def balance(car: Vehicle, effects: Effects, s: Signals) -> Balance:
     """Balance of a run with the nominal pads of ``car`` and the known effects.
 
     The wheels slow with the car: d omega/dt = -g z/R, exact but for the change of slip.
     """
     load_f, load_r = axle_loads(car, s.z)
-    motion = Motion(v=s.speed, load_f=load_f, load_r=load_r)
+    state = motion(s.time, s.speed, s.z, s.p_f, (load_f, load_r))
     moment_f, moment_r = (
         moment / axle.rolling_radius - 2.0 * axle.wheel_inertia * G * s.z / axle.rolling_radius**2
         for moment, axle in zip(
-            total_axle_moment(car, effects, motion), (car.front, car.rear), strict=True
+            total_axle_moment(car, effects, state), (car.front, car.rear), strict=True
         )
     )
-    body = total_body_force(car, effects, motion)
+    body = total_body_force(car, effects, state)
     nominal_f, nominal_r = brake_forces(car, s.p_f, s.p_r)
     return Balance(
         nominal_f=nominal_f,

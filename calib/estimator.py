@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib import kalman
+from calib.account import account, motion
 from calib.balance import Balance, balance, low_pass
 from calib.course import BITE
-from calib.effects.catalogue import total_axle_moment, total_body_force
-from calib.effects.effect import Motion
+from calib.effects.catalogue import as_driven, total_axle_moment, total_body_force
 from calib.errors import LogError
 from calib.evidence import weigh
 from calib.forces import axle_loads, braking_sum
@@ -26,7 +26,7 @@ from calib.kalman import Demand, Priors, Split
 from calib.level import Level, follow
 from calib.logs.log import Log
 from calib.names import WHEELS
-from calib.resistance import Resistance
+from calib.resistance import Resistance, others_of
 from calib.rivals import rivals
 from calib.signals import Blocks, Noise, Signals, blocks, eta_of, lead_in_noise, signals
 from calib.table import Table
@@ -78,7 +78,8 @@ class Estimate:
 
     ``eta`` zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the sample; ``braked``
     pads bite; ``rivals`` pad friction (front, rear) by method name; ``split`` and ``blocks`` the
-    filter's own record; ``eta_zero`` what was zeroed [1].
+    filter's own record; ``eta_zero`` what was zeroed [1]; ``factor_f``, ``factor_r`` what known
+    effects did to the pad friction, which is given without them [1].
     """
 
     time: Array
@@ -99,6 +100,8 @@ class Estimate:
     pressure_r: Array
     slip_f: Array | None = None
     slip_r: Array | None = None
+    factor_f: Array | float = 1.0
+    factor_r: Array | float = 1.0
     notes: tuple[str, ...] = field(default=())
 
 
@@ -109,22 +112,26 @@ def estimate(
     priors: Priors | None = None,
     gates: Gates | None = None,
 ) -> Estimate:
-    """Run the estimator with ``table`` on ``log``.
+    """Run the estimator with a table on a log.
 
-    ``vehicle`` gives the nominal pads if they are not the table's. Raises LogError when the log has
-    no unbraked lead-in to zero eta on.
+    ``vehicle`` gives the nominal pads if they are not the table's, and known effects beside or
+    instead of the table's. Known effects are taken out first, see `calib.account`. Raises LogError
+    when the log has no unbraked lead-in to zero eta on.
     """
-    s = signals(log, vehicle or table.vehicle)
+    ran = account(_with_effects(table, vehicle), log, table.empirical)
+    used = replace(table, vehicle=ran.vehicle)
+    nominal = None if vehicle is None else _with_pads(ran.vehicle, vehicle)
+    s = signals(ran.log, nominal or ran.vehicle)
     _require_lead_in(log, s)
     b = blocks(s)
-    plan = plan_for(table, log, s, vehicle, priors, gates)
+    plan = plan_for(used, ran.log, s, nominal, priors, gates)
     forces = balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
     answer = split_of(plan, s, b, level)
     front, rear = _axles(plan, s, forces, level, answer, b)
     zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
     eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
-    others = rivals(table, plan.nominal, s, forces, eta, level)
+    others = rivals(used, plan.nominal, s, forces, eta, level)
     slips = _slips(s)
     return Estimate(
         time=s.time,
@@ -133,7 +140,7 @@ def estimate(
         speed=s.speed,
         front=front,
         rear=rear,
-        valid=_valid(plan, log, s, front, rear, forces.active),
+        valid=_valid(plan, ran.log, s, front, rear, forces.active),
         braked=np.maximum(s.p_f, s.p_r) > plan.gates.pressure,
         covered=others.covered,
         rivals=others.pads,
@@ -145,6 +152,8 @@ def estimate(
         pressure_r=s.p_r,
         slip_f=slips[0] if slips else None,
         slip_r=slips[1] if slips else None,
+        factor_f=ran.factor_f,
+        factor_r=ran.factor_r,
     )
 
 
@@ -198,12 +207,40 @@ def calibrated(table: Table) -> Vehicle:
     )
 
 
+def as_used(table: Table, vehicle: Vehicle | None) -> Vehicle:
+    """The car of an estimate as it is driven: mass, radii and inertias with their known errors."""
+    car = _with_effects(table, vehicle)
+    return _with_pads(as_driven(car, car.effects), vehicle or table.vehicle)
+
+
+def _with_effects(table: Table, vehicle: Vehicle | None) -> Vehicle:
+    own = vehicle.effects if vehicle else {}
+    return replace(table.vehicle, effects={**table.vehicle.effects, **own})
+
+
+def _with_pads(car: Vehicle, pads: Vehicle) -> Vehicle:
+    front = replace(car.front, pad_friction=pads.front.pad_friction)
+    return replace(car, front=front, rear=replace(car.rear, pad_friction=pads.rear.pad_friction))
+
+
 def known_resistance(table: Table) -> Resistance:
-    """The resistance the table was fitted with; its parameters' errors taken as independent."""
-    drag = table.effects["aerodynamic_drag"]["drag_area"]
-    roll = table.effects["rolling_resistance"]["coefficient"]
+    """The resistance the table was fitted with; its parameters' errors taken as independent.
+
+    What the vehicle knows of drag or rolling resistance itself goes before it.
+    """
+    mean, variance = [], []
+    for effect, parameter in (
+        ("aerodynamic_drag", "drag_area"),
+        ("rolling_resistance", "coefficient"),
+    ):
+        fitted = table.effects[effect][parameter]
+        mean.append(table.vehicle.effects.get(effect, {}).get(parameter, fitted.value))
+        variance.append(fitted.sigma**2)
     return Resistance(
-        (drag.value, roll.value), ((drag.sigma**2, 0.0), (0.0, roll.sigma**2)), known=True
+        (mean[0], mean[1]),
+        ((variance[0], 0.0), (0.0, variance[1])),
+        known=True,
+        others=others_of(table.vehicle, table.empirical),
     )
 
 
@@ -233,8 +270,8 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: Level) -> Split:
     """Feed the split filter: block means, and the level as known at the end of each block."""
     car = plan.nominal
     load_f, load_r = axle_loads(car, b.z)
-    motion = Motion(v=b.speed, load_f=load_f, load_r=load_r)
-    extra = total_axle_moment(car, plan.known.effects, motion)
+    state = motion(b.end, b.speed, b.z, b.p_f, (load_f, load_r))
+    extra = total_axle_moment(car, plan.known.effects, state)
     moment_f, moment_r = (
         (m + 2.0 * a.wheel_inertia * spin) / a.rolling_radius
         for m, a, spin in zip(extra, (car.front, car.rear), (b.spin_f, b.spin_r), strict=True)
@@ -250,7 +287,7 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: Level) -> Split:
         moment_r=moment_r,
         load_f=load_f,
         load_r=load_r,
-        tyre_sum=braking_sum(car, b.z, total_body_force(car, plan.known.effects, motion)),
+        tyre_sum=braking_sum(car, b.z, total_body_force(car, plan.known.effects, state)),
         slip=measured_slip(car, load_f, b),
         psi=kalman.pitch_deficit(car, s.z, s.sample_time, plan.priors)[ends],
     )

@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib import __version__, curves, identify, resistance
+from calib.account import account
 from calib.check import problems_for
 from calib.course import BITE, SETTLE
+from calib.effects.empirical import Empirical
 from calib.errors import LogError
 from calib.forces import front_biased_up_to
 from calib.identify import Identified, Run
@@ -36,45 +38,53 @@ RADIUS_TOLERANCE = 0.03
 """How far v/(R omega) may be from one on the unbraked part: tyre wear and pressure make 2 %."""
 
 
-def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
+def fit(vehicle: Vehicle, logs: list[Log], empirical: Empirical | None = None) -> Table:
     """Fit one table from the ramps among ``logs``; logs without braking serve as coast logs.
 
-    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead.
+    The effects that the vehicle file knows, and an ``empirical`` term, are taken out first, see
+    `calib.account`. Raises LogError when no log is a ramp that will do, with the reason and what to
+    drive instead.
     """
-    ramps, coasts = sort_logs(vehicle, logs)
-    known = resistance.identify(vehicle, [(b, noise.z) for _, b, noise in ramps + coasts])
-    runs = [identify.prepare(vehicle, log.name, b, noise, known.effects) for log, b, noise in ramps]
-    found, runs = identify.identify(vehicle, runs)
+    accounted = [account(vehicle, log, empirical) for log in logs]
+    car = accounted[0].vehicle if accounted else vehicle
+    ramps, coasts = sort_logs(car, [run.log for run in accounted])
+    known = resistance.identify(car, [(b, noise.z) for _, b, noise in ramps + coasts], empirical)
+    runs = [identify.prepare(car, log.name, b, noise, known.effects) for log, b, noise in ramps]
+    found, runs = identify.identify(car, runs)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
-    _require_tyre(vehicle, found, z_max, ramps)
-    peak = curves.find_peak(vehicle, found, z_max)
-    z_end = curves.readable_up_to(vehicle, found, z_max)
+    _require_tyre(car, found, z_max, ramps)
+    peak = curves.find_peak(car, found, z_max)
+    z_end = curves.readable_up_to(car, found, z_max)
     if z_end <= 0.0:
         raise LogError(
             "eta does not rise under braking, so there is no curve over it: the rear axle brakes "
             "as hard for its load as the front axle, or harder",
             where=", ".join(log.source for log, _, _ in ramps),
-            expected=f"a front-biased car; by its file {vehicle.name} is so up to "
-            f"{front_biased_up_to(vehicle):.2f} g",
+            expected=f"a front-biased car; by its file {car.name} is so up to "
+            f"{front_biased_up_to(car):.2f} g",
             do="check areas and radii of the brakes in the vehicle file",
         )
-    quality = figures(vehicle, found, runs, peak, z_max)
+    quality = figures(car, found, runs, peak, z_max)
     return Table(
         name=vehicle.name,
         vehicle=vehicle,
-        difference=curves.difference_curve(vehicle, found, runs, z_end),
-        paper=curves.paper_table(vehicle, found, runs, z_end),
-        tyre=curves.tyre_curve(vehicle, found, runs, z_max),
+        empirical=empirical,
+        difference=curves.difference_curve(car, found, runs, z_end),
+        paper=curves.paper_table(car, found, runs, z_end),
+        tyre=curves.tyre_curve(car, found, runs, z_max),
         posterior=TyrePosterior(
             names=identify.PARAMETERS,
             mean=tuple(float(v) for v in found.mean),
             covariance=tuple(tuple(float(v) for v in row) for row in found.covariance),
         ),
-        calibration=calibration(vehicle, found, runs, known),
+        calibration=calibration(car, found, runs, known),
         effects=resistance_values(known),
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=quality,
-        remarks=remarks(vehicle, found, runs, known, peak, len(coasts)),
+        remarks=(
+            *taken_out(vehicle, empirical),
+            *remarks(car, found, runs, known, peak, len(coasts)),
+        ),
         provenance=Provenance(
             logs=tuple(
                 LogReference(log.name, log.digest, role)
@@ -241,7 +251,7 @@ def resistance_values(known: Resistance) -> dict[str, dict[str, Value]]:
     sigma = np.sqrt(np.diag(np.asarray(known.covariance)))
     return {
         effect: {name: Value(float(value), float(s)) for name, value in parameters.items()}
-        for (effect, parameters), s in zip(known.effects.items(), sigma, strict=True)
+        for (effect, parameters), s in zip(known.found.items(), sigma, strict=True)
     }
 
 
@@ -314,6 +324,14 @@ def remarks(
             f"times nominal, 95 % {low:.2f} to {high:.2f}"
         )
     return tuple(said)
+
+
+def taken_out(vehicle: Vehicle, empirical: Empirical | None) -> tuple[str, ...]:
+    """What was known of the car and is not in the table's pads."""
+    names = list(vehicle.effects)
+    if empirical is not None:
+        names.append(f"an empirical term on {empirical.place} over {empirical.driver}")
+    return (f"known effects taken out of the logs: {', '.join(names)}",) if names else ()
 
 
 def settings() -> dict[str, float]:

@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.account import motion
 from calib.course import BITE
-from calib.effects.catalogue import total_axle_moment, total_body_force
-from calib.effects.effect import Motion, Parameters
+from calib.effects.catalogue import Effects, total_axle_moment, total_body_force
 from calib.evidence import weigh
 from calib.forces import axle_loads, speed_ratio
 from calib.names import G
@@ -102,9 +102,7 @@ class Identified:
         return Tyre(*(float(x) for x in self.mean[:4]))
 
 
-def prepare(
-    vehicle: Vehicle, name: str, b: Blocks, noise: Noise, effects: dict[str, Parameters]
-) -> Run:
+def prepare(vehicle: Vehicle, name: str, b: Blocks, noise: Noise, effects: Effects) -> Run:
     """Loads, resistances and the demanded brake force of each block.
 
     A block in which an axle would lift holds a glitch of a_x: it has no loads and no part.
@@ -112,15 +110,15 @@ def prepare(
     loads = axle_loads(vehicle, b.z)
     stands = np.minimum(*loads) > 0.0
     load_f, load_r = (np.where(stands, load, np.nan) for load in loads)
-    motion = Motion(v=b.speed, load_f=load_f, load_r=load_r)
-    moments = total_axle_moment(vehicle, effects, motion)
+    state = motion(b.end, b.speed, b.z, b.p_f, (load_f, load_r))
+    moments = total_axle_moment(vehicle, effects, state)
     at_road = [
         (m + 2.0 * axle.wheel_inertia * spin) / axle.rolling_radius
         for axle, m, spin in zip(
             (vehicle.front, vehicle.rear), moments, (b.spin_f, b.spin_r), strict=True
         )
     ]
-    tyres = vehicle.weight * b.z - total_body_force(vehicle, effects, motion)
+    tyres = vehicle.weight * b.z - total_body_force(vehicle, effects, state)
     # the last blocks of a stop hold the jerk at standstill
     use = (b.speed > MIN_SPEED) & (b.end < b.end[-1] - 0.1) & stands
     return Run(

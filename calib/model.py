@@ -21,7 +21,7 @@ values = [0.0, -0.05, -0.1]
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -146,6 +146,13 @@ def write_model(model: Model, path: Path) -> None:
         lines += ["", "[empirical]", f'place = "{term.place}"', f'driver = "{term.driver}"']
         lines += [f"knots = {list(term.knots)!r}", f"values = {list(term.values)!r}"]
     write_whole(Path(path), "\n".join([*lines, ""]).encode())
+
+
+def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
+    """Return the vehicle with the pads of a model, and with its effects known beside its own."""
+    front = replace(vehicle.front, pad_friction=model.pad_friction_f)
+    rear = replace(vehicle.rear, pad_friction=model.pad_friction_r)
+    return replace(vehicle, front=front, rear=rear, effects={**vehicle.effects, **model.effects})
 
 
 Range = tuple[float, float]

@@ -10,15 +10,19 @@ speeds separates them. Wrong when the engine drives or brakes, on a slope the ac
 see, or in wind.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.account import BRAKES, motion
 from calib.effects import aerodynamic_drag, rolling_resistance
 from calib.effects.aerodynamic_drag import AIR_DENSITY
+from calib.effects.catalogue import Effects, total_axle_moment, total_body_force
 from calib.effects.effect import Parameters
-from calib.model import default_model
+from calib.effects.empirical import Empirical
+from calib.forces import axle_loads
+from calib.model import TERM, default_model
 from calib.signals import Blocks
 from calib.vehicle import Vehicle
 
@@ -32,16 +36,26 @@ MODEL_ERROR = 3e-4
 class Resistance:
     """Drag area [m^2] and rolling coefficient [1]: ``mean`` (2,) and ``covariance`` (2, 2).
 
-    ``known`` is true where the vehicle file gave both.
+    ``known`` is true where the vehicle file gave both; ``others`` is what else is known to slow
+    body or wheels.
     """
 
     mean: tuple[float, float]
     covariance: tuple[tuple[float, float], tuple[float, float]]
     known: bool = False
+    others: Effects = field(default_factory=dict)
 
     @property
-    def effects(self) -> dict[str, Parameters]:
-        """The two effects as the catalogue takes them."""
+    def effects(self) -> dict[str, Parameters | Empirical]:
+        """All that slows body or wheels, as the catalogue takes it."""
+        return {
+            **self.others,
+            **self.found,
+        }
+
+    @property
+    def found(self) -> dict[str, Parameters]:
+        """The two effects that are looked for."""
         return {
             "aerodynamic_drag": {"drag_area": self.mean[0]},
             "rolling_resistance": {"coefficient": self.mean[1]},
@@ -54,12 +68,24 @@ class Resistance:
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
+def others_of(vehicle: Vehicle, empirical: Empirical | None) -> Effects:
+    """What is known to slow body or wheels besides drag and rolling resistance."""
+    names = (aerodynamic_drag.EFFECT.card.name, rolling_resistance.EFFECT.card.name)
+    others = {n: p for n, p in vehicle.effects.items() if n not in names}
+    if empirical is None or empirical.place in BRAKES:
+        return others
+    return {**others, TERM: empirical}
+
+
+def identify(
+    vehicle: Vehicle, runs: list[tuple[Blocks, float]], empirical: Empirical | None = None
+) -> Resistance:
     """Drag and rolling resistance from the unbraked blocks of ``runs``.
 
     Each run comes with the noise density of its z [s^0.5]. Values of the vehicle file are kept,
-    whatever the runs say. The answer is the most probable one under a Gaussian on the cards'
-    typical values, within the cards' ranges; the covariance is that of the uncut Gaussian.
+    whatever the runs say; its other effects, and an empirical term, are taken out first. The answer
+    is the most probable one under a Gaussian on the cards' typical values, within the cards'
+    ranges; the covariance is that of the uncut Gaussian.
 
     Raises ModelError if the vehicle names an effect or parameter that the catalogue does not know,
     or a value out of its range.
@@ -67,6 +93,7 @@ def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
     from scipy.optimize import lsq_linear
 
     effects = default_model(vehicle).effects
+    others = others_of(vehicle, empirical)
     cards = (aerodynamic_drag.EFFECT.card, rolling_resistance.EFFECT.card)
     priors = [card.parameters[0] for card in cards]
     given = [effects.get(card.name, {}).get(p.name) for card, p in zip(cards, priors, strict=True)]
@@ -79,7 +106,7 @@ def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
         count = int(use.sum())
         if count < 4:
             continue
-        resist = b.z[use] - _spin_share(vehicle, b)[use]
+        resist = (b.z - _spin_share(vehicle, b) - _share_of(vehicle, others, b))[use]
         gain = np.column_stack([_drag_gain(vehicle, b.speed[use]), np.ones(count)])
         # white within a run by density; the error not modelled is common to the run
         sigma = np.sqrt(density**2 / b.length + count * MODEL_ERROR**2)
@@ -99,11 +126,20 @@ def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
             (float(covariance[1, 0]), float(covariance[1, 1])),
         ),
         known=all(g is not None for g in given),
+        others=others,
     )
 
 
 def _drag_gain(vehicle: Vehicle, v: Array) -> Array:
     return 0.5 * AIR_DENSITY * v**2 / vehicle.weight
+
+
+def _share_of(vehicle: Vehicle, others: Effects, b: Blocks) -> Array:
+    """What other effects take of W z [1]."""
+    state = motion(b.end, b.speed, b.z, b.p_f, axle_loads(vehicle, b.z))
+    front, rear = total_axle_moment(vehicle, others, state)
+    wheels = front / vehicle.front.rolling_radius + rear / vehicle.rear.rolling_radius
+    return np.asarray((total_body_force(vehicle, others, state) + wheels) / vehicle.weight)
 
 
 def _spin_share(vehicle: Vehicle, b: Blocks) -> Array:

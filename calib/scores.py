@@ -64,13 +64,15 @@ def truth_of(log: Log, vehicle: Vehicle, estimate: Estimate) -> tuple[AxleTruth,
     if "true_Tb_fl" not in log.truth or "true_Tb_rl" not in log.truth:
         return None
     out = []
-    for side, axle, p in (
-        ("f", vehicle.front, estimate.pressure_f),
-        ("r", vehicle.rear, estimate.pressure_r),
+    for side, axle, p, factor in (
+        ("f", vehicle.front, estimate.pressure_f, estimate.factor_f),
+        ("r", vehicle.rear, estimate.pressure_r, estimate.factor_r),
     ):
         torque = 0.5 * (log.truth[f"true_Tb_{side}l"] + log.truth[f"true_Tb_{side}r"])
-        pads = log.truth.get(f"true_mu_pad_{side}")
-        if pads is None:
+        known = log.truth.get(f"true_mu_pad_{side}")
+        if known is not None:
+            pads = known / factor
+        else:
             pads = torque / (axle.torque_gain * np.where(p > 1e5, p, np.nan))
         pads = np.where(pads > 0.0, pads, np.nan)
         left, right = (log.truth.get(f"true_Fx_{side}{k}") for k in "lr")

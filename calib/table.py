@@ -17,6 +17,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.effects.empirical import Empirical
 from calib.vehicle import Axle, Vehicle
 
 Array = NDArray[np.float64]
@@ -145,7 +146,8 @@ class Provenance:
 class Table:
     """A fitted table, without version: the store gives it one.
 
-    ``effects`` holds the known effects' parameters with sigma [SI], by effect and parameter;
+    ``effects`` holds drag and rolling resistance with sigma [SI], by effect and parameter; what
+    else was known beforehand is in the vehicle, and ``empirical`` a term whose cause is not known;
     ``noise`` the long-run noise density of each sensor [unit * s^0.5]; ``quality`` figures that say
     how good the fit is; ``remarks`` what the user must know, in words.
     """
@@ -162,10 +164,13 @@ class Table:
     quality: dict[str, float]
     remarks: tuple[str, ...]
     provenance: Provenance
+    empirical: Empirical | None = None
 
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
         """Return the record (JSON-able) and the curves (named float columns)."""
         record = asdict(self)
+        if self.empirical is None:
+            del record["empirical"]
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
         return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
 
@@ -178,6 +183,7 @@ class Table:
         vehicle = dict(r.pop("vehicle"))
         provenance = r.pop("provenance")
         posterior = r.pop("posterior")
+        term = r.pop("empirical", None)
         return cls(
             vehicle=Vehicle(
                 **{
@@ -204,6 +210,7 @@ class Table:
                 program=provenance["program"],
             ),
             remarks=tuple(r.pop("remarks")),
+            empirical=_term(term),
             **r,
         )
 
@@ -211,6 +218,13 @@ class Table:
     def digest(self) -> str:
         """SHA-256 of the canonical content [hex]."""
         return content_digest(*self.content())
+
+
+def _term(record: dict[str, Any] | None) -> Empirical | None:
+    if record is None:
+        return None
+    knots, values = tuple(record["knots"]), tuple(record["values"])
+    return Empirical(record["place"], record["driver"], knots, values)
 
 
 def content_digest(record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> str:

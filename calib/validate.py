@@ -10,7 +10,7 @@ import numpy as np
 
 from calib.check import problems_for
 from calib.errors import LogError, VehicleError
-from calib.estimator import Estimate, estimate
+from calib.estimator import Estimate, as_used, estimate
 from calib.fit import bitten, eta_rise, require_same_wheels
 from calib.limits import DEFAULTS, Judgement, Limit, judge
 from calib.logs.log import Log
@@ -79,7 +79,7 @@ def validate_one(
             where=log.source,
             do="see `brake-cal check`",
         )
-    car = vehicle or table.vehicle
+    car = as_used(table, vehicle)
     require_same_vehicle(table, vehicle)
     require_same_car(table, log)
     result = estimate(table, log, vehicle)

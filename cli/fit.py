@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, say
-from cli.options import STORE, Json, Map, Store, example
+from cli.options import STORE, Json, KnownModel, Map, Store, example
 
 if TYPE_CHECKING:
     from calib.version import Stored
@@ -21,25 +21,31 @@ def fit(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Ramps, and coast logs.")],
     *,
     vehicle: Annotated[Path, typer.Option(metavar="V.toml", help="Vehicle file.")],
+    model: KnownModel = None,
     store: Store = STORE,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
     """Fit the look-up table of a vehicle from one or more ramped brakings.
 
-    A LOG without braking serves to find drag and rolling resistance. The table goes into the store
+    A LOG without braking serves to find drag and rolling resistance. Effects that the vehicle file
+    or --model knows are taken out of the logs first. The table goes into the store
     as a new version; the same logs give the same version again.
     """
     from calib.fit import fit as fit_table
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
+    from calib.model import read_model, with_model
     from calib.store import save
     from calib.vehicle import read_vehicle
 
     car = read_vehicle(vehicle)
     mapping = read_channel_map(channel_map) if channel_map else None
     say(f"fitting {car.name} from {len(logs)} log{'s' * (len(logs) > 1)}")
-    stored = save(fit_table(car, [read_log(path, mapping) for path in logs]), store)
+    known = read_model(model, car) if model else None
+    told = with_model(car, known) if known else car
+    runs = [read_log(path, mapping) for path in logs]
+    stored = save(fit_table(told, runs, known.empirical if known else None), store)
     if json:
         emit_json(_document(stored))
     else:

@@ -8,6 +8,12 @@ import typer
 Store = Annotated[Path, typer.Option("--store", metavar="DIR", help="Directory of the tables.")]
 Map = Annotated[Path | None, typer.Option("--map", metavar="M.toml", help="Channel map.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
+KnownModel = Annotated[
+    Path | None,
+    typer.Option(
+        "--model", metavar="M.toml", help="Model of `diagnose`, whose effects are known beforehand."
+    ),
+]
 
 STORE = Path("tables")
 """Default of `Store`."""

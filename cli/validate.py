@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, progress, say
-from cli.options import STORE, Json, Map, Store, example
+from cli.options import STORE, Json, KnownModel, Map, Store, example
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
     from calib.limits import Limit
+    from calib.table import Table
     from calib.validate import Validation
 
 EPILOG = example(
@@ -30,6 +31,7 @@ def validate(
         Path | None,
         typer.Option(metavar="V.toml", help="Vehicle with other nominal pads than the table's."),
     ] = None,
+    model: KnownModel = None,
     limits: Annotated[
         Path | None, typer.Option(metavar="L.toml", help="Limits that decide pass or fail.")
     ] = None,
@@ -53,13 +55,14 @@ def validate(
     stored = load(table, store)
     car = read_vehicle(vehicle) if vehicle else None
     require_same_vehicle(stored.table, car, vehicle)
+    used = _with_known(stored.table, model) if model else stored.table
     held = _limits(limits)
     mapping = read_channel_map(channel_map) if channel_map else None
     results = []
     plural = "s" * (len(logs) > 1)
     with progress(f"validating {stored.id} on {len(logs)} log{plural}", len(logs)) as done:
         for path in logs:
-            results.append(validate_one(stored.table, read_log(path, mapping), car, held))
+            results.append(validate_one(used, read_log(path, mapping), car, held))
             done()
     summary = to_dict(stored.id, results)
     if out is not None:
@@ -70,6 +73,17 @@ def validate(
         _report(results)
     if not all(result.passed for result in results):
         raise typer.Exit(FAILED)
+
+
+def _with_known(table: "Table", path: Path) -> "Table":
+    """The table with the effects of a model known beside its own; its pads stay the table's."""
+    from dataclasses import replace
+
+    from calib.model import read_model
+
+    model = read_model(path, table.vehicle)
+    car = replace(table.vehicle, effects={**table.vehicle.effects, **model.effects})
+    return replace(table, vehicle=car, empirical=model.empirical or table.empirical)
 
 
 def _check_out(logs: list[Path], out: Path | None) -> None:

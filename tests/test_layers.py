@@ -21,6 +21,7 @@ LAYERS = """
     tyre magic_formula wheel evidence
     model manoeuvre
     road brakes passes
+    account
     table curve_file
     resistance identify level lookup balance
     curves

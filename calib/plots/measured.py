@@ -1,11 +1,12 @@
 """What a ramp measured, block by block, as points to hold against the curves of its table."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib import identify
+from calib.account import account
 from calib.course import BITE
 from calib.estimator import known_resistance
 from calib.forces import paper_curves
@@ -53,10 +54,11 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
 
     The force side is smooth, all noise is in eta and slip. Raises LogError as `signals` does.
     """
-    vehicle = table.vehicle
-    b = blocks(signals(log, vehicle))
-    effects = known_resistance(table).effects
-    run = identify.prepare(vehicle, log.name, b, sensor_noise(log, b), effects)
+    ran = account(table.vehicle, log, table.empirical)
+    vehicle = ran.vehicle
+    b = blocks(signals(ran.log, vehicle))
+    effects = known_resistance(replace(table, vehicle=vehicle)).effects
+    run = identify.prepare(vehicle, log.name, b, sensor_noise(ran.log, b), effects)
     parameters = np.asarray(table.posterior.mean)
     F_f, F_r, _ = identify.normalised_forces(vehicle, run, parameters[5])
     f1, f2 = paper_curves(vehicle, b.z, F_f - F_r)

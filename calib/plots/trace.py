@@ -149,15 +149,21 @@ def _axle(axle: Axle, found: AxleEstimate, estimate: Estimate, i: int, log: Log)
         nominal_torque=2.0 * forces.brake_torque(axle, axle.pad_friction, held),
         slip=(estimate.slip_f, estimate.slip_r)[i],
         rivals={n: pads[i] for n, pads in estimate.rivals.items() if n != "nominal"},
-        true_pad=_true_pad(axle, log, "fr"[i], pressure),
+        true_pad=_true_pad(axle, log, "fr"[i], estimate),
         true_wheel_torque=log.truth.get(f"true_Tb_{left}"),
     )
 
 
-def _true_pad(axle: Axle, log: Log, side: str, pressure: Array) -> Array | None:
-    """Pad friction of the simulation: logged, or from the axle's torques while the pads bite."""
+def _true_pad(axle: Axle, log: Log, side: str, estimate: Estimate) -> Array | None:
+    """Pad friction of the simulation: logged, or from the axle's torques while the pads bite.
+
+    Less what known effects do to it, as the estimate has it.
+    """
+    pressure, factor = estimate.pressure_r, estimate.factor_r
+    if side == "f":
+        pressure, factor = estimate.pressure_f, estimate.factor_f
     if f"true_mu_pad_{side}" in log.truth:
-        return log.truth[f"true_mu_pad_{side}"]
+        return np.asarray(log.truth[f"true_mu_pad_{side}"] / factor)
     if f"true_Tb_{side}l" not in log.truth or f"true_Tb_{side}r" not in log.truth:
         return None
     torque = 0.5 * (log.truth[f"true_Tb_{side}l"] + log.truth[f"true_Tb_{side}r"])
