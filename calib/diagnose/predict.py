@@ -139,7 +139,10 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: Run) -> Predict
         torques = _torques(car, base, effects, trace, clamps)
         energy = _energy(run, torques)
         forces, loads, z = _balance(car, base, effects, trace, torques)
-    slips = [_slip(base, force, load) for force, load in zip(forces, loads, strict=True)]
+    slips: list[Array] = []
+    for i, force in enumerate(forces):
+        twin = i % 2 == 1 and force is forces[i - 1]
+        slips.append(slips[-1] if twin else _slip(base, force, loads[i]))
     a_true = -G * z
     a_read = as_read(car, effects, _trace(run, z, energy), a_true)
     gained = np.concatenate([[0.0], np.cumsum(0.5 * (a_true[1:] + a_true[:-1])) * run.step])
@@ -200,15 +203,19 @@ def _balance(
     halves = (0.5 * (load_f - late), 0.5 * (load_r + late))
     motion = Motion(trace.v, 2.0 * halves[0], 2.0 * halves[1], trace)
     moments = total_axle_moment(car, effects, motion)
-    forces, loads = [], []
+    step = float(trace.time[1] - trace.time[0])
+    forces: list[Array] = []
     for i, torque in enumerate(torques):
+        if i % 2 == 1 and torque is torques[i - 1]:  # left and right alike
+            forces.append(forces[-1])
+            continue
         side = i // 2
         axle = (car.front, car.rear)[side]
         spin = -G * trace.z / axle.rolling_radius
         steady = tyre_force(axle, torque, spin, 0.5 * moments[side])
         lag = axle.wheel_inertia * trace.v / axle.rolling_radius**2 / base.stiffness
-        forces.append(follow(steady, lag / halves[side], float(np.diff(trace.time[:2])[0])))
-        loads.append(halves[side])
+        forces.append(follow(steady, lag / halves[side], step))
+    loads = [halves[0], halves[0], halves[1], halves[1]]
     total = forces[0] + forces[1] + forces[2] + forces[3]
     return forces, loads, (total + total_body_force(car, effects, motion)) / car.weight
 
