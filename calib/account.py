@@ -37,7 +37,7 @@ from calib.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
-BRAKES = ("front_brakes", "rear_brakes")
+BRAKES = ("front_brakes", "rear_brakes", "brakes")
 
 SETTLED = 1e-9
 """Largest change of a_x [m/s^2] in the last pass."""

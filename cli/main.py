@@ -77,6 +77,9 @@ def main() -> None:
 
     Usage errors end with 2 and an interrupt with 130, which typer sees to.
     """
+    for library in ("OPENBLAS", "OMP", "MKL"):
+        # arrays are small here: threads of the linear algebra cost more than they bring
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     try:
         app(prog_name="brake-cal")
     except BrakeCalError as error:

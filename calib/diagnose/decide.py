@@ -18,10 +18,13 @@ from calib.diagnose.search import refine
 
 Array = NDArray[np.float64]
 
-DETECT = 0.01
-"""Least gain in the mean squared innovation for an effect to be seen at all. Without any effect the
-best of all names gains up to 0.002 on a plant that is not this program's (tests/studies/naming.py);
-what gains less than this may be there, but cannot be told from its neighbours."""
+DETECT = 0.004
+"""Gain in the mean squared innovation from which an effect is seen. Without any effect the best of
+all names gains up to 0.0013 on a plant that is not this program's (tests/studies/naming.py)."""
+
+FAINT = 0.0015
+"""Gain from which an effect may be there: it counts if the hold-outs, which may excite it more,
+show it beyond doubt."""
 
 QUIET = 1.06
 """Mean squared innovation below which nothing is left to explain: no tyre curve is exact."""
@@ -73,7 +76,7 @@ class Decision:
 def decide(problem: Problem, base: Candidate) -> Decision:
     """Search and judge."""
     singles = simplest_first(refine(problem, base))
-    if not singles or gain(base, singles[0]) < DETECT:
+    if not singles or gain(base, singles[0]) < FAINT:
         verdict = "no_gap" if base.reduced < STRANGE else "unknown"
         return Decision(verdict, base, base, tuple(singles))
     first = singles[0]

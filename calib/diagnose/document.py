@@ -58,10 +58,16 @@ def _structure(found: Structure) -> dict[str, Any]:
     return {
         "place": term.place,
         "axle": found.axle,
-        "driver": term.driver,
-        "driver_unit": DRIVERS[term.driver],
+        "wheel": found.wheel,
+        "driver": found.driver,
         "explained": found.explained,
-        "term": {"knots": list(term.knots), "values": list(term.values)},
+        "turning": found.turning,
+        "term": {
+            "driver": term.driver,
+            "driver_unit": DRIVERS[term.driver],
+            "knots": list(term.knots),
+            "values": list(term.values),
+        },
         "runners_up": [
             {"place": place, "driver": driver, "explained": share}
             for place, driver, share in found.runners_up

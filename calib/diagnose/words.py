@@ -6,7 +6,7 @@ Numbers are SI inside; here they get the units of the field: bar, km/h, degC.
 import math
 
 from calib.diagnose.diagnose import Diagnosis, Estimate, Named
-from calib.diagnose.structure import Structure
+from calib.diagnose.structure import WHEEL_ANGLE, Structure
 
 SHOWN = {
     "Pa": ("bar", 1e-5),
@@ -120,17 +120,26 @@ def verdict(found: Diagnosis) -> str:
         )
     if found.unexplained is None:
         return "Something is missing from the model that the catalogue does not know."
-    term = found.unexplained.term
-    return (
-        "Something is missing that the catalogue does not know: it acts on the "
-        f"{plain(term.place)} and depends on {_driver(term.driver)}."
+    left = found.unexplained
+    place = f"{left.axle} wheels" if left.driver == WHEEL_ANGLE else plain(left.term.place)
+    text = f"Something is missing that the catalogue does not know: it acts on the {place}"
+    text += (
+        " and is always there."
+        if left.driver == "constant"
+        else f" and depends on {_driver(left.driver)}."
     )
+    if left.wheel is not None:
+        text += f" The {plain(left.wheel)} wheel is slower than its twin."
+    return text
 
 
 def _driver(driver: str) -> str:
     return {
         "temperature": "the temperature of the disc",
         "time": "the time since the brake bit",
+        "elapsed": "the time since the run began",
+        "constant": "nothing",
+        WHEEL_ANGLE: "the angle of the wheels, turn by turn",
     }.get(driver, f"the {driver}")
 
 
@@ -178,6 +187,11 @@ def unexplained(found: Structure) -> str:
         f"An empirical term on the {plain(found.term.place)} over {_driver(found.term.driver)} "
         f"explains {100.0 * found.explained:.0f} % of what was left."
     )
+    if found.driver == WHEEL_ANGLE:
+        text = (
+            f"{100.0 * found.turning:.0f} % of what was left goes with the angle of the "
+            f"{found.axle} wheels: something turns with them. {text}"
+        )
     if found.runners_up:
         place, driver, share = found.runners_up[0]
         text += (

@@ -15,6 +15,7 @@ from calib.vehicle import Vehicle
 PLACES = {
     "front_brakes": "front",
     "rear_brakes": "rear",
+    "brakes": "both",
     "front_wheels": "front",
     "rear_wheels": "rear",
     "body": "body",
@@ -27,8 +28,11 @@ DRIVERS = {
     "temperature": "degC",
     "time": "s",
     "deceleration": "1",
+    "elapsed": "s",
+    "constant": "1",
 }
-"""What a term can depend on, with its unit; time counts from the last bite of the pads."""
+"""What a term can depend on, with its unit: time counts from the last bite of the pads, elapsed
+from the start of the run, and what is constant has one knot at nought."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +62,7 @@ class Empirical:
             looks_like="what was left of them",
             parameters=(),
         )
-        if self.place in ("front_brakes", "rear_brakes"):
+        if self.place.endswith("brakes"):
             return Effect(card, friction=self._friction)
         if self.place == "body":
             return Effect(card, body_force=self._body)
@@ -66,6 +70,8 @@ class Empirical:
 
     def _friction(self, parameters: Parameters, trace: Trace, p_f: Array, p_r: Array) -> Pair:
         one, factor = np.ones_like(p_f), 1.0 + self.at(trace)
+        if self.place == "brakes":
+            return factor, factor
         return (factor, one) if self.place == "front_brakes" else (one, factor)
 
     def _body(self, vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
@@ -90,6 +96,10 @@ def driver_along(trace: Trace, driver: str) -> Array:
         return np.zeros_like(trace.v) if trace.temperature_f is None else trace.temperature_f
     if driver == "deceleration":
         return trace.z
+    if driver == "constant":
+        return np.zeros_like(trace.v)
+    if driver == "elapsed":
+        return np.asarray(trace.time - trace.time[0])
     braked = trace.p_mc > BITE
     last_free = np.maximum.accumulate(np.where(braked, -np.inf, trace.time))
     return np.where(np.isfinite(last_free), trace.time - last_free, trace.time - trace.time[0])

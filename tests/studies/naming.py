@@ -133,7 +133,7 @@ def told(diagnosis: Any) -> dict[str, Any]:
         for effect in diagnosis.effects
     ]
     left = diagnosis.unexplained
-    unexplained = {} if left is None else {"axle": left.axle, "driver": left.term.driver}
+    unexplained = {} if left is None else {"axle": left.axle, "driver": left.driver}
     return {"verdict": diagnosis.verdict, "effects": effects, "unexplained": unexplained}
 
 
