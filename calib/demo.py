@@ -1,4 +1,5 @@
-"""The whole program on the sample logs: check, fit, validate, draw, and the paper's two studies.
+"""The whole program on the sample logs: check, fit, validate, draw, the paper's two studies, and a
+car in which something is hidden.
 
 Section IV is judged against the truth of its simulation. Section V has no truth on the road: what
 counts there is that the pads come out where they should be and agree with themselves.
@@ -8,6 +9,7 @@ import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,11 +22,17 @@ from calib.results import write_results
 from calib.samples import sample_logs
 from calib.scores import truth_of
 from calib.store import save
-from calib.validate import Validation, to_dict, validate
+from calib.validate import Agreement, Validation, agreement, to_dict, validate
 from calib.vehicle import Vehicle, read_vehicle
 from calib.version import Stored
 
+if TYPE_CHECKING:
+    from calib.diagnose.diagnose import Diagnosis
+
 Say = Callable[[str], None]
+
+HIDDEN = "hidden/case_2"
+"""A car whose logs hold more than its vehicle file tells."""
 
 
 @dataclass(frozen=True)
@@ -210,3 +218,42 @@ def _stop(result: Validation, car: Vehicle) -> SectionFive:
         sum_nominal=share(*e.rivals["nominal"]),
         sum_compensated=share(e.front.pad_friction, e.rear.pad_friction),
     )
+
+
+@dataclass(frozen=True)
+class Story:
+    """A hidden effect found: the diagnosis, and how the pads of the stops agree.
+
+    ``blind`` with a table that knows of nothing, ``told`` with one fitted with the model found.
+    """
+
+    found: "Diagnosis"
+    blind: Agreement
+    told: Agreement
+
+
+def hidden_story(out: Path, say: Say) -> Story:
+    """Diagnose a car into ``out``/diagnosis, draw it, fit with and without what is found."""
+    from calib.diagnose.diagnose import diagnose
+    from calib.diagnose.document import text_of
+    from calib.diagnose.folder import write_folder
+    from calib.model import with_model
+    from calib.plots.diagnosis import sheet
+    from calib.plots.save import save as save_figures
+    from calib.report import report_html
+
+    source = out / "sample_logs" / HIDDEN
+    car = read_vehicle(source / "vehicle.toml")
+    searched = [read_log(path) for path in sorted((source / "calibration").iterdir())]
+    held = [read_log(path) for path in sorted((source / "holdout").iterdir())]
+    say(f"diagnosing {car.name}: searching {len(searched)} logs, proving on {len(held)}")
+    found = diagnose(searched, held, car)
+    write_folder(found, text_of(found), report_html(found, car.name), out / "diagnosis")
+    save_figures({out / "figures" / "diagnosis.png": [sheet(found, car.name).overview()]})
+    fitted = [log for log in searched if log.name in ("ramp", "coast")]
+    pads = []
+    for vehicle in (car, with_model(car, found.model_after)):
+        spread = agreement(validate(fit(vehicle, fitted), held))
+        assert spread is not None
+        pads.append(spread)
+    return Story(found, *pads)

@@ -11,7 +11,7 @@ from cli.options import Json, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.demo import SectionFive, SectionFour
+    from calib.demo import SectionFive, SectionFour, Story
 
 EPILOG = example("brake-cal demo", "brake-cal demo --out somewhere")
 FOLDER = Path("brake-cal-demo")
@@ -23,9 +23,11 @@ def demo(
 ) -> None:
     """Check, fit, validate and draw the sample logs, and print the paper's two studies.
 
+    At the end a car in which something is hidden: the gap, its name, the gap shrunk.
     Everything goes into one folder: the sample logs, the store, results and figures.
     """
-    from calib.demo import run, section_five, section_four
+    from calib.demo import hidden_story, run, section_five, section_four
+    from calib.diagnose.document import to_dict
 
     if out.exists() and not out.is_dir():
         raise typer.BadParameter(f"{out} is a file", param_hint="--out")
@@ -34,11 +36,13 @@ def demo(
     by_folder = {outcome.study.folder: outcome for outcome in outcomes}
     four = section_four(by_folder["simulation_study"])
     five = section_five(by_folder["sedan"])
+    story = hidden_story(out, say)
     if json:
         emit_json(
             {
                 "schema": 1,
                 "folder": out,
+                "diagnosis": to_dict(story.found),
                 "tables": [outcome.stored.id for outcome in outcomes],
                 "section_4": four,
                 "section_5": five,
@@ -50,9 +54,30 @@ def demo(
     emit("\nSection V: stops of the reference car, nominal pads 0.38")
     emit(_five(five))
     emit("The last column is near one for any table; it validates nothing.")
+    emit("\nA car that holds more than its vehicle file tells")
+    emit(_hidden(story))
     emit(f"\ntables    {out / 'tables'}")
     emit(f"results   {out / 'results'}")
     emit(f"figures   {out / 'figures'}")
+    emit(f"diagnosis {out / 'diagnosis' / 'report.html'}")
+
+
+def _hidden(story: "Story") -> str:
+    """The verdict, the gap, and what it is worth to the pads."""
+    from calib.diagnose import words
+
+    pads = [
+        f"{100 * a.spread_f:.1f} % front, {100 * a.spread_r:.1f} % rear"
+        for a in (story.blind, story.told)
+    ]
+    return "\n".join(
+        (
+            words.verdict(story.found),
+            words.gap(story.found),
+            f"Pads of the stops differ by up to {pads[0]};",
+            f"with a table that knows of it, by {pads[1]}.",
+        )
+    )
 
 
 def _four(rows: "list[SectionFour]") -> "Grid":

@@ -1,13 +1,12 @@
 """`brake-cal diagnose`: where a model and the measured runs disagree, why, and what closes it."""
 
-import json as jsonlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperCommand
 
-from cli.console import emit, emit_json, plain, say
+from cli.console import emit, emit_json, say
 from cli.options import Json, Map, example
 
 if TYPE_CHECKING:
@@ -56,7 +55,7 @@ def diagnose(
 ) -> None:
     """Find where simulation and measured runs disagree, name the missing effect and add it."""
     from calib.diagnose.diagnose import diagnose as find
-    from calib.diagnose.document import to_dict
+    from calib.diagnose.document import text_of, to_dict
     from calib.diagnose.folder import write_folder
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
@@ -70,18 +69,15 @@ def diagnose(
     held = [read_log(path, mapping) for path in holdout]
     say(f"searching {len(logs)} logs, proving on {len(holdout)}")
     found = find(calibration, held, car)
-    document = plain(to_dict(found))
-    text = jsonlib.dumps(document, indent=2, allow_nan=False) + "\n"
     try:
-        paths = write_folder(found, text, report_html(found, car.name), out)
+        write_folder(found, text_of(found), report_html(found, car.name), out)
     except OSError as error:
         raise typer.BadParameter(
             f"{out} cannot be written ({error.strerror})", param_hint="--out"
         ) from error
-    for path in paths:
-        say(f"wrote {path}")
+    say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
     if json:
-        emit_json(document)
+        emit_json(to_dict(found))
     else:
         emit(_told(found))
 

@@ -24,6 +24,7 @@ from calib.diagnose.predict import SHAPE, Run, predict, run_of
 from calib.diagnose.separate import separate_by
 from calib.diagnose.structure import Structure, locate
 from calib.effects.catalogue import effect_named
+from calib.effects.effect import acts_on_wheels
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.magic_formula import MagicFormula
@@ -284,6 +285,8 @@ def _change(problem: Problem, best: Candidate, rest: dict, run: Run) -> Array:  
 
 def _axle(problem: Problem, best: Candidate, name: str) -> str:
     """Which axle's torque or wheels an effect changes: front, rear, both, or body."""
+    if not acts_on_wheels(effect_named(name)):
+        return "body"
     rest = {n: p for n, p in best.effects.items() if n != name}
     front = rear = 0.0
     for run in problem.runs:

@@ -1,5 +1,7 @@
 """diagnosis.json: the answer as the contract has it."""
 
+import json
+import math
 from typing import Any
 
 from calib.diagnose.diagnose import Diagnosis, Estimate, Named
@@ -21,6 +23,19 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "innovation": {"before": found.reduced_before, "after": found.reduced_after},
         "gap": _gap(found.gap),
     }
+
+
+def text_of(found: Diagnosis) -> str:
+    """The document as it is written; a number that is not finite is null."""
+    return json.dumps(_finite(to_dict(found)), indent=2, allow_nan=False) + "\n"
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(part) for key, part in value.items()}
+    if isinstance(value, list):
+        return [_finite(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _estimate(value: Estimate) -> dict[str, Any]:

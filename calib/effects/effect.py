@@ -171,3 +171,15 @@ class Effect:
     body_force: Callable[[Vehicle, Parameters, Motion], Array] = no_force
     mass: Callable[[Parameters], float] = same_mass
     accelerometer: Callable[[Vehicle, Parameters, Trace, Array], Array] = true_acceleration
+
+
+def acts_on_wheels(effect: Effect) -> bool:
+    """Whether an effect changes brakes or wheels, not only the body and its sensor."""
+    return not (
+        effect.pressure is same_pressure
+        and effect.friction is same_friction
+        and effect.wheels is same_wheels
+        and effect.axle_moment is no_moment
+        and effect.inertia is no_inertia
+        and effect.radius is same_radius
+    )

@@ -195,7 +195,8 @@ def gap(ax: "Axes", found: Diagnosis) -> None:
     for shift, when, stroke in ((-0.2, "before", BEFORE), (0.2, "after", AFTER)):
         if same and when == "before":
             continue
-        height = [max(getattr(c, when) / c.noise, least) for c in channels.values()]
+        # what is gone altogether still shows as a line at the foot
+        height = [max(getattr(c, when) / c.noise, 1.15 * least) for c in channels.values()]
         ax.bar(
             place + (0.0 if same else shift),
             height,

@@ -59,7 +59,11 @@ def readme_commands() -> list[str]:
 
 
 def test_the_demo_leaves_logs_tables_results_and_figures(demo: Path) -> None:
-    assert {p.name for p in demo.iterdir()} == {"sample_logs", "tables", "results", "figures"}
+    folders = {"sample_logs", "tables", "results", "figures", "diagnosis"}
+    assert {p.name for p in demo.iterdir()} == folders
+    found = json.loads((demo / "diagnosis/diagnosis.json").read_text())
+    hidden = json.loads((sample_logs() / "hidden/case_2/answer.json").read_text())
+    assert [effect["name"] for effect in found["effects"]] == hidden["effects"]
     for summary in demo.glob("results/*/summary.json"):
         document = json.loads(summary.read_text())
         for log in document["logs"]:

@@ -128,10 +128,16 @@ WHERE: dict[str, tuple[frozenset[str], frozenset[str]]] = {
         frozenset({"both", "front", "rear"}),
         frozenset({"energy", "time", "elapsed", "temperature"}),
     ),
-    "sticking_rear_brake": (frozenset({"rear"}), frozenset({"time", "elapsed", "pressure", "application"})),
+    "sticking_rear_brake": (
+        frozenset({"rear"}),
+        frozenset({"time", "elapsed", "pressure", "application"}),
+    ),
     "tank_slosh": (frozenset({"both", "body"}), frozenset({"time", "frequency", "deceleration"})),
     "tooth_error": (frozenset({"front"}), frozenset({"angle", "wheel_angle", "speed"})),
-    "weaker_applications": (frozenset({"both"}), frozenset({"time", "elapsed", "application", "energy"})),
+    "weaker_applications": (
+        frozenset({"both"}),
+        frozenset({"time", "elapsed", "application", "energy"}),
+    ),
     "seized_wheel": (frozenset({"rear"}), frozenset({"always", "time", "speed", "constant"})),
 }
 """Right answers about an unknown: where, and on what it depends. Regeneration: see `where`."""
