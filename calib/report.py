@@ -162,13 +162,11 @@ def _evidence(found: Diagnosis, drawn: Sheet) -> str:
         "fitted again each time."
     )
     if found.verdict == "no_gap":
-        text += (
-            " None earned its place. An effect that these logs do not excite would not have shown: "
-            "a car that is never driven hot cannot show fade."
-        )
+        text += " None earned its place."
     return _section(
         "What was tried",
         _p(text),
+        _p(words.not_resolved(found)),
         _figure(
             drawn,
             (("evidence",),),
@@ -304,7 +302,7 @@ def _section(heading: str, *parts: str) -> str:
 
 
 def _p(text: str) -> str:
-    return f"<p>{escape(text)}</p>"
+    return f"<p>{escape(text)}</p>" if text else ""
 
 
 def _table(caption: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

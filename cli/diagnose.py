@@ -40,16 +40,16 @@ class Greedy(TyperCommand):
 def diagnose(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Logs to search in.")],
     *,
-    holdout: Annotated[
-        list[Path],
-        typer.Option(HOLDOUT, metavar="LOG...", help="Logs to prove it on."),
-    ],
     vehicle: Annotated[
         Path, typer.Option("--vehicle", metavar="V.toml", help="Vehicle as the datasheet has it.")
     ],
     out: Annotated[
         Path, typer.Option("--out", metavar="DIR", help="Write diagnosis, model and report here.")
     ],
+    holdout: Annotated[
+        list[Path] | None,
+        typer.Option(HOLDOUT, metavar="LOG...", help="Logs to prove it on."),
+    ] = None,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
@@ -62,12 +62,13 @@ def diagnose(
     from calib.report import report_html
     from calib.vehicle import read_vehicle
 
-    _check_out([*logs, *holdout, vehicle], holdout, out)
+    kept = holdout or []
+    _check_out([*logs, *kept, vehicle], kept, out)
     car = read_vehicle(vehicle)
     mapping = read_channel_map(channel_map) if channel_map else None
     calibration = [read_log(path, mapping) for path in logs]
-    held = [read_log(path, mapping) for path in holdout]
-    say(f"searching {len(logs)} logs, proving on {len(holdout)}")
+    held = [read_log(path, mapping) for path in kept]
+    say(f"searching {len(logs)} logs, proving on {len(kept)}")
     found = find(calibration, held, car)
     try:
         write_folder(found, text_of(found), report_html(found, car.name), out)
@@ -111,5 +112,5 @@ def _told(found: "Diagnosis") -> str:
         lines.append(words.rivals(effect))
     if found.unexplained is not None:
         lines.append(words.unexplained(found.unexplained))
-    lines.append(words.gap(found))
+    lines += [words.gap(found), words.not_resolved(found)]
     return "\n".join(line for line in lines if line)

@@ -21,14 +21,17 @@ from calib.diagnose.channels import CHANNELS, residuals, thinned, whiten
 from calib.diagnose.decide import DETECT, STRANGE, Decision, confusable, decide, gain
 from calib.diagnose.gap import Gap, gap_of, replays
 from calib.diagnose.predict import SHAPE, Run, predict, run_of
+from calib.diagnose.search import unresolved
 from calib.diagnose.separate import separate_by
 from calib.diagnose.structure import Structure, locate
 from calib.effects.catalogue import effect_named
 from calib.effects.effect import acts_on_wheels
 from calib.errors import LogError
+from calib.fit import require_same_wheels
 from calib.logs.log import Log
 from calib.magic_formula import MagicFormula
 from calib.model import Model
+from calib.signals import signals
 from calib.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -82,7 +85,11 @@ class Named:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The whole answer. ``before`` and ``after`` are the hold-outs replayed open loop."""
+    """The whole answer.
+
+    ``before`` and ``after`` are the hold-outs replayed open loop; ``not_resolved`` the effects that
+    the calibration logs could not have shown at their usual size.
+    """
 
     verdict: str
     effects: tuple[Named, ...]
@@ -96,15 +103,18 @@ class Diagnosis:
     measured: tuple[Log, ...]
     reduced_before: float
     reduced_after: float
+    not_resolved: tuple[str, ...] = ()
 
 
 def diagnose(calibration: list[Log], holdout: list[Log], vehicle: Vehicle) -> Diagnosis:
     """Diagnose a car from its logs.
 
-    Raises LogError when there is no hold-out, when a hold-out is among the calibration logs, when a
-    log lacks ``v``, or when nothing in the logs is braked.
+    Raises LogError when there is no hold-out, when a log is given twice, lacks ``v`` or is of
+    another car, or when nothing in the logs is braked.
     """
     check_logs(calibration, holdout)
+    for log in (*calibration, *holdout):
+        require_same_wheels(vehicle, log, signals(log, vehicle))
     ordered = sorted(calibration, key=lambda log: log.digest)
     problem = problem_of(vehicle, [run_of(log) for log in ordered])
     decision = decide(problem, fit(problem, (), np.zeros(4)))
@@ -134,6 +144,7 @@ def diagnose(calibration: list[Log], holdout: list[Log], vehicle: Vehicle) -> Di
         after=told[1],
         measured=tuple(holdout),
         reduced_before=decision.base.reduced,
+        not_resolved=unresolved(problem, decision.best, DETECT),
         reduced_after=unexplained.at.reduced if unexplained else decision.best.reduced,
     )
 
@@ -154,9 +165,12 @@ def check_logs(calibration: list[Log], holdout: list[Log]) -> None:
             f"{len(calibration)} calibration log",
             expected="two or more that differ: a coast, a ramp, stops at other pressures and heats",
         )
-    seen = {log.digest for log in calibration}
+    digests = [log.digest for log in calibration if log.digest]
+    for log in calibration:
+        if digests.count(log.digest) > 1:
+            raise LogError("given twice", where=log.source, do="give each run once")
     for log in holdout:
-        if log.digest in seen:
+        if log.digest in digests:
             raise LogError(
                 "is among the calibration logs too", where=log.source, do="hold it out, or fit it"
             )

@@ -19,6 +19,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "verdict": found.verdict,
         "effects": [_effect(effect) for effect in found.effects],
         "unexplained": None if found.unexplained is None else _structure(found.unexplained),
+        "not_resolved": list(found.not_resolved),
         "base": {name: _estimate(value) for name, value in found.base.items()},
         "innovation": {"before": found.reduced_before, "after": found.reduced_after},
         "gap": _gap(found.gap),

@@ -77,6 +77,30 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
     return sorted(found, key=lambda hint: -hint.gain)
 
 
+def unresolved(problem: Problem, at: Candidate, least: float) -> tuple[str, ...]:
+    """Effects that these runs could not have shown at their usual size.
+
+    Their gain in the mean squared innovation, less what base and present effects would take of it,
+    stays below ``least``.
+    """
+    innovations = problem.flat(at.base, at.effects)
+    directions = base_directions(problem, at, innovations)
+    faint = []
+    for name, effect in CATALOGUE.items():
+        if name in at.names:
+            continue
+        strength, *others = effect.card.parameters
+        usual = strength.typical
+        if usual == effect.card.neutral:
+            usual += strength.spread
+        values = {strength.name: usual} | {p.name: p.typical for p in others}
+        change = problem.flat(at.base, {**at.effects, name: values}) - innovations
+        free = change - directions @ (directions.T @ change)
+        if float(free @ free) < least * at.count:
+            faint.append(name)
+    return tuple(faint)
+
+
 def trials(name: str) -> list[Array]:
     """Points at which an effect is asked, in spreads from neutral: strengths, then seconds."""
     card = CATALOGUE[name].card

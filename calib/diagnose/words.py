@@ -201,6 +201,16 @@ def unexplained(found: Structure) -> str:
     return text
 
 
+def not_resolved(found: Diagnosis) -> str:
+    """What these logs could not have shown; empty if they show everything."""
+    if not found.not_resolved:
+        return ""
+    return (
+        f"At their usual size these logs could not have shown: {listed(found.not_resolved)}. "
+        "They may be there all the same."
+    )
+
+
 def gap(found: Diagnosis) -> str:
     """How far simulation and measurement are apart on the hold-outs."""
     count = len(found.measured)

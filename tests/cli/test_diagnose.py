@@ -53,3 +53,10 @@ def test_a_log_that_is_searched_and_held_out_proves_nothing(run, tmp_path):
     ran = run("--out", tmp_path / "found", held=(SEARCHED[0],))
     assert ran.code == 3
     assert not list(tmp_path.iterdir())
+
+
+def test_without_a_holdout_nothing_can_be_proved(brake_cal, tmp_path):
+    ran = brake_cal("diagnose", *SEARCHED, "--vehicle", VEHICLE, "--out", tmp_path / "found")
+    assert ran.code == 3
+    assert "no hold-out log" in ran.err
+    assert not list(tmp_path.iterdir())

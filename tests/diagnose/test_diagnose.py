@@ -30,7 +30,12 @@ def verdict(logs: list[Log], case: HiddenCase) -> tuple[str, tuple[str, ...]]:
 
 @pytest.fixture(scope="module")
 def drag() -> HiddenCase:
-    return draw("single", 11, names=("aerodynamic_drag",), severity=1)
+    """Drag; every log with a digest of its own, as a file has."""
+    case = draw("single", 11, names=("aerodynamic_drag",), severity=1)
+    named = [
+        [replace(log, digest=log.name) for log in part] for part in (case.calibration, case.holdout)
+    ]
+    return replace(case, calibration=tuple(named[0]), holdout=tuple(named[1]))
 
 
 @pytest.mark.parametrize(
@@ -102,6 +107,11 @@ def test_logs_that_cannot_give_an_answer_are_refused(drag):
         diagnose(logs, [], drag.vehicle)
     with pytest.raises(LogError, match="among the calibration logs"):
         diagnose(logs, [logs[0]], drag.vehicle)
+    with pytest.raises(LogError, match="given twice"):
+        diagnose([*logs, logs[0]], held, drag.vehicle)
+    larger = replace(drag.vehicle.front, rolling_radius=1.1 * drag.vehicle.front.rolling_radius)
+    with pytest.raises(LogError, match="the front wheels roll with a radius"):
+        diagnose(logs, held, replace(drag.vehicle, front=larger))
     with pytest.raises(LogError, match="two or more"):
         diagnose(logs[:1], held, drag.vehicle)
     coasts = [log for log in logs if np.max(log["p_mc"]) < 1e5]
