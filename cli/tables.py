@@ -1,9 +1,13 @@
-"""`brake-cal tables`: what a store holds, what a table says, how two differ, what is damaged."""
+"""`brake-cal tables`: what a store holds, what a table says, how two differ, what is damaged.
+
+`export` and `import` are in `cli.exchange`.
+"""
 
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cli import exchange
 from cli.console import emit, emit_json
 from cli.options import STORE, Json, Store, example
 
@@ -108,6 +112,10 @@ def verify(
         emit(grid if verdicts else f"{store} holds no table")
     if not sound:
         raise typer.Exit(DAMAGED)
+
+
+app.command("export", epilog=exchange.EXPORT)(exchange.export_table)
+app.command("import", epilog=exchange.IMPORT)(exchange.import_table)
 
 
 def _grid(*heads: str) -> "Grid":
