@@ -23,7 +23,7 @@ def prefix(name: str) -> str:
     >>> prefix("sedan-2up"), prefix("2up")
     ('sedan_2up', 't_2up')
     >>> prefix("Müller")
-    'Muller_7b31'
+    'Muller_a784'
     """
     plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
     word = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_")
