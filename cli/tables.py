@@ -1,13 +1,13 @@
 """`brake-cal tables`: what a store holds, what a table says, how two differ, what is damaged.
 
-`export` and `import` are in `cli.exchange`.
+`export` is in `cli.export`, `import` in `cli.read_back`.
 """
 
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cli import exchange
+from cli import export, read_back
 from cli.console import emit, emit_json
 from cli.options import STORE, Json, Store, example
 
@@ -114,8 +114,8 @@ def verify(
         raise typer.Exit(DAMAGED)
 
 
-app.command("export", epilog=exchange.EXPORT)(exchange.export_table)
-app.command("import", epilog=exchange.IMPORT)(exchange.import_table)
+app.command("export", epilog=export.EPILOG)(export.export_table)
+app.command("import", epilog=read_back.EPILOG)(read_back.import_table)
 
 
 def _grid(*heads: str) -> "Grid":

@@ -15,6 +15,7 @@ import numpy as np
 
 from calib.exports.dataset import Axis, Curve, Dataset, Scalar
 from calib.exports.fixed_point import Fixed, fixed_axis, fixed_misfit, to_fixed
+from calib.exports.labels import label
 from calib.table import Array
 
 PER_LINE = 4
@@ -96,18 +97,18 @@ def _scalar(scalar: Scalar, bits: int | None) -> Iterator[Constant]:
 
 
 def _object(
-    label: str, size: str, says: str, values: Array, fixed: Fixed | None, bits: int | None
+    name: str, size: str, says: str, values: Array, fixed: Fixed | None, bits: int | None
 ) -> Iterator[Constant]:
     if fixed is None:
-        yield Constant(label, "double", size, [repr(float(v)) for v in values], (says,))
+        yield Constant(name, "double", size, [repr(float(v)) for v in values], (says,))
         return
     rounding = (
         f"origin {fixed.origin!r}, step 2^{-fixed.shift}, rounding error at most {fixed.error:.3g}"
     )
     raw = [_integer(int(v), bits) for v in fixed.raw]
-    yield Constant(label, f"int{bits}_t", size, raw, (says, rounding))
-    for name, value in (("origin", fixed.origin), ("step", fixed.step)):
-        yield Constant(f"{label}_{name}", "double", "", [repr(value)], ())
+    yield Constant(name, f"int{bits}_t", size, raw, (says, rounding))
+    for part, value in (("origin", fixed.origin), ("step", fixed.step)):
+        yield Constant(label(name, part), "double", "", [repr(value)], ())
 
 
 def _integer(value: int, bits: int | None) -> str:

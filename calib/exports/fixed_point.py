@@ -56,10 +56,16 @@ def to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
         )
     away = values - origin
     largest, most = float(np.abs(away).max()), 2 ** (bits - 1) - 1
-    shift = min(FINEST, math.floor(math.log2(most / largest))) if largest > 0.0 else 0
+    shift = min(FINEST, _finest(largest, most)) if largest > 0.0 else 0
     raw = np.rint(np.ldexp(away, shift)).astype(np.int64)
     found = Fixed(raw, origin, shift, 0.0)
     return Fixed(raw, origin, shift, float(np.abs(found.values - values).max()))
+
+
+def _finest(largest: float, most: int) -> int:
+    """Greatest shift at which ``largest`` is at most ``most`` counts; no quotient overflows."""
+    shift = math.floor(math.log2(most) - math.log2(largest))
+    return shift if math.ldexp(largest, min(shift, FINEST)) <= most else shift - 1
 
 
 def fixed_axis(axis: Axis, bits: int) -> Fixed:
