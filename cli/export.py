@@ -79,7 +79,7 @@ def _check_usage(form: str, out: Path, bits: int | None, force: bool) -> None:
     from calib.toml import did_you_mean
 
     if form not in FORMATS:
-        near = did_you_mean(form, FORMATS)
+        near = did_you_mean(form.lower(), FORMATS)
         what = f"unknown format {form!r}; {near} " if near else f"unknown format {form!r}; "
         raise typer.BadParameter(f"{what}known: {', '.join(FORMATS)}", param_hint="--format")
     if bits is not None and form not in FIXED_POINT:

@@ -35,8 +35,8 @@ def read_dcm(path: Path, text: str) -> Returned:
     lines = [line.strip() for line in text.splitlines()]
     start = next((i for i, line in enumerate(lines) if line.startswith(FORMAT)), None)
     if start is None or lines[start].split() != [FORMAT, "2.0"]:
-        found = "no such line" if start is None else repr(lines[start])
-        raise _bad(path, start or 0, found, f"{FORMAT} 2.0")
+        found = f"no line {FORMAT}" if start is None else repr(lines[start])
+        raise _bad(path, start or 0, found, f"DCM with {FORMAT} 2.0, or CDF, which is XML")
     blocks = list(_blocks(path, lines, start + 1))
     for block in blocks:
         _check_counts(path, block)

@@ -41,7 +41,10 @@ def read_quality(path: Path, table: str) -> Quality:
         raise _no_summary(path, f"{error} is missing") from error
     if of != table:
         raise ExchangeError(
-            f"is the validation of {of}", where=path, expected=f"one of {table}", do="validate it"
+            f"is the validation of {of}",
+            where=path,
+            expected=f"one of {table}",
+            do="validate this version",
         )
     if verdict not in ("passed", "failed"):
         raise _no_summary(path, f"verdict {verdict!r}")

@@ -80,7 +80,7 @@ def test_no_lost_line_is_overlooked(written):
         ("  WERT 1744.0\n", "", "sedan_mass has 0 of 1 numbers WERT"),
         ("  WERT 1744.0", "  WERT 17,44", "could not convert"),
         ("  WERT 1744.0", "  WERTE 1744.0", "'WERTE' within FESTWERT sedan_mass"),
-        ("KONSERVIERUNG_FORMAT 2.0", "KONSERVIERUNG_FORMAT 1.0", "expected KONSERVIERUNG_FORMAT 2"),
+        ("KONSERVIERUNG_FORMAT 2.0", "KONSERVIERUNG_FORMAT 1.0", "expected DCM with KONSERVIERUNG_FORMAT 2"),
         ("*SSTX sedan_eta\n", "", "is over no axis"),
         ("* digest: ", "* digets: ", "without digest"),
         ("* objects: ", "* objects: 1", "objects and says it has 1"),
