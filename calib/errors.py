@@ -6,7 +6,8 @@
     │   ├── VehicleError      a vehicle file
     │   ├── ChannelMapError   a channel map
     │   ├── LimitsError       a limits file
-    │   └── ModelError        a model file
+    │   ├── ModelError        a model file
+    │   └── ExchangeError     a calibration file: DCM, CDF; the summary that goes with one
     └── StoreError            exit code 4: the table store, or a table in it
         ├── TableNotFound     no table of that name or version
         └── DamagedTable      the content is not what its digest says
@@ -61,6 +62,10 @@ class LimitsError(InputError):
 
 class ModelError(InputError):
     """A model file is unreadable or names an unknown effect."""
+
+
+class ExchangeError(InputError):
+    """A calibration file (DCM, CDF) or a validation summary cannot be used."""
 
 
 class StoreError(BrakeCalError):

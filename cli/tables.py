@@ -1,9 +1,13 @@
-"""`brake-cal tables`: what a store holds, what a table says, how two differ, what is damaged."""
+"""`brake-cal tables`: what a store holds, what a table says, how two differ, what is damaged.
+
+`export` is in `cli.export`, `import` in `cli.read_back`.
+"""
 
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cli import export, read_back
 from cli.console import emit, emit_json
 from cli.options import STORE, Json, Store, example
 
@@ -108,6 +112,10 @@ def verify(
         emit(grid if verdicts else f"{store} holds no table")
     if not sound:
         raise typer.Exit(DAMAGED)
+
+
+app.command("export", epilog=export.EPILOG)(export.export_table)
+app.command("import", epilog=read_back.EPILOG)(read_back.import_table)
 
 
 def _grid(*heads: str) -> "Grid":

@@ -14,6 +14,7 @@ CODES = {
     "ChannelMapError": 3,
     "LimitsError": 3,
     "ModelError": 3,
+    "ExchangeError": 3,
     "StoreError": 4,
     "TableNotFound": 4,
     "DamagedTable": 4,

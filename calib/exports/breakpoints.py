@@ -1,0 +1,121 @@
+"""Which rows of a table to keep so that straight lines between them miss it least.
+
+    y |      .-x          kept rows x, dropped rows .
+      |   x-.             the line between two kept rows stands for those dropped between them;
+      | .                 the table itself is straight between its rows, so that the largest gap
+      |x                  lies at a dropped row and is found exactly
+      +---------- x
+
+Breakpoints are rows of the table: they keep their count, their band and (18). The placement is the
+best of all there are, by dynamic programming over the rows (Bellman and Roth, J. Amer. Stat. Assoc.
+64, 1969): first the least worst error, and of those with it the least squares.
+
+Takes time as the cube of the rows: meant for tables of some hundred rows.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+FEWEST = 2
+"""Breakpoints that an axis has at least: its ends."""
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """Curves read between breakpoints against the curves: ``worst`` at ``at``, and ``rms``.
+
+    Both in the unit of the curves; the rms is over the axis and that of the worst curve.
+    """
+
+    worst: float
+    at: float
+    rms: float
+
+
+def place(x: Array, curves: Array, points: int) -> Indices:
+    """Rows to keep, both ends among them: ``points``, or fewer where a further one would do harm.
+
+    Parameters
+    ----------
+    x : axis, strictly increasing, (n,).
+    curves : the curves over it, (k, n), in one unit.
+    points : 2 or more; all rows are kept where the axis has no more.
+    """
+    if points < FEWEST:
+        raise ValueError(f"{points} breakpoints; expected {FEWEST} or more")
+    n = len(x)
+    if points >= n:
+        return np.arange(n)
+    worst, square = _segments(x, curves)
+    reach = _least(worst, points, np.maximum)[0][:, n - 1]
+    least = reach[FEWEST:].min()
+    # Equal errors: the largest number of points, which is the one asked for but on odd curves.
+    count = int(np.flatnonzero(reach == least)[-1])
+    _, back = _least(np.where(worst <= least, square, np.inf), count, np.add)
+    return _path(back, count, n)
+
+
+def misfit(x: Array, curves: Array, at: Array, values: Array) -> Misfit:
+    """Error of ``values`` (k, m) read linearly between ``at`` (m,), against ``curves`` (k, n) on x.
+
+    Exact: both are straight between the points of either. Beyond its ends each is clamped.
+    """
+    every = np.union1d(x, at)
+    gaps = np.array(
+        [
+            np.interp(every, at, v) - np.interp(every, x, y)
+            for v, y in zip(values, curves, strict=True)
+        ]
+    )
+    k, i = np.unravel_index(int(np.argmax(np.abs(gaps))), gaps.shape)
+    squares = [_integral(every, gap) for gap in gaps]
+    rms = float(np.sqrt(max(squares) / (every[-1] - every[0])))
+    return Misfit(float(abs(gaps[k, i])), float(every[i]), rms)
+
+
+def _integral(x: Array, gap: Array) -> float:
+    """Integral of the square of a gap that is straight between the points x."""
+    a, b = gap[:-1], gap[1:]
+    return float(np.sum(np.diff(x) * (a * a + a * b + b * b)) / 3.0)
+
+
+def _segments(x: Array, curves: Array) -> tuple[Array, Array]:
+    """Worst error and integral of the squares of a line from row i to row j, (n, n)."""
+    n = len(x)
+    worst, square = np.full((n, n), np.inf), np.full((n, n), np.inf)
+    for i in range(n - 1):
+        for j in range(i + 1, n):
+            part = slice(i, j + 1)
+            share = (x[part] - x[i]) / (x[j] - x[i])
+            line = curves[:, i, None] + share * (curves[:, j] - curves[:, i])[:, None]
+            gaps = curves[:, part] - line
+            gaps[:, 0] = gaps[:, -1] = 0.0
+            worst[i, j] = np.abs(gaps).max()
+            square[i, j] = sum(_integral(x[part], gap) for gap in gaps)
+    return worst, square
+
+
+def _least(cost: Array, points: int, join: np.ufunc) -> tuple[Array, NDArray[np.intp]]:
+    """Least cost of p points that end at row j, (points + 1, n), and the row before j."""
+    n = len(cost)
+    reach = np.full((points + 1, n), np.inf)
+    back = np.zeros((points + 1, n), dtype=np.intp)
+    reach[1, 0] = 0.0
+    for p in range(FEWEST, points + 1):
+        total = join(reach[p - 1][:, None], cost)
+        back[p] = np.argmin(total, axis=0)
+        reach[p] = total[back[p], np.arange(n)]
+    return reach, back
+
+
+def _path(back: NDArray[np.intp], points: int, n: int) -> Indices:
+    row, rows = n - 1, [n - 1]
+    for p in range(points, 1, -1):
+        row = int(back[p, row])
+        rows.append(row)
+    return np.array(rows[::-1], dtype=np.intp)

@@ -1,0 +1,164 @@
+"""`brake-cal tables export`: a table as the file of a calibration tool, an ECU, another program."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, say
+from cli.options import STORE, Json, Store, example
+
+if TYPE_CHECKING:
+    from calib.exports.dataset import Dataset
+    from calib.exports.formats import Order
+    from calib.exports.quality import Quality
+    from calib.version import Stored
+
+EPILOG = example(
+    "brake-cal tables export sedan-2up --format dcm --out sedan.dcm",
+    "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
+)
+
+
+def export_table(
+    table: Annotated[
+        str, typer.Argument(metavar="TABLE", help="name, name@version or path of a version")
+    ],
+    *,
+    form: Annotated[
+        str,
+        typer.Option(
+            "--format", metavar="F", help="json, csv, parquet, dcm, cdfx, c-header or inca-csv."
+        ),
+    ],
+    out: Annotated[Path, typer.Option(metavar="FILE", help="File to write.")],
+    points: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Breakpoints on each axis, placed best; all rows without."),
+    ] = None,
+    bits: Annotated[
+        int | None,
+        typer.Option("--fixed-point", metavar="BITS", help="8, 16 or 32; for c-header."),
+    ] = None,
+    validation: Annotated[
+        Path | None,
+        typer.Option(metavar="SUMMARY", help="summary.json of `validate --out`, for the state."),
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace FILE; somebody may rely on what it holds.")
+    ] = False,
+    store: Store = STORE,
+    json: Json = False,
+) -> None:
+    """Write a table for a calibration tool, an ECU or another program.
+
+    Every file carries the table's id, version and digest, the checksum of its numbers, and says
+    what holds beyond the ends of an axis.
+    """
+    _check_usage(form, out, bits, force)
+    from calib.errors import ExchangeError
+    from calib.exports.build import build
+    from calib.exports.formats import FORMATS, Order
+    from calib.store import load
+
+    stored = load(table, store)
+    quality = _quality(validation, stored)
+    try:
+        data = build(stored, points, quality)
+        order = Order(data, stored, _today(), bits)
+        content = FORMATS[form](order)
+    except ExchangeError as error:
+        option = "--points" if bits is None else "--points, --fixed-point"
+        raise typer.BadParameter(str(error), param_hint=option) from None
+    _write(out, content)
+    _report(order, form, out, content, json)
+
+
+def _check_usage(form: str, out: Path, bits: int | None, force: bool) -> None:
+    from calib.exports.formats import FIXED_POINT, FORMATS
+    from calib.toml import did_you_mean
+
+    if form not in FORMATS:
+        near = did_you_mean(form.lower(), FORMATS)
+        what = f"unknown format {form!r}; {near} " if near else f"unknown format {form!r}; "
+        raise typer.BadParameter(f"{what}known: {', '.join(FORMATS)}", param_hint="--format")
+    if bits is not None and form not in FIXED_POINT:
+        raise typer.BadParameter(f"only with {', '.join(FIXED_POINT)}", param_hint="--fixed-point")
+    if out.is_dir():
+        raise typer.BadParameter(f"{out} is a directory", param_hint="--out")
+    if not out.absolute().parent.is_dir():
+        raise typer.BadParameter(f"no directory {out.parent}", param_hint="--out")
+    if out.exists() and not force:
+        raise typer.BadParameter(f"{out} exists; --force replaces it", param_hint="--out")
+
+
+def _quality(path: Path | None, stored: "Stored") -> "Quality":
+    from calib.exports.quality import UNPROVED, read_quality
+
+    return UNPROVED if path is None else read_quality(path, stored.id)
+
+
+def _today() -> str:
+    from datetime import UTC, datetime
+
+    return datetime.now(UTC).date().isoformat()
+
+
+def _write(out: Path, content: bytes) -> None:
+    from calib.files import write_whole
+
+    try:
+        write_whole(out, content)
+    except OSError as error:
+        raise typer.BadParameter(
+            f"{out} cannot be written ({error.strerror})", param_hint="--out"
+        ) from error
+
+
+def _report(order: "Order", form: str, out: Path, content: bytes, json: bool) -> None:
+    from hashlib import sha256
+
+    data = order.data
+    rounding = _rounding(data, order.bits)
+    if json:
+        emit_json(
+            {
+                "schema": 1,
+                **data.facts(),
+                "version": data.version,
+                "format": form,
+                "out": out,
+                "bytes": len(content),
+                "sha256": sha256(content).hexdigest(),
+                "axes": [_axis(data, a.label) for a in data.axes],
+                "fixed_point": {"bits": order.bits, "objects": rounding} if rounding else None,
+            }
+        )
+        return
+    from calib.exports.dataset import placed
+
+    for axis in data.axes:
+        say(f"{axis.label}: {placed(axis)}")
+    for row in rounding:
+        if row["read_error"] is not None:
+            say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
+    emit(f"{out}: {data.id} as {form}, {len(content)} bytes")
+
+
+def _axis(data: "Dataset", label: str) -> dict[str, object]:
+    axis = data.axis(label)
+    return {
+        "label": label,
+        "points": len(axis.values),
+        "rows": axis.rows,
+        "curves": [c.label for c in data.over(axis)],
+        "worst": axis.misfit.worst,
+        "worst_at": axis.misfit.at,
+        "rms": axis.misfit.rms,
+    }
+
+
+def _rounding(data: "Dataset", bits: int | None) -> list[dict[str, object]]:
+    from calib.exports.fixed_point import roundings
+
+    return [] if bits is None else [vars(r) for r in roundings(data, bits)]

@@ -1,0 +1,108 @@
+import hashlib
+import json
+
+import pytest
+
+FORMATS = ("json", "csv", "parquet", "dcm", "cdfx", "c-header", "inca-csv")
+
+
+@pytest.fixture
+def tables(brake_cal, stored, store):
+    def run(*arguments):
+        return brake_cal("tables", *arguments, "--store", store)
+
+    return run
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_every_format_is_written_and_names_its_table(tables, stored, tmp_path, form):
+    out = tmp_path / "out"
+    ran = tables("export", "sedan", "--format", form, "--out", out)
+    assert ran.code == 0
+    assert f"sedan@1 as {form}" in ran.out
+    content = out.read_bytes()
+    for part in ("sedan@1", stored.digest, "clamped, never extrapolated"):
+        assert part.encode() in content
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["out", "tables"]
+
+
+def test_json_says_what_was_written_and_what_it_costs(tables, stored, tmp_path):
+    out = tmp_path / "s.h"
+    ran = tables("export", "sedan", "--format", "c-header", "--out", out, "--points", "5",
+                 "--fixed-point", "16", "--json")  # fmt: skip
+    assert ran.err == ""
+    document = json.loads(ran.out)
+    assert (document["table"], document["digest"]) == ("sedan@1", stored.digest)
+    assert document["sha256"] == hashlib.sha256(out.read_bytes()).hexdigest()
+    eta = document["axes"][0]
+    assert (eta["label"], eta["points"], eta["rows"]) == ("sedan_eta", 5, 21)
+    # f1 = D (l_f - K (eta - 1) h)/L is a parabola. Over five steps of 0.00025 a chord is at most
+    # 2*3 steps^2 times C K h/L off, at the second and the third row.
+    assert eta["worst"] == pytest.approx(6 * 0.00025**2 * 27 * 60 * 0.615 / 2.805, rel=1e-6)
+    assert 0 < eta["rms"] < eta["worst"]
+    assert document["fixed_point"]["bits"] == 16
+    errors = {r["label"]: r for r in document["fixed_point"]["objects"]}
+    assert errors["sedan_eta"]["error"] <= errors["sedan_eta"]["step"] / 2
+
+
+def test_errors_are_told_on_stderr(tables, tmp_path):
+    ran = tables("export", "sedan", "--format", "csv", "--out", tmp_path / "a", "--points", "5")
+    assert "sedan_eta: 5 of 21 rows; interpolation error at most" in ran.err
+    assert "rms" in ran.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--format", "dmc", "--out", "a"), "did you mean 'dcm'? known: json, csv, parquet"),
+        (("--format", "DCM", "--out", "a"), "did you mean 'dcm'?"),
+        (("--format", "xyz", "--out", "a"), "inca-csv"),
+        (("--format", "dcm", "--out", "none/a"), "no directory none"),
+        (("--format", "dcm", "--out", "."), "is a directory"),
+        (("--format", "dcm", "--out", "a", "--fixed-point", "16"), "only with c-header"),
+        (("--format", "c-header", "--out", "a", "--fixed-point", "12"), "one of 8, 16, 32"),
+        (("--format", "dcm", "--out", "a", "--points", "1"), "expected 2 to 21"),
+        (("--format", "dcm", "--out", "a", "--points", "22"), "expected 2 to 21"),
+        (("--format", "dcm"), "Missing option '--out'"),
+        (("--out", "a"), "Missing option '--format'"),
+    ],
+)
+def test_usage_errors_end_with_2_and_write_nothing(tables, tmp_path, monkeypatch, arguments, says):
+    monkeypatch.chdir(tmp_path)
+    ran = tables("export", "sedan", *arguments)
+    assert (ran.code, ran.out) == (2, "")
+    assert says in " ".join(ran.err.replace("│", " ").split())
+    assert [p.name for p in tmp_path.iterdir()] == ["tables"]
+
+
+def test_a_file_is_replaced_only_when_told_to(tables, tmp_path):
+    out = tmp_path / "a.dcm"
+    out.write_text("signed off")
+    ran = tables("export", "sedan", "--format", "dcm", "--out", out)
+    assert ran.code == 2
+    assert "--force replaces it" in ran.err
+    assert out.read_text() == "signed off"
+    assert tables("export", "sedan", "--format", "dcm", "--out", out, "--force").code == 0
+    assert tables("import", out).code == 0
+
+
+def test_an_unknown_table_ends_with_4(tables, tmp_path):
+    ran = tables("export", "sedna", "--format", "dcm", "--out", tmp_path / "a")
+    assert (ran.code, ran.out) == (4, "")
+    assert "did you mean 'sedan'" in ran.err
+
+
+def test_a_verdict_becomes_the_state(tables, tmp_path):
+    summary = tmp_path / "summary.json"
+    logs = [{"log": "stop", "role": "hold-out", "verdict": "passed"}]
+    document = {"schema": 1, "table": "sedan@1", "verdict": "passed", "logs": logs}
+    summary.write_text(json.dumps(document))
+    out = tmp_path / "a.cdfx"
+    tables("export", "sedan", "--format", "cdfx", "--out", out, "--validation", summary)
+    assert "<STATE>checked</STATE>" in out.read_text()
+    summary.write_text(json.dumps({**document, "table": "wagon@1"}))
+    ran = tables("export", "sedan", "--format", "csv", "--out", tmp_path / "b", "--validation",
+                 summary)  # fmt: skip
+    assert ran.code == 3
+    assert "is the validation of wagon@1" in ran.err
+    assert not (tmp_path / "b").exists()
