@@ -55,6 +55,10 @@ SECOND_OF_ALL = 0.03
 SECOND_SHARE = 0.6
 """Share of what the first left over that a second must close."""
 
+FAINT_SECOND = 0.005
+"""Gain from which a second effect may be there; it counts if the hold-outs show it beyond doubt. A
+second that is not there gains up to 0.003, or 0.009 beside one whose form is not the plant's."""
+
 CONFUSABLE = 0.004
 """Rivals whose mean squared innovation lies within this of the best cannot be told from it."""
 
@@ -64,13 +68,16 @@ class Decision:
     """The verdict with its candidates.
 
     ``verdict`` as in diagnosis.json; ``base`` without effects; ``best`` the explanation that stands
-    or comes nearest; ``rivals`` the other fitted ones of the last step, best first.
+    or comes nearest; ``rivals`` the other fitted ones of the last step, best first. ``faint`` is a
+    decision for two effects that only the hold-outs can make.
     """
 
     verdict: str
     base: Candidate
     best: Candidate
     rivals: tuple[Candidate, ...]
+    first: Candidate | None = None
+    faint: "Decision | None" = None
 
 
 def decide(problem: Problem, base: Candidate) -> Decision:
@@ -81,14 +88,27 @@ def decide(problem: Problem, base: Candidate) -> Decision:
         return Decision(verdict, base, base, tuple(singles))
     first = singles[0]
     pairs = seconds(problem, singles) if first.reduced > 1.0 + SECOND else []
+    faint = _faint(problem, base, first, pairs)
     if pairs and gain(first, pairs[0]) > max(SECOND, SECOND_OF_ALL * gain(base, first)):
         # something the first does not explain lies along another effect
         verdict = standing(problem, base, pairs[0], pairs[1:])
-        if not second_earns(first, pairs[0]):
-            verdict = "unknown"
-        return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
+        if second_earns(first, pairs[0]):
+            return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
+        return Decision("unknown", base, pairs[0], tuple(pairs[1:]), faint=faint)
     verdict = standing(problem, base, first, singles[1:])
-    return Decision(verdict, base, first, tuple(singles[1:]))
+    return Decision(verdict, base, first, tuple(singles[1:]), faint=faint)
+
+
+def _faint(
+    problem: Problem, base: Candidate, first: Candidate, pairs: list[Candidate]
+) -> Decision | None:
+    """A decision for the best pair, if it may stand."""
+    if not pairs or gain(first, pairs[0]) < FAINT_SECOND:
+        return None
+    verdict = standing(problem, base, pairs[0], pairs[1:])
+    if verdict == "unknown":
+        return None
+    return Decision(verdict, base, pairs[0], tuple(pairs[1:]), first=first)
 
 
 def gain(before: Candidate, after: Candidate) -> float:

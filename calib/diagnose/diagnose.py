@@ -18,7 +18,16 @@ from calib.diagnose.candidate import (
     turned_to_ripple,
 )
 from calib.diagnose.channels import CHANNELS, residuals, thinned, whiten
-from calib.diagnose.decide import DETECT, STRANGE, Decision, confusable, decide, gain
+from calib.diagnose.decide import (
+    DETECT,
+    FLOOR,
+    SECOND_SHARE,
+    STRANGE,
+    Decision,
+    confusable,
+    decide,
+    gain,
+)
 from calib.diagnose.gap import Gap, gap_of, replays
 from calib.diagnose.predict import SHAPE, Run, predict, run_of
 from calib.diagnose.search import unresolved
@@ -194,6 +203,8 @@ def confirm(decision: Decision, held: Problem) -> Decision:
     A log in which the effect is not felt has no say. What stays is no gap only if neither the
     calibration nor the hold-outs are strange without it.
     """
+    if decision.faint is not None and second_shown(decision.faint, held):
+        return decision.faint
     if not decision.best.names:
         return decision
     fall = chi2_by_run(held, decision.base) - chi2_by_run(held, decision.best)
@@ -205,6 +216,27 @@ def confirm(decision: Decision, held: Problem) -> Decision:
     left = max(float(np.sum(chi2_by_run(held, decision.base))) / count, decision.base.reduced)
     verdict = "no_gap" if left < STRANGE else "unknown"
     return replace(decision, verdict=verdict, best=decision.base)
+
+
+SECOND_PROOF, SECOND_PART = 0.03, 0.01
+"""Least gain on the hold-outs of a faint second effect, and its least part of what the first gains:
+a first whose form is not quite right leaves half a percent of itself to any second."""
+
+
+def second_shown(pair: Decision, held: Problem) -> bool:
+    """Whether the hold-outs show a second effect beyond doubt, and it explains most of the rest."""
+    assert pair.first is not None
+    count = count_of(held, pair.base)
+    none, first, both = (chi2_by_run(held, c) / count for c in (pair.base, pair.first, pair.best))
+    fall = first - both
+    felt = fall[np.abs(fall) * count > FELT]
+    gained = float(np.sum(fall))
+    return bool(
+        gained > SECOND_PROOF
+        and gained > SECOND_PART * float(np.sum(none - first))
+        and gained > SECOND_SHARE * (float(np.sum(first)) - FLOOR)
+        and np.mean(felt > 0.0) > 0.5
+    )
 
 
 def chi2_by_run(problem: Problem, candidate: Candidate) -> Array:
