@@ -14,10 +14,14 @@ _CELL = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
 
 @dataclass(frozen=True)
 class Column:
-    """A column as the file names it. ``unit`` is None where the file says nothing of it."""
+    """A column as the file names it. ``unit`` is None where the file says nothing of it.
+
+    ``full`` names it among several of the same ``name``: with its group, message or bus.
+    """
 
     name: str
     unit: str | None
+    full: str = ""
 
 
 @dataclass(frozen=True)
