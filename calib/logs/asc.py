@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from calib.errors import LogError
-from calib.logs.bus import gathered, recording, require_dbc
+from calib.logs.bus import recording, require_dbc
 from calib.logs.extra import need
 from calib.logs.recording import Recording
-from calib.logs.text_log import Counted, require_all, require_line_end
+from calib.logs.text_log import Counted
 
 FRAME = re.compile(
     r"\s*\d+\.\d+\s+(\d+\s+(\w+\s+(Tx|Rx)\b|ErrorFrame)|CANFD\s+\d+\s+(Tx|Rx)\b)", re.IGNORECASE
@@ -29,8 +29,7 @@ class _Lines(Counted):
     """
 
     def __init__(self, file: TextIO, path: Path):
-        super().__init__(file, FRAME)
-        self.path = path
+        super().__init__(file, FRAME, path)
         self.begun = self.ended = self._headed = False
         self._kept: str | None = None
 
@@ -44,9 +43,12 @@ class _Lines(Counted):
             return line
         if _DELTA.match(line):
             raise _relative(self.path)
-        self._headed = bool(line.strip()) and (_EVENTS.match(line) or not _HEADER.match(line))
-        if not self._headed or _EVENTS.match(line):
+        if _EVENTS.match(line):
+            self._headed = True
             return line
+        if not line.strip() or _HEADER.match(line):
+            return line
+        self._headed = True
         self._mark(line)
         self._kept = line
         return "no internal events logged\n"
@@ -69,7 +71,7 @@ def open_asc(path: Path, dbc: Sequence[Path]) -> Recording:
     known = require_dbc(dbc, "can", where)
     with path.open(encoding="utf-8", errors="replace") as file:
         lines = _Lines(file, path)
-        found = gathered(_whole(can.ASCReader(lines), where), known, where)
+        found = lines.gathered(_whole(can.ASCReader(lines), where), known)
     if lines.begun and not lines.ended:
         raise LogError(
             f"the end is missing: {len(found.times)} frames up to {found.times[-1]:.3f} s are "
@@ -78,8 +80,7 @@ def open_asc(path: Path, dbc: Sequence[Path]) -> Recording:
             expected="a block that is ended",
             do="copy the log again; how much is missing the file does not say",
         )
-    require_line_end(lines.last, len(found.times), path)
-    require_all(len(found.times), lines.frames, path)
+    lines.require_all(found)
     return recording(found, known, () if lines.begun else (NO_FOOTER,), where)
 
 

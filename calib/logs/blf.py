@@ -134,7 +134,8 @@ def _inflated(content: bytes, path: Path) -> bytes:
 
 def _inner(data: bytes) -> tuple[list[int], bytes]:
     """Types of the objects that are whole, and the beginning of one that goes on."""
-    kinds, place = [], 0
+    kinds: list[int] = []
+    place = 0
     while True:
         found = data.find(b"LOBJ", place, place + 8)
         if found < 0 or found + _OBJECT.size > len(data):

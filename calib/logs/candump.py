@@ -8,10 +8,10 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from calib.logs.bus import gathered, recording, require_dbc
+from calib.logs.bus import recording, require_dbc
 from calib.logs.extra import need
 from calib.logs.recording import Recording
-from calib.logs.text_log import Counted, require_all, require_line_end
+from calib.logs.text_log import Counted
 
 FRAME = re.compile(r"\s*\(\d+\.\d+\)\s")
 
@@ -30,8 +30,7 @@ def open_candump(path: Path, dbc: Sequence[Path]) -> Recording:
     can = need("can", "can", where)
     known = require_dbc(dbc, "can", where)
     with path.open(encoding="utf-8", errors="replace") as file:
-        lines = Counted(file, FRAME)
-        found = gathered(can.CanutilsLogReader(lines), known, where)
-    require_line_end(lines.last, len(found.times), path)
-    require_all(len(found.times), lines.frames, path)
+        lines = Counted(file, FRAME, path)
+        found = lines.gathered(can.CanutilsLogReader(lines), known)
+    lines.require_all(found)
     return recording(found, known, (NO_FOOTER,), where)

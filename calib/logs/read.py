@@ -121,6 +121,8 @@ def _read_recording(path: Path, channel_map: ChannelMap | None, require: tuple[s
     try:
         taken, ignored = assign(opened.columns, channel_map, require, where)
         others = [item for item in taken if item.channel != "time"]
+        if not others:
+            raise _nothing_taken(ignored, opened.notes, where)
         traces = opened.read([item.index for item in others])
     finally:
         opened.close()
@@ -134,6 +136,16 @@ def _read_recording(path: Path, channel_map: ChannelMap | None, require: tuple[s
 def _wanted(item: Assigned, trace: Trace) -> Wanted:
     method = item.mapping.method
     return Wanted(item.channel, trace, trace.state if method is None else method == "hold")
+
+
+def _nothing_taken(ignored: tuple[str, ...], notes: tuple[str, ...], where: str) -> LogError:
+    have = ", ".join(repr(name) for name in ignored) or "no channels"
+    return LogError(
+        f"none of its channels is known; it has {have}",
+        where=where,
+        expected=f"channels called {', '.join(REQUIRED[1:])}",
+        do="; ".join([*notes, "name foreign channels in a channel map (--map)"]),
+    )
 
 
 def _unreadable(path: Path, cause: OSError) -> LogError:

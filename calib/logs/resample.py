@@ -169,11 +169,12 @@ def _at(w: Wanted, master: Wanted, inside: np.ndarray) -> Array:
     """Values of a channel at the times of the clock."""
     t, x = w.trace.time, w.trace.values
     if t is master.trace.time or np.array_equal(t, master.trace.time):
-        return x[inside]
+        kept: Array = x[inside]
+        return kept
     at = master.trace.time[inside]
     before = np.clip(np.searchsorted(t, at, side="right") - 1, 0, t.size - 1)
     if w.hold:
-        values = x[before].astype(np.float64)
+        values: Array = x[before].astype(np.float64)
     else:
         values = np.interp(at, t, x)
         step = np.diff(t, append=t[-1])[before]

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ class Column:
 
     name: str
     unit: str | None
-    full: str = ""
+    full: str = field(default="", repr=False)
 
 
 @dataclass(frozen=True)

@@ -1,22 +1,28 @@
-"""Lines of a text log, counted while a library reads them."""
+"""Lines of a text log, counted while python-can reads them."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from calib.errors import LogError
+from calib.logs.bus import gathered
+from calib.logs.dbc import Dbc
+from calib.logs.frames import Gathered
+
+if TYPE_CHECKING:
+    import can
 
 
 class Counted:
     """A text file that counts the lines like ``frame`` as they are read.
 
-    ``frames`` of them so far; ``last`` line read. Anything that python-can passes over in silence
-    shows as a difference between ``frames`` and what it gave.
+    ``frames`` of them so far; ``last`` line that was not empty. What python-can passes over in
+    silence shows as a difference between ``frames`` and what it gave.
     """
 
-    def __init__(self, file: TextIO, frame: re.Pattern[str]):
-        self.file, self.frame = file, frame
+    def __init__(self, file: TextIO, frame: re.Pattern[str], path: Path):
+        self.file, self.frame, self.path = file, frame, path
         self.frames, self.last = 0, ""
 
     def __iter__(self) -> Iterator[str]:
@@ -33,24 +39,37 @@ class Counted:
         """Close the file."""
         self.file.close()
 
+    def gathered(self, messages: "Iterable[can.Message]", dbc: Dbc) -> Gathered:
+        """Frames that python-can reads from these lines.
 
-def require_all(read: int, there: int, path: Path) -> None:
-    """Raise LogError if fewer or more frames were read than lines look like frames."""
-    if read != there:
-        raise LogError(
-            f"{read} of {there} lines that look like frames can be read",
-            where=path,
-            expected="all of them",
-            do="a line is damaged: copy or export the log again",
-        )
+        Raises LogError for a file that ends within a line, and as `calib.logs.bus.gathered`.
+        """
+        try:
+            found = gathered(messages, dbc, str(self.path))
+        except LogError:
+            self._require_line_end()
+            raise
+        self._require_line_end()
+        return found
 
+    def require_all(self, found: Gathered) -> None:
+        """Raise LogError if other than all lines that look like frames were read."""
+        read = len(found.times)
+        if read != self.frames:
+            raise LogError(
+                f"{read} of {self.frames} lines that look like frames can be read: "
+                f"{self.frames - read} are missing",
+                where=self.path,
+                expected="all of them",
+                do="a line is damaged: copy or export the log again",
+            )
 
-def require_line_end(last: str, frames: int, path: Path) -> None:
-    """Raise LogError for a file whose last line has no end."""
-    if not last.endswith("\n"):
-        raise LogError(
-            f"cut off within the last line, after {frames - 1} whole frames: {last.strip()[:60]!r}",
-            where=path,
-            expected="a line that ends",
-            do="copy the log again; how much is missing the file does not say",
-        )
+    def _require_line_end(self) -> None:
+        if self.last and not self.last.endswith("\n"):
+            raise LogError(
+                f"cut off within the last line, after {max(self.frames - 1, 0)} whole frames: "
+                f"{self.last.strip()[:60]!r}",
+                where=self.path,
+                expected="a line that ends",
+                do="copy the log again; how much is missing the file does not say",
+            )
