@@ -55,6 +55,8 @@ def simulate(
     on its own clock. The result has the channels of a log and the truth behind them.
     """
     _check_usage(log, manoeuvre, {"--speed": speed, "--pressure": pressure, "--rate": rate}, out)
+    if channel_map is not None and log is None:
+        raise typer.BadParameter("only with a LOG; a manoeuvre has none", param_hint="--map")
     from calib.model import default_model, read_model
     from calib.noise import add_noise
     from calib.vehicle import read_vehicle

@@ -157,15 +157,20 @@ def write_bus(path: Path, offset: float = 0.0) -> Path:
     return path
 
 
-def write_mdf(path: Path, version: str = "4.10", compression: int = 0) -> Path:
-    """A measurement by asammdf: one group for each raster, named after it."""
+def write_mdf(path: Path, version: str = "4.10", compression: int = 0, mixed: bool = True) -> Path:
+    """A measurement by asammdf: one group for each raster, or all at 200 Hz if not ``mixed``."""
     from asammdf import MDF, Signal
 
     at, values = times(), written()
+    if not mixed:
+        log = ramp()
+        at = dict.fromkeys(at, log.time)
+        values = {n: from_si(log[c], UNITS[n], SI[UNITS[n]]) for c, n in CHANNELS.items()}
     groups = (["WhlFL", "WhlFR", "WhlRL", "WhlRR"], ["PMc"], ["VRef"], ["Ax"])
     with MDF(version=version) as mdf:
         for names in groups:
             signals = [Signal(values[n], at[n], name=n, unit=UNITS[n]) for n in names]
             mdf.append(signals, acq_name=names[0])
-        mdf.save(path, overwrite=True, compression=compression)
-    return path
+        saved = mdf.save(path.with_suffix(".mdf" if version < "4" else ".mf4"), overwrite=True,
+                         compression=compression)  # fmt: skip
+    return saved.rename(path)

@@ -58,5 +58,3 @@ def test_the_last_byte_is_the_last_one_that_matters(place):
     raw(np.zeros((1, last + 1), np.uint8), start, length, little)
     with pytest.raises(IndexError):
         raw(np.zeros((1, last), np.uint8), start, length, little)
-
-

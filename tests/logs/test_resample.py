@@ -99,7 +99,7 @@ def test_samples_out_of_order_twice_and_invalid():
 
 def test_no_time_in_common():
     traces = [wanted("omega_fl", np.arange(0, 1, 0.01)), wanted("p_mc", np.arange(2, 3, 0.01))]
-    with pytest.raises(LogError, match="p_mc 2.000 to 2.990 s"):
+    with pytest.raises(LogError, match=r"p_mc 2\.000 to 2\.990 s"):
         on_one_clock(traces, "run")
 
 
