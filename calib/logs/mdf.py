@@ -47,6 +47,7 @@ def open_mdf(path: Path, dbc: Sequence[Path]) -> Recording:
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where) from cause
     try:
+        _check_layout(mdf, where)
         return _recording(mdf, dbc, where)
     except BaseException:
         mdf.close()
@@ -72,6 +73,29 @@ def _recording(mdf: Any, dbc: Sequence[Path], where: str) -> Recording:
 
     said = (*(known.notes if known else ()), *notes)
     return Recording(named([*columns, *more]), read, said, mdf.close)
+
+
+def _check_layout(mdf: Any, where: str) -> None:
+    """Raise LogError for a channel outside its record: asammdf would read beyond the data."""
+    for number, group in enumerate(mdf.groups):
+        record = group.channel_group
+        size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
+        for channel in group.channels:
+            if hasattr(channel, "byte_offset"):  # MDF 4
+                end = 8 * channel.byte_offset + channel.bit_offset + channel.bit_count
+            else:
+                end = (
+                    8 * getattr(channel, "additional_byte_offset", 0)
+                    + channel.start_offset
+                    + channel.bit_count
+                )
+            if end > 8 * size:
+                raise LogError(
+                    f"channel {channel.name!r} lies outside the records of group {number}",
+                    where=where,
+                    expected=f"bits within {size} bytes",
+                    do="the file is damaged: copy the log again",
+                )
 
 
 def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:

@@ -57,6 +57,13 @@ def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Fr
     length = others["DataLength"]
     if length is None:
         length = np.full(ids.size, data.shape[1])
+    if length.max(initial=0) > data.shape[1]:
+        raise LogError(
+            f"a frame says that it has {length.max()} bytes, its record holds {data.shape[1]}",
+            where=where,
+            expected="frames within their records",
+            do="the file is damaged: copy the log again",
+        )
     result = []
     for key in sorted(known):
         mine = (bare == key[0]) & (extended == key[1])

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.errors import LogError
 from calib.logs.recording import Trace
@@ -70,19 +71,19 @@ def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
     if not wanted:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")
     wanted, notes = _clean(wanted, where)
-    empty = [w for w in wanted if w.trace.time.size == 0]
     full = [w for w in wanted if w.trace.time.size > 1]
     if not full:
         raise LogError("every channel is empty", where=where, expected="samples")
     low, high, cut = _span(full, where)
-    master = _master(full)
+    rates = _rates(full)
+    master = _master(full, rates)
     inside = (master.trace.time >= low) & (master.trace.time <= high)
     time = master.trace.time[inside]
     missing = np.full(time.size, np.nan)
     values = [
-        missing.copy() if w in empty or w not in full else _at(w, master, inside) for w in wanted
+        _at(w, master, inside, rates[w.name]) if w.name in rates else missing.copy() for w in wanted
     ]
-    return Resampled(time, values, (*notes, *_said(full, master), *cut))
+    return Resampled(time, values, (*notes, *_said(full, master, rates), *cut))
 
 
 def _clean(wanted: Sequence[Wanted], where: str) -> tuple[list[Wanted], list[str]]:
@@ -152,11 +153,21 @@ def rate_of(time: Array) -> float:
     return float(1.0 / np.median(np.diff(time)))
 
 
-def _master(full: list[Wanted]) -> Wanted:
+def _rates(full: list[Wanted]) -> dict[str, float]:
+    """The rate of each channel [Hz]; those of one clock are as many as they are long."""
+    known: dict[tuple[str, int], float] = {}
+    for w in full:
+        raster = w.trace.clock, w.trace.time.size
+        if raster not in known:
+            known[raster] = rate_of(w.trace.time)
+    return {w.name: known[w.trace.clock, w.trace.time.size] for w in full}
+
+
+def _master(full: list[Wanted], rates: dict[str, float]) -> Wanted:
     base = [w for w in full if w.required] or full
-    rates = {w.name: rate_of(w.trace.time) for w in base}
-    usable = [r for r in rates.values() if r <= FASTEST] or list(rates.values())
-    alike = [w for w in base if ALIKE * max(usable) <= rates[w.name] <= max(usable)]
+    fastest = [rates[w.name] for w in base]
+    top = max([r for r in fastest if r <= FASTEST] or fastest)
+    alike = [w for w in base if ALIKE * top <= rates[w.name] <= top]
 
     def carried(w: Wanted) -> tuple[int, int, int]:
         mates = [x.name for x in full if x.trace.clock == w.trace.clock]
@@ -165,33 +176,43 @@ def _master(full: list[Wanted]) -> Wanted:
     return max(alike, key=carried)
 
 
-def _at(w: Wanted, master: Wanted, inside: np.ndarray) -> Array:
+def _at(w: Wanted, master: Wanted, inside: NDArray[np.bool_], rate: float) -> Array:
     """Values of a channel at the times of the clock."""
     t, x = w.trace.time, w.trace.values
-    if t is master.trace.time or np.array_equal(t, master.trace.time):
+    if _same(w, master):
         kept: Array = x[inside]
         return kept
     at = master.trace.time[inside]
-    before = np.clip(np.searchsorted(t, at, side="right") - 1, 0, t.size - 1)
-    if w.hold:
-        values: Array = x[before].astype(np.float64)
-    else:
-        values = np.interp(at, t, x)
-        step = np.diff(t, append=t[-1])[before]
-        wide = max(BRIDGE, STEPS * float(np.median(np.diff(t))))
-        values[(step > wide) & (at > t[before])] = np.nan
+    values = _held(t, x, at) if w.hold else _between(t, x, at, max(BRIDGE, STEPS / rate))
     values[(at < t[0]) | (at > t[-1])] = np.nan
     return values
 
 
-def _said(full: list[Wanted], master: Wanted) -> list[str]:
+def _held(t: Array, x: Array, at: Array) -> Array:
+    before = np.clip(np.searchsorted(t, at, side="right") - 1, 0, t.size - 1)
+    held: Array = x[before].astype(np.float64)
+    return held
+
+
+def _between(t: Array, x: Array, at: Array, wide: float) -> Array:
+    """Straight lines between samples, NaN where they are more than ``wide`` [s] apart."""
+    values: Array = np.interp(at, t, x)
+    for i in np.flatnonzero(np.diff(t) > wide):
+        values[(at > t[i]) & (at < t[i + 1])] = np.nan
+    return values
+
+
+def _same(w: Wanted, master: Wanted) -> bool:
+    return np.array_equal(w.trace.time, master.trace.time)
+
+
+def _said(full: list[Wanted], master: Wanted, rates: dict[str, float]) -> list[str]:
     """One line for each raster, on what was done to it."""
-    if all(np.array_equal(w.trace.time, master.trace.time) for w in full):
+    if all(_same(w, master) for w in full):
         return []
     lines: dict[str, list[str]] = {}
     for w in full:
-        rate = f"{w.trace.clock}, {rate_of(w.trace.time):.4g} Hz"
-        same = np.array_equal(w.trace.time, master.trace.time)
-        how = "is the clock" if same else f"{'held' if w.hold else 'interpolated linearly'}"
-        lines.setdefault(f"({rate}) {how}", []).append(w.name)
+        way = "held" if w.hold else "interpolated linearly"
+        how = "is the clock" if _same(w, master) else way
+        lines.setdefault(f"({w.trace.clock}, {rates[w.name]:.4g} Hz) {how}", []).append(w.name)
     return [f"{', '.join(names)} {how}" for how, names in lines.items()]
