@@ -69,6 +69,8 @@ def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
             database = cantools.database.load_string(text, database_format="dbc", strict=True)
         except Exception as cause:  # cantools raises many kinds, some of its parser's
             raise ChannelMapError(f"no DBC: {cause}", where=path, expected="a DBC") from cause
+        if not database.messages:
+            raise ChannelMapError("no messages in it", where=path, expected="a DBC")
         for message in database.messages:
             key = (message.frame_id, message.is_extended_frame)
             if key in messages:

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from calib.errors import LogError
-from calib.logs.bus import described, trace
-from calib.logs.dbc import Dbc, read_dbc
+from calib.logs.bus import described, require_dbc, trace
+from calib.logs.dbc import Dbc
 from calib.logs.extra import need
 from calib.logs.mdf_frames import bus_groups, frames_in
+from calib.logs.mdf_records import check_records
 from calib.logs.mdf_size import check_size
 from calib.logs.recording import Recording, Trace, named
 from calib.logs.source import Column
@@ -41,7 +42,8 @@ def open_mdf(path: Path, dbc: Sequence[Path]) -> Recording:
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where)
-    check_size(path)
+    if check_size(path).startswith("4"):
+        check_records(path)
     try:
         mdf = asammdf.MDF(path)
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
@@ -57,7 +59,7 @@ def open_mdf(path: Path, dbc: Sequence[Path]) -> Recording:
 def _recording(mdf: Any, dbc: Sequence[Path], where: str) -> Recording:
     buses = bus_groups(mdf)
     columns, places, notes = _channels(mdf, buses)
-    known = read_dbc(dbc, "mdf", where) if dbc and buses else None
+    known = require_dbc(dbc, "mdf", where) if buses and (dbc or not columns) else None
     frames = frames_in(mdf, buses, known.keys, where) if known else []
     if buses and not known:
         notes.append("there are frames of a bus, not read without a DBC: name it in a channel map")

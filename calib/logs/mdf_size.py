@@ -5,6 +5,7 @@ MDF 3   a data group names its data; records times record size says how long tha
 """
 
 import struct
+from itertools import pairwise
 from pathlib import Path
 from typing import BinaryIO
 
@@ -15,11 +16,11 @@ _HEAD, _ID_SIZE = 64, 64
 _MOST_LINKS = 10_000_000
 
 
-def check_size(path: Path) -> None:
-    """Compare the size of a file with what its blocks and record counts need.
+def check_size(path: Path) -> str:
+    """Compare the size of a file with what its blocks need, in MDF 3 with its record counts too.
 
-    Raises LogError for a file that is no MDF, one whose recorder did not finish it, and one that
-    is shorter than it says, with the number of bytes that are missing.
+    Returns the version of the format. Raises LogError for a file that is no MDF, one whose recorder did
+    not finish it, and one that is shorter than it says, with the number of bytes that are missing.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -37,6 +38,7 @@ def check_size(path: Path) -> None:
                 where=path,
                 expected="3.x or 4.x",
             )
+    return version.decode()
 
 
 def _check_identification(identification: bytes, size: int, path: Path) -> None:
@@ -102,6 +104,7 @@ def _walk_v3(file: BinaryIO, order: str, size: int, path: Path) -> None:
         end = max(end, place + length)
         return tuple(rest)
 
+    ranges: list[tuple[int, int]] = []
     (group,) = block(_HEAD, b"HD", "I")
     while group:
         group, channels, _, data, _, ids = block(group, b"DG", "IIIIHH")
@@ -112,9 +115,20 @@ def _walk_v3(file: BinaryIO, order: str, size: int, path: Path) -> None:
             while channel:
                 channel, *others = block(channel, b"CN", "IIIII")
                 end = max([end, *(o + 4 for o in others)])
-        end = max(end, data + needed if data else 0)
+        ranges += [(data, data + needed)] if data and needed else []
+    end = max([end, *(stop for _, stop in ranges)])
     if end > size:
         raise _short(size, end, path)
+    ranges.sort()
+    for (begin, stop), (following, _) in pairwise(ranges):
+        if stop > following > begin:
+            raise LogError(
+                f"{following - begin} of {stop - begin} bytes of samples are there before those of "
+                f"another group: {stop - following} are missing",
+                where=path,
+                expected="as many samples as each group counts",
+                do="copy the log again",
+            )
 
 
 def _short(size: int, end: int, path: Path) -> LogError:

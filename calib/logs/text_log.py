@@ -66,8 +66,9 @@ class Counted:
 
     def _require_line_end(self) -> None:
         if self.last and not self.last.endswith("\n"):
+            whole = self.frames - bool(self.frame.match(self.last))
             raise LogError(
-                f"cut off within the last line, after {max(self.frames - 1, 0)} whole frames: "
+                f"cut off within the last line, after {whole} whole frames: "
                 f"{self.last.strip()[:60]!r}",
                 where=self.path,
                 expected="a line that ends",
