@@ -1,5 +1,6 @@
 """ASAM MDF 3 and 4 through asammdf: measured channels, and frames of a bus with a DBC."""
 
+import logging
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -42,6 +43,7 @@ def open_mdf(path: Path, dbc: Sequence[Path]) -> Recording:
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where)
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # what it finds wrong is raised
     if check_size(path).startswith("4"):
         check_records(path)
     try:

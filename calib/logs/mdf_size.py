@@ -19,8 +19,9 @@ _MOST_LINKS = 10_000_000
 def check_size(path: Path) -> str:
     """Compare the size of a file with what its blocks need, in MDF 3 with its record counts too.
 
-    Returns the version of the format. Raises LogError for a file that is no MDF, one whose recorder did
-    not finish it, and one that is shorter than it says, with the number of bytes that are missing.
+    Returns the version of the format. Raises LogError for a file that is no MDF, one whose
+    recorder did not finish it, and one that is shorter than it says, with the number of bytes
+    that are missing.
     """
     size = path.stat().st_size
     with path.open("rb") as file:

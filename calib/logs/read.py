@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from calib.errors import LogError
+from calib.errors import ChannelMapError, LogError
 from calib.logs.asc import open_asc
 from calib.logs.assign import TRUTH, Assigned, assign
 from calib.logs.blf import open_blf
@@ -120,17 +120,28 @@ def _read_recording(path: Path, channel_map: ChannelMap | None, require: tuple[s
     opened = RECORDINGS[path.suffix.lower()](path, channel_map.dbc if channel_map else ())
     try:
         taken, ignored = assign(opened.columns, channel_map, require, where)
-        others = [item for item in taken if item.channel != "time"]
+        clock = next(item for item in taken if item.channel == "time")
+        if clock.index != 0:
+            raise _own_clock(clock, channel_map)
+        others = [item for item in taken if item is not clock]
         if not others:
             raise _nothing_taken(ignored, opened.notes, where)
         traces = opened.read([item.index for item in others])
     finally:
         opened.close()
     resampled = on_one_clock([_wanted(i, t) for i, t in zip(others, traces, strict=True)], where)
-    clock = next(item for item in taken if item.channel == "time")
     written = zip((clock, *others), (resampled.time, *resampled.values), strict=True)
     values = {item.channel: item.to_si(w) for item, w in written}
     return _Taken(digest, values, ignored, opened.notes + resampled.notes)
+
+
+def _own_clock(clock: Assigned, channel_map: ChannelMap | None) -> ChannelMapError:
+    return ChannelMapError(
+        f"time is mapped to {clock.mapping.source!r}, but each channel of this log has its own",
+        where=channel_map.where if channel_map else None,
+        expected="no entry for time",
+        do="delete it",
+    )
 
 
 def _wanted(item: Assigned, trace: Trace) -> Wanted:

@@ -144,6 +144,14 @@ def test_a_name_in_two_groups_must_be_chosen(tmp_path):
     assert read_log(path, chart)["p_mc"][0] == 9e5
 
 
+def test_the_clock_cannot_be_mapped(tmp_path):
+    path = write(tmp_path / "run.mf4", [*others(), signal("Zeit", "s")])
+    chart = tmp_path / "map.toml"
+    chart.write_text('schema = 1\n[channels.time]\nsource = "Zeit"\n')
+    with pytest.raises(ChannelMapError, match="time is mapped to 'Zeit'"):
+        read_log(path, chart)
+
+
 def test_text_is_no_channel(tmp_path):
     text = signal("v", "m/s", np.asarray([b"fast"] * TIME.size), encoding="utf-8")
     with pytest.raises(LogError, match="v: holds"):
