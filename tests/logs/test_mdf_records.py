@@ -3,6 +3,7 @@
 import struct
 
 import asammdf
+import numpy as np
 import pytest
 
 from calib.errors import LogError
@@ -40,8 +41,6 @@ def test_a_whole_file_is_whole(tmp_path, compression):
 
 def test_many_blocks(tmp_path):
     """asammdf splits what is longer than 4 MiB."""
-    import numpy as np
-
     time = np.arange(600_000) * 1e-3
     with asammdf.MDF() as mdf:
         mdf.append([asammdf.Signal(time, time, name="x", unit="s")])
