@@ -45,6 +45,7 @@ def fit(vehicle: Vehicle, logs: list[Log], empirical: Empirical | None = None) -
     `calib.account`. Raises LogError when no log is a ramp that will do, with the reason and what to
     drive instead.
     """
+    notes = {(log.name, log.digest): log.notes for log in logs}
     accounted = [account(vehicle, log, empirical) for log in logs]
     car = accounted[0].vehicle if accounted else vehicle
     ramps, coasts = sort_logs(car, [run.log for run in accounted])
@@ -87,7 +88,7 @@ def fit(vehicle: Vehicle, logs: list[Log], empirical: Empirical | None = None) -
         ),
         provenance=Provenance(
             logs=tuple(
-                LogReference(log.name, log.digest, role)
+                LogReference(log.name, log.digest, role, notes[log.name, log.digest])
                 for role, group in (("ramp", ramps), ("coast", coasts))
                 for log, _, _ in group
             ),

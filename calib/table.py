@@ -126,11 +126,15 @@ class TyrePosterior:
 
 @dataclass(frozen=True)
 class LogReference:
-    """A log that took part: its name and the SHA-256 of its bytes."""
+    """A log that took part: its name, the SHA-256 of its bytes, and what its reader did to it.
+
+    ``notes`` say what was resampled or decoded, and how; empty for a log that was taken as it is.
+    """
 
     name: str
     digest: str
     role: str
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -171,6 +175,9 @@ class Table:
         record = asdict(self)
         if self.empirical is None:
             del record["empirical"]
+        for log in record["provenance"]["logs"]:
+            if not log["notes"]:  # as tables were written before a reader had anything to say
+                del log["notes"]
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
         return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
 
@@ -205,7 +212,10 @@ class Table:
                 e: {p: Value(**v) for p, v in ps.items()} for e, ps in r.pop("effects").items()
             },
             provenance=Provenance(
-                logs=tuple(LogReference(**x) for x in provenance["logs"]),
+                logs=tuple(
+                    LogReference(**{**x, "notes": tuple(x.get("notes", ()))})
+                    for x in provenance["logs"]
+                ),
                 settings=provenance["settings"],
                 program=provenance["program"],
             ),

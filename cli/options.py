@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 Store = Annotated[Path, typer.Option("--store", metavar="DIR", help="Directory of the tables.")]
-Map = Annotated[Path | None, typer.Option("--map", metavar="M.toml", help="Channel map.")]
+Map = Annotated[Path | None, typer.Option("--map", metavar="M.toml", help="Channel map, and DBC.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
 KnownModel = Annotated[
     Path | None,

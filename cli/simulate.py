@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, say
-from cli.options import Json, example
+from cli.options import Json, Map, example
 
 if TYPE_CHECKING:
     from calib.logs.log import Log
@@ -46,6 +46,7 @@ def simulate(
     noise: Annotated[
         int | None, typer.Option(metavar="SEED", min=0, help="Add sensor noise with this seed.")
     ] = None,
+    channel_map: Map = None,
     json: Json = False,
 ) -> None:
     """Drive a model of the vehicle with the pressure of a LOG, or through a manoeuvre.
@@ -54,6 +55,8 @@ def simulate(
     on its own clock. The result has the channels of a log and the truth behind them.
     """
     _check_usage(log, manoeuvre, {"--speed": speed, "--pressure": pressure, "--rate": rate}, out)
+    if channel_map is not None and log is None:
+        raise typer.BadParameter("only with a LOG; a manoeuvre has none", param_hint="--map")
     from calib.model import default_model, read_model
     from calib.noise import add_noise
     from calib.vehicle import read_vehicle
@@ -61,7 +64,7 @@ def simulate(
     car = read_vehicle(vehicle)
     driven = read_model(model, car) if model else default_model(car)
     if log is not None:
-        result = _replay(driven, log)
+        result = _replay(driven, log, channel_map)
     else:
         result = _drive(driven, str(manoeuvre), speed, pressure, RATE if rate is None else rate)
     seen = result if noise is None else add_noise(result, noise)
@@ -95,12 +98,12 @@ def _check_usage(
         raise typer.BadParameter("would overwrite the LOG", param_hint="--out")
 
 
-def _replay(model: "Model", path: Path) -> "Log":
+def _replay(model: "Model", path: Path, channel_map: Path | None) -> "Log":
     from calib.logs.read import read_log
     from calib.replay import replay
 
     say(f"replaying the pressure of {path} with {model.vehicle.name}")
-    return replay(model, read_log(path, require=("time", "p_mc")))
+    return replay(model, read_log(path, channel_map, require=("time", "p_mc")))
 
 
 def _drive(

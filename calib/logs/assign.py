@@ -55,7 +55,7 @@ def assign(
         if index not in sources and column.name not in mapped:
             item = _canonical(column, index, where)
             taken += [item] if item else []
-    _refuse_twice(taken, where)
+    _refuse_twice(taken, columns, where)
     names = {item.channel for item in taken}
     indices = {item.index for item in taken}
     ignored = tuple(c.name for i, c in enumerate(columns) if i not in indices)
@@ -70,7 +70,8 @@ def _mapped(
     channel_map: ChannelMap | None,
     where: str,
 ) -> Assigned:
-    found = [i for i, column in enumerate(columns) if column.name == entry.source.strip()]
+    source = entry.source.strip()
+    found = [i for i, column in enumerate(columns) if source in (column.name, column.full)]
     names = [column.name for column in columns]
     if not found:
         raise ChannelMapError(
@@ -84,7 +85,7 @@ def _mapped(
             f"{len(found)} columns are called {entry.source!r}",
             where=f"{where}: {name}",
             expected="one",
-            do="rename one of them",
+            do=_by_full_name([columns[i] for i in found]) or "rename one of them",
         )
     column = columns[found[0]]
     unit = _known_unit(entry.unit or column.unit, CHANNELS[name].si, f"{where}: {name}")
@@ -134,7 +135,12 @@ def _known_unit(unit: str | None, si: str, where: str) -> str:
     return unit
 
 
-def _refuse_twice(taken: list[Assigned], where: str) -> None:
+def _by_full_name(columns: list[Column]) -> str:
+    full = [repr(column.full) for column in columns if column.full]
+    return f"name one of them in a channel map: {', '.join(full)}" if full else ""
+
+
+def _refuse_twice(taken: list[Assigned], columns: tuple[Column, ...], where: str) -> None:
     seen: set[str] = set()
     for item in taken:
         if item.channel in seen:
@@ -142,7 +148,8 @@ def _refuse_twice(taken: list[Assigned], where: str) -> None:
                 "the channel is there twice",
                 where=f"{where}: {item.channel}",
                 expected="one column of that name",
-                do="rename or delete one of them",
+                do=_by_full_name([columns[i.index] for i in taken if i.channel == item.channel])
+                or "rename or delete one of them",
             )
         seen.add(item.channel)
 

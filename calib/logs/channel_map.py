@@ -1,6 +1,7 @@
 """A channel map: which column of a foreign log is which channel, with unit and sign.
 
 schema = 1
+dbc = "chassis.dbc"           # optional: what is in the frames of a bus; relative to this file
 
 [channels.p_mc]
 source = "Brake pressure"     # the column's name in the log
@@ -8,6 +9,7 @@ unit = "kPa"                  # optional: overrides the header's
 sign = 1                      # optional: -1 turns the channel round
 scale = 1.0                   # optional: value = sign * (scale * written + offset), in `unit`
 offset = 0.0
+method = "linear"             # optional, for logs of several rasters: or "hold"
 """
 
 from dataclasses import dataclass
@@ -21,7 +23,8 @@ from calib.toml import check_keys, quantity, read_toml
 from calib.units import UnknownUnit, to_si, unit_of
 
 SCHEMA = 1
-KEYS = ("source", "unit", "sign", "scale", "offset")
+KEYS = ("source", "unit", "sign", "scale", "offset", "method")
+METHODS = ("linear", "hold")
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,7 @@ class Mapping:
     source : name of the column, as the file has it without its unit.
     unit : unit of the values after scale and offset; None takes the header's.
     sign, scale, offset : value = sign * (scale * written + offset).
+    method : what it is between its samples, one of `METHODS`; None lets the file say.
     """
 
     source: str
@@ -40,6 +44,7 @@ class Mapping:
     sign: int = 1
     scale: float = 1.0
     offset: float = 0.0
+    method: str | None = None
 
     def to_si(self, written: Array, unit: str, si: str) -> Array:
         """Values in SI, shape (n,), from what the file holds. Raises UnknownUnit."""
@@ -48,10 +53,11 @@ class Mapping:
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """The mapped channels by canonical name, and the file they came from."""
+    """The mapped channels by canonical name, the file they came from, and its DBC files."""
 
     where: str
     channels: dict[str, Mapping]
+    dbc: tuple[Path, ...] = ()
 
 
 def read_channel_map(path: Path) -> ChannelMap:
@@ -62,12 +68,22 @@ def read_channel_map(path: Path) -> ChannelMap:
     """
     path = Path(path)
     table = read_toml(path, SCHEMA, ChannelMapError)
-    check_keys(table, ("channels",), ("channels",), path, ChannelMapError)
+    needed = () if "dbc" in table else ("channels",)
+    check_keys(table, ("channels", "dbc"), needed, path, ChannelMapError)
     where = f"{path}: channels"
-    channels = check_keys(table["channels"], tuple(CHANNELS), (), where, ChannelMapError)
-    return ChannelMap(
-        str(path), {name: _mapping(name, entry, where) for name, entry in channels.items()}
-    )
+    channels = check_keys(table.get("channels", {}), tuple(CHANNELS), (), where, ChannelMapError)
+    mapped = {name: _mapping(name, entry, where) for name, entry in channels.items()}
+    return ChannelMap(str(path), mapped, _dbc(table.get("dbc", []), path))
+
+
+def _dbc(written: object, path: Path) -> tuple[Path, ...]:
+    """The DBC files: one name or a list of them, relative to the map."""
+    names = [written] if isinstance(written, str) else written
+    if not isinstance(names, list) or not all(isinstance(n, str) and n.strip() for n in names):
+        raise ChannelMapError(
+            f"dbc {written!r}", where=path, expected="the path of a DBC file, or a list of them"
+        )
+    return tuple(path.parent / name for name in names)
 
 
 def _mapping(name: str, entry: object, where: str) -> Mapping:
@@ -78,6 +94,10 @@ def _mapping(name: str, entry: object, where: str) -> Mapping:
     if values.get("sign", 1) not in (1, -1) or isinstance(values.get("sign"), bool):
         raise ChannelMapError(
             f"sign {values['sign']!r}", where=where, expected="1 or -1 (use scale for factors)"
+        )
+    if values.get("method", METHODS[0]) not in METHODS:
+        raise ChannelMapError(
+            f"method {values['method']!r}", where=where, expected=f"one of {', '.join(METHODS)}"
         )
     for key in ("scale", "offset"):
         if key in values:

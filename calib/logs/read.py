@@ -2,14 +2,21 @@
 
 import hashlib
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
-from calib.errors import LogError
-from calib.logs.assign import TRUTH, assign
+from calib.errors import ChannelMapError, LogError
+from calib.logs.asc import open_asc
+from calib.logs.assign import TRUTH, Assigned, assign
+from calib.logs.blf import open_blf
+from calib.logs.candump import open_candump
 from calib.logs.channel_map import ChannelMap, read_channel_map
 from calib.logs.csv import open_csv
-from calib.logs.log import Log
+from calib.logs.log import Array, Log
+from calib.logs.mdf import open_mdf
 from calib.logs.parquet import open_parquet
+from calib.logs.recording import Recording, Trace
+from calib.logs.resample import Wanted, on_one_clock
 from calib.logs.source import Source
 from calib.logs.verify import check_clock, complete_channels
 from calib.names import CHANNELS
@@ -17,11 +24,24 @@ from calib.names import CHANNELS
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 """Channels without which a log can neither be fitted nor validated."""
 
-FORMATS: dict[str, Callable[[bytes, str], Source]] = {
+TABLES: dict[str, Callable[[bytes, str], Source]] = {
     ".csv": open_csv,
     ".parquet": open_parquet,
 }
-"""One opener per file ending. A new format is one file and one line here."""
+"""Formats whose channels share one clock. A new format is one file and one line here."""
+
+RECORDINGS: dict[str, Callable[[Path, tuple[Path, ...]], Recording]] = {
+    ".mf4": open_mdf,
+    ".mdf": open_mdf,
+    ".dat": open_mdf,
+    ".blf": open_blf,
+    ".asc": open_asc,
+    ".log": open_candump,
+}
+"""Formats of several rasters, frames of a bus among them, which need the DBC of the map."""
+
+FORMATS = (*TABLES, *RECORDINGS)
+"""The endings of files that can be read."""
 
 
 def read_log(
@@ -48,30 +68,103 @@ def read_log(
     driven: that is `calib.check`.
     """
     path = Path(path)
-    data = _bytes(path)
+    _refuse_no_file(path)
     where = str(path)
-    source = FORMATS[path.suffix.lower()](data, where)
     if isinstance(channel_map, str | Path):
         channel_map = read_channel_map(channel_map)
     require = ("time", *(name for name in require if name != "time"))
-    taken, ignored = assign(source.columns, channel_map, require, where)
-    written = source.read([item.index for item in taken])
-    values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
-    values, notes = complete_channels(values, require, where)
+    read = _read_recording if path.suffix.lower() in RECORDINGS else _read_table
+    taken = read(path, channel_map, require)
+    values, notes = complete_channels(taken.values, require, where)
     check_clock(values["time"], where)
     return Log(
         name=path.stem,
         source=where,
-        digest=hashlib.sha256(data).hexdigest(),
+        digest=taken.digest,
         channels={name: values[name] for name in CHANNELS if name in values},
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
-        ignored=ignored,
-        notes=source.notes + notes,
+        ignored=taken.ignored,
+        notes=taken.notes + notes,
     )
 
 
-def _bytes(path: Path) -> bytes:
-    """The file's bytes. Raises LogError if it is not a readable file of a known format."""
+@dataclass(frozen=True)
+class _Taken:
+    """What was taken from a file: its digest, channels [SI], columns left, what was done."""
+
+    digest: str
+    values: dict[str, Array]
+    ignored: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def _read_table(path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]) -> _Taken:
+    try:
+        data = path.read_bytes()
+    except OSError as cause:
+        raise _unreadable(path, cause) from cause
+    source = TABLES[path.suffix.lower()](data, str(path))
+    taken, ignored = assign(source.columns, channel_map, require, str(path))
+    written = source.read([item.index for item in taken])
+    values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
+    return _Taken(hashlib.sha256(data).hexdigest(), values, ignored, source.notes)
+
+
+def _read_recording(path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]) -> _Taken:
+    try:
+        with path.open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as cause:
+        raise _unreadable(path, cause) from cause
+    where = str(path)
+    opened = RECORDINGS[path.suffix.lower()](path, channel_map.dbc if channel_map else ())
+    try:
+        taken, ignored = assign(opened.columns, channel_map, require, where)
+        clock = next(item for item in taken if item.channel == "time")
+        if clock.index != 0:
+            raise _own_clock(clock, channel_map)
+        others = [item for item in taken if item is not clock]
+        if not others:
+            raise _nothing_taken(ignored, opened.notes, where)
+        traces = opened.read([item.index for item in others])
+    finally:
+        opened.close()
+    resampled = on_one_clock([_wanted(i, t) for i, t in zip(others, traces, strict=True)], where)
+    written = zip((clock, *others), (resampled.time, *resampled.values), strict=True)
+    values = {item.channel: item.to_si(w) for item, w in written}
+    return _Taken(digest, values, ignored, opened.notes + resampled.notes)
+
+
+def _own_clock(clock: Assigned, channel_map: ChannelMap | None) -> ChannelMapError:
+    return ChannelMapError(
+        f"time is mapped to {clock.mapping.source!r}, but each channel of this log has its own",
+        where=channel_map.where if channel_map else None,
+        expected="no entry for time",
+        do="delete it",
+    )
+
+
+def _wanted(item: Assigned, trace: Trace) -> Wanted:
+    method = item.mapping.method
+    return Wanted(item.channel, trace, trace.state if method is None else method == "hold")
+
+
+def _nothing_taken(ignored: tuple[str, ...], notes: tuple[str, ...], where: str) -> LogError:
+    have = ", ".join(repr(name) for name in ignored) or "no channels"
+    return LogError(
+        f"none of its channels is known; it has {have}",
+        where=where,
+        expected=f"channels called {', '.join(REQUIRED[1:])}",
+        do="; ".join([*notes, "name foreign channels in a channel map (--map)"]),
+    )
+
+
+def _unreadable(path: Path, cause: OSError) -> LogError:
+    return LogError(f"not readable: {cause.strerror}", where=path)
+
+
+def _refuse_no_file(path: Path) -> None:
+    """Raise LogError if it is not a file of a known format."""
     if path.is_dir():
         raise LogError("a directory", where=path, expected="a log file", do="name the files in it")
     if not path.exists():
@@ -80,7 +173,3 @@ def _bytes(path: Path) -> bytes:
         raise LogError(
             f"unknown format {path.suffix!r}", where=path, expected=f"one of {', '.join(FORMATS)}"
         )
-    try:
-        return path.read_bytes()
-    except OSError as cause:
-        raise LogError(f"not readable: {cause.strerror}", where=path) from cause

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,14 @@ _CELL = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
 
 @dataclass(frozen=True)
 class Column:
-    """A column as the file names it. ``unit`` is None where the file says nothing of it."""
+    """A column as the file names it. ``unit`` is None where the file says nothing of it.
+
+    ``full`` names it among several of the same ``name``: with its group, message or bus.
+    """
 
     name: str
     unit: str | None
+    full: str = field(default="", repr=False)
 
 
 @dataclass(frozen=True)

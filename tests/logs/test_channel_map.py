@@ -1,5 +1,7 @@
 """Channel maps: foreign names, units and signs."""
 
+from pathlib import Path
+
 import pytest
 
 from calib.errors import ChannelMapError, LogError
@@ -104,3 +106,19 @@ def test_slips_are_named(tmp_path, old, new, words):
 
 def test_no_file(tmp_path):
     assert "no such file" in refusal(tmp_path / "none.toml")
+
+
+def test_dbc_files_are_relative_to_the_map(tmp_path):
+    text = "schema = 1\ndbc = {}\n"
+    one = read_channel_map(write_map(tmp_path, text.format('"a.dbc"')))
+    assert (one.dbc, one.channels) == ((tmp_path / "a.dbc",), {})
+    two = read_channel_map(write_map(tmp_path, text.format('["a.dbc", "/x/b.dbc"]')))
+    assert two.dbc == (tmp_path / "a.dbc", Path("/x/b.dbc"))
+    assert read_channel_map(write_map(tmp_path, MAP)).dbc == ()
+
+
+@pytest.mark.parametrize("dbc", ["5", '""', '["a.dbc", 5]', "{can0 = 'a.dbc'}"])
+def test_dbc_that_is_no_path(tmp_path, dbc):
+    assert "expected the path of a DBC file" in refusal(
+        write_map(tmp_path, f"schema = 1\ndbc = {dbc}\n")
+    )

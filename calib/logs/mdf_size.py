@@ -1,0 +1,142 @@
+"""How long an MDF file must be, by its own links and counts: what a cut file lacks.
+
+MDF 4   every block names its length and links to others by byte     ##DG -> ##CG -> ##CN ...
+MDF 3   a data group names its data; records times record size says how long that is
+"""
+
+import struct
+from itertools import pairwise
+from pathlib import Path
+from typing import BinaryIO
+
+from calib.errors import LogError
+
+_V4 = struct.Struct("<4s4xQQ")
+_HEAD, _ID_SIZE = 64, 64
+_MOST_LINKS = 10_000_000
+
+
+def check_size(path: Path) -> str:
+    """Compare the size of a file with what its blocks need, in MDF 3 with its record counts too.
+
+    Returns the version of the format. Raises LogError for a file that is no MDF, one whose
+    recorder did not finish it, and one that is shorter than it says, with the number of bytes
+    that are missing.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        identification = file.read(_ID_SIZE)
+        _check_identification(identification, size, path)
+        version = identification[8:12].strip(b" \0")
+        if version.startswith(b"4"):
+            _walk_v4(file, size, path)
+        elif version.startswith((b"2", b"3")):
+            little = identification[24:26] == b"\0\0"
+            _walk_v3(file, "<" if little else ">", size, path)
+        else:
+            raise LogError(
+                f"MDF version {version.decode(errors='replace')!r}",
+                where=path,
+                expected="3.x or 4.x",
+            )
+    return version.decode()
+
+
+def _check_identification(identification: bytes, size: int, path: Path) -> None:
+    if identification[:8].rstrip(b" \0") == b"UnFinMF":
+        raise LogError(
+            "the recorder did not finish the file (UnFinMF), so its counts are not final",
+            where=path,
+            expected="a finished file: only its counts tell whether anything is missing",
+            do="finish it with the recorder's own tool, or open and save it with an MDF editor",
+        )
+    if identification[:8].rstrip(b" \0") != b"MDF":
+        raise LogError("not an MDF file", where=path, expected="a file that begins with MDF")
+    if len(identification) < _ID_SIZE:
+        raise _short(size, _HEAD, path)
+
+
+def _walk_v4(file: BinaryIO, size: int, path: Path) -> None:
+    """Follow every link; the furthest end of a block is what the file must reach."""
+    seen, todo, end = set[int](), [_HEAD], _HEAD
+    while todo:
+        place = todo.pop()
+        if place in seen or place == 0:
+            continue
+        seen.add(place)
+        end = max(end, place + _V4.size)
+        if place + _V4.size > size:
+            continue
+        file.seek(place)
+        kind, length, links = _V4.unpack(file.read(_V4.size))
+        if kind[:2] != b"##" or links > _MOST_LINKS or length < _V4.size + 8 * links:
+            raise LogError(
+                f"no block at byte {place}, where one should be",
+                where=path,
+                expected="an undamaged file",
+                do="copy the log again",
+            )
+        end = max(end, place + length)
+        if links and place + _V4.size + 8 * links <= size:
+            todo += struct.unpack(f"<{links}Q", file.read(8 * links))
+    if end > size:
+        raise _short(size, end, path)
+
+
+def _walk_v3(file: BinaryIO, order: str, size: int, path: Path) -> None:
+    """Follow groups and channels; data is as long as its records."""
+    end = _HEAD
+
+    def block(place: int, kind: bytes, form: str) -> tuple[int, ...]:
+        nonlocal end
+        layout = struct.Struct(f"{order}2sH{form}")
+        end = max(end, place + layout.size)
+        if place + layout.size > size:
+            raise _short(size, end, path)
+        file.seek(place)
+        found, length, *rest = layout.unpack(file.read(layout.size))
+        if found != kind:
+            raise LogError(
+                f"no {kind.decode()} block at byte {place}, where one should be",
+                where=path,
+                expected="an undamaged file",
+                do="copy the log again",
+            )
+        end = max(end, place + length)
+        return tuple(rest)
+
+    ranges: list[tuple[int, int]] = []
+    (group,) = block(_HEAD, b"HD", "I")
+    while group:
+        group, channels, _, data, _, ids = block(group, b"DG", "IIIIHH")
+        needed = 0
+        while channels:
+            channels, channel, _, _, _, width, count = block(channels, b"CG", "IIIHHHI")
+            needed += count * (width + ids)
+            while channel:
+                channel, *others = block(channel, b"CN", "IIIII")
+                end = max([end, *(o + 4 for o in others)])
+        ranges += [(data, data + needed)] if data and needed else []
+    end = max([end, *(stop for _, stop in ranges)])
+    if end > size:
+        raise _short(size, end, path)
+    ranges.sort()
+    for (begin, stop), (following, _) in pairwise(ranges):
+        if stop > following > begin:
+            raise LogError(
+                f"{following - begin} of {stop - begin} bytes of samples are there before those of "
+                f"another group: {stop - following} are missing",
+                where=path,
+                expected="as many samples as each group counts",
+                do="copy the log again",
+            )
+
+
+def _short(size: int, end: int, path: Path) -> LogError:
+    return LogError(
+        f"cut off: {size} bytes are there, its blocks reach to byte {end}; at least {end - size} "
+        f"are missing ({100 * (1 - size / end):.0f} % of the file)",
+        where=path,
+        expected="a whole file",
+        do="copy the log again",
+    )

@@ -1,0 +1,218 @@
+"""Several rasters onto one clock.
+
+p_mc     |.........|.........|....        100 Hz   linear between its samples
+omega    ....|....|....|....|....          200 Hz   the clock: kept as it is
+v        .........|...................      10 Hz   linear
+time         |----|----|----|              only where every required channel has values
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import LogError
+from calib.logs.recording import Trace
+from calib.logs.running import running
+from calib.logs.source import Array
+from calib.names import CHANNELS
+
+FASTEST = 1050.0
+"""A raster above this [Hz] is not taken as the clock while there is a slower one."""
+
+ALIKE = 0.9
+"""Rasters whose rate is this near to the fastest compete by the wheel speeds they carry."""
+
+ENDS = 0.5
+"""An optional channel may shorten the log by this much at either end [s]; else it is left out."""
+
+BRIDGE = 0.1
+"""Between samples further apart than this [s] and than `STEPS` nothing is filled in."""
+
+STEPS = 3.5
+"""Median steps of a channel: two samples in a row may be missing, jitter apart."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A channel to bring onto the clock: its canonical name, its trace, and the way to do it."""
+
+    name: str
+    trace: Trace
+    hold: bool
+
+    @property
+    def required(self) -> bool:
+        """Whether every log must have the channel."""
+        return self.name in CHANNELS and CHANNELS[self.name].required
+
+
+@dataclass(frozen=True)
+class Resampled:
+    """``time`` [s], one array of its shape for each wanted channel, NaN where it has no value."""
+
+    time: Array
+    values: list[Array]
+    notes: tuple[str, ...]
+
+
+def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
+    """Bring channels onto one clock.
+
+    The clock is the raster of a required channel with the highest rate, its own timestamps; where
+    several are as fast, the one that carries most wheel speeds. Channels on it keep their samples;
+    others are interpolated in a straight line, states hold their last value. Nothing is filled in
+    before the first or after the last sample of a channel, nor across a gap.
+
+    Raises LogError if the required channels have no time in common, for clocks that cannot be put
+    in order (`calib.logs.running`), and if there is no channel at all.
+    """
+    if not wanted:
+        raise LogError("no channel is known", where=where, do="name channels in a channel map")
+    wanted, notes = _clean(wanted, where)
+    full = [w for w in wanted if w.trace.time.size > 1]
+    if not full:
+        raise LogError("every channel is empty", where=where, expected="samples")
+    low, high, cut = _span(full, where)
+    rates = _rates(full)
+    master = _master(full, rates)
+    inside = (master.trace.time >= low) & (master.trace.time <= high)
+    time = master.trace.time[inside]
+    missing = np.full(time.size, np.nan)
+    values = [
+        _at(w, master, inside, rates[w.name]) if w.name in rates else missing.copy() for w in wanted
+    ]
+    return Resampled(time, values, (*notes, *_said(full, master, rates), *cut))
+
+
+def _clean(wanted: Sequence[Wanted], where: str) -> tuple[list[Wanted], list[str]]:
+    """Order the samples of each trace in time; drop invalid ones and those written twice."""
+    clocks: dict[str, tuple[Array, str]] = {}
+    notes: list[str] = []
+    cleaned = []
+    for w in wanted:
+        trace = w.trace
+        if trace.clock not in clocks:
+            time, said = running(trace.time, f"{where}: {trace.clock}")
+            clocks[trace.clock] = time, trace.clock
+            notes += [f"{trace.clock}: {text}" for text in said]
+        time = clocks[trace.clock][0]
+        cleaned.append(Wanted(w.name, _ordered(trace, time), w.hold))
+        notes += _lost(w, cleaned[-1].trace)
+    return cleaned, list(dict.fromkeys(notes))
+
+
+def _ordered(trace: Trace, time: Array) -> Trace:
+    """Ascending times, of equal ones the last that was written; only valid values."""
+    valid = ~np.isnan(trace.values)
+    if np.all(np.diff(time) > 0) and valid.all():
+        return Trace(trace.clock, time, trace.values, trace.state)
+    order = np.argsort(time[valid], kind="stable")
+    t, x = time[valid][order], trace.values[valid][order]
+    last = np.append(np.diff(t) > 0, True) if t.size else np.zeros(0, bool)
+    return Trace(trace.clock, t[last], x[last], trace.state)
+
+
+def _lost(w: Wanted, trace: Trace) -> list[str]:
+    invalid = int(np.count_nonzero(np.isnan(w.trace.values)))
+    twice = w.trace.time.size - invalid - trace.time.size
+    notes = [f"{w.name}: {invalid} samples are marked invalid and were left out"] if invalid else []
+    if twice:
+        notes.append(f"{trace.clock}: {twice} samples with the time of another; the last was taken")
+    return notes
+
+
+def _span(full: list[Wanted], where: str) -> tuple[float, float, list[str]]:
+    """What all required channels cover [s], less at most `ENDS` for the others."""
+    base = [w for w in full if w.required] or full
+    low = max(float(w.trace.time[0]) for w in base)
+    high = min(float(w.trace.time[-1]) for w in base)
+    if high <= low:
+        spans = (f"{w.name} {w.trace.time[0]:.3f} to {w.trace.time[-1]:.3f} s" for w in base)
+        raise LogError(
+            "the channels have no time in common: " + ", ".join(spans),
+            where=where,
+            expected="one run in which all are recorded",
+        )
+    first, last = min(w.trace.time[0] for w in full), max(w.trace.time[-1] for w in full)
+    near = [
+        w
+        for w in full
+        if w.trace.time[0] <= low + ENDS and w.trace.time[-1] >= high - ENDS  # the rest has holes
+    ]
+    low = max([low, *(float(w.trace.time[0]) for w in near)])
+    high = min([high, *(float(w.trace.time[-1]) for w in near)])
+    ends = max(low - first, last - high)
+    cut = f"{low - first:.3f} s at the start and {last - high:.3f} s at the end were cut off: "
+    return low, high, [cut + "not every channel has values there"] if ends > 0.0005 else []
+
+
+def rate_of(time: Array) -> float:
+    """Samples per second by the median step of ascending times [s]."""
+    return float(1.0 / np.median(np.diff(time)))
+
+
+def _rates(full: list[Wanted]) -> dict[str, float]:
+    """The rate of each channel [Hz]; those of one clock are as many as they are long."""
+    known: dict[tuple[str, int], float] = {}
+    for w in full:
+        raster = w.trace.clock, w.trace.time.size
+        if raster not in known:
+            known[raster] = rate_of(w.trace.time)
+    return {w.name: known[w.trace.clock, w.trace.time.size] for w in full}
+
+
+def _master(full: list[Wanted], rates: dict[str, float]) -> Wanted:
+    base = [w for w in full if w.required] or full
+    fastest = [rates[w.name] for w in base]
+    top = max([r for r in fastest if r <= FASTEST] or fastest)
+    alike = [w for w in base if ALIKE * top <= rates[w.name] <= top]
+
+    def carried(w: Wanted) -> tuple[int, int, int]:
+        mates = [x.name for x in full if x.trace.clock == w.trace.clock]
+        return sum(n.startswith("omega") for n in mates), len(mates), w.trace.time.size
+
+    return max(alike, key=carried)
+
+
+def _at(w: Wanted, master: Wanted, inside: NDArray[np.bool_], rate: float) -> Array:
+    """Values of a channel at the times of the clock."""
+    t, x = w.trace.time, w.trace.values
+    if _same(w, master):
+        kept: Array = x[inside]
+        return kept
+    at = master.trace.time[inside]
+    values = _held(t, x, at) if w.hold else _between(t, x, at, max(BRIDGE, STEPS / rate))
+    values[(at < t[0]) | (at > t[-1])] = np.nan
+    return values
+
+
+def _held(t: Array, x: Array, at: Array) -> Array:
+    before = np.clip(np.searchsorted(t, at, side="right") - 1, 0, t.size - 1)
+    held: Array = x[before].astype(np.float64)
+    return held
+
+
+def _between(t: Array, x: Array, at: Array, wide: float) -> Array:
+    """Straight lines between samples, NaN where they are more than ``wide`` [s] apart."""
+    values: Array = np.interp(at, t, x)
+    for i in np.flatnonzero(np.diff(t) > wide):
+        values[(at > t[i]) & (at < t[i + 1])] = np.nan
+    return values
+
+
+def _same(w: Wanted, master: Wanted) -> bool:
+    return np.array_equal(w.trace.time, master.trace.time)
+
+
+def _said(full: list[Wanted], master: Wanted, rates: dict[str, float]) -> list[str]:
+    """One line for each raster, on what was done to it."""
+    if all(_same(w, master) for w in full):
+        return []
+    lines: dict[str, list[str]] = {}
+    for w in full:
+        way = "held" if w.hold else "interpolated linearly"
+        how = "is the clock" if _same(w, master) else way
+        lines.setdefault(f"({w.trace.clock}, {rates[w.name]:.4g} Hz) {how}", []).append(w.name)
+    return [f"{', '.join(names)} {how}" for how, names in lines.items()]
