@@ -46,10 +46,10 @@ def test_a_log_is_replayed_on_its_own_clock(tmp_path):
     assert "replaying" in result.stderr
     log, sim = read_log(source), read_log(out)
     assert np.array_equal(sim.time, log.time[: sim.time.size])
-    # what is replayed is the pressure without the noise of its sensor: at most 0.4 bar
+    # what is replayed is the pressure without the noise of its sensor: 0.15 bar, four sigma at most
     noise = sim["p_mc"] - log["p_mc"][: sim.time.size]
-    assert np.abs(noise).max() <= 0.4e5
-    assert noise.std() < 0.1e5
+    assert np.abs(noise).max() <= 0.6e5
+    assert noise.std() < 0.16e5
     assert "true_Tb_fl" in sim.truth
     assert list(tmp_path.iterdir()) == [out]
 
