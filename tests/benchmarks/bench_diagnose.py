@@ -1,0 +1,54 @@
+"""Time and memory of `brake-cal diagnose` on cases of twelve logs of about ten seconds.
+
+    python tests/benchmarks/bench_diagnose.py --seed 90
+
+One case of each kind, eight logs to search and four to prove it on, as files; the whole process is
+timed, report and replays included.
+"""
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+
+from tests.hidden.cases import KINDS, draw, write
+
+
+def main() -> None:
+    """Draw, run, print."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--seed", type=int, default=90)
+    asked = parser.parse_args()
+    print("| kind | hidden | seconds | of them computing |\n|---|---|---|---|")
+    for kind in KINDS:
+        case = draw(kind, asked.seed, severity=1)
+        with tempfile.TemporaryDirectory() as folder:
+            write(case, Path(folder))
+            print(
+                f"| {kind} | {', '.join(case.effects) or 'nothing'} | {timed(Path(folder)):.1f} |"
+            )
+    largest = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
+    print(f"\n{os.cpu_count()} cores; largest process {largest:.0f} MB")
+
+
+def timed(folder: Path) -> tuple[float, float]:
+    """Wall time and processor time of one diagnosis [s]; they differ on a machine that is busy."""
+    words = [sys.executable, "-m", "cli.main", "diagnose"]
+    words += map(str, sorted((folder / "calibration").iterdir()))
+    words += ["--holdout", *map(str, sorted((folder / "holdout").iterdir()))]
+    words += ["--vehicle", str(folder / "vehicle.toml"), "--out", str(folder / "found")]
+    start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(words, check=True, capture_output=True, cwd=Path(__file__).parents[2])
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return time.perf_counter() - start, cpu
+
+
+if __name__ == "__main__":
+    main()
