@@ -30,9 +30,8 @@ def main() -> None:
         case = draw(kind, asked.seed, severity=1)
         with tempfile.TemporaryDirectory() as folder:
             write(case, Path(folder))
-            print(
-                f"| {kind} | {', '.join(case.effects) or 'nothing'} | {timed(Path(folder)):.1f} |"
-            )
+            wall, cpu = timed(Path(folder))
+            print(f"| {kind} | {', '.join(case.effects) or 'nothing'} | {wall:.1f} | {cpu:.1f} |")
     largest = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
     print(f"\n{os.cpu_count()} cores; largest process {largest:.0f} MB")
 
