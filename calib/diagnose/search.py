@@ -126,9 +126,20 @@ def trials(name: str) -> list[Array]:
 
 def refine(problem: Problem, at: Candidate, count: int = REFINED) -> list[Candidate]:
     """Fit the most promising effects on top of ``at``; best first."""
-    fitted = [
-        fit(problem, (*at.names, hint.name), hint.start)
-        for hint in hints(problem, at)[:count]
-        if hint.gain > 0.0
-    ]
+    fitted = [_fitted(problem, at, hint) for hint in hints(problem, at)[:count] if hint.gain > 0.0]
     return sorted(fitted, key=lambda candidate: candidate.chi2)
+
+
+def _fitted(problem: Problem, at: Candidate, hint: Hint) -> Candidate:
+    """Fit an effect; from a full spread again if the fit falls short of its own hint.
+
+    A loop narrower than the noise of the pressure does nothing good, so that a fit which begins
+    there stays there.
+    """
+    names = (*at.names, hint.name)
+    first = fit(problem, names, hint.start)
+    if at.chi2 - first.chi2 > 0.5 * hint.gain:
+        return first
+    further = hint.start.copy()
+    further[at.x.size] = np.copysign(1.0, further[at.x.size])
+    return min(first, fit(problem, names, further), key=lambda candidate: candidate.chi2)
