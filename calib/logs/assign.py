@@ -3,8 +3,11 @@
 import difflib
 from dataclasses import dataclass
 
+import numpy as np
+
 from calib.errors import ChannelMapError, LogError
 from calib.logs.channel_map import ChannelMap, Mapping
+from calib.logs.log import Origin
 from calib.logs.source import Array, Column
 from calib.names import CHANNELS, TRUTH_UNITS
 from calib.units import UnknownUnit, si_of, unit_of
@@ -21,10 +24,16 @@ class Assigned:
     unit: str
     si: str
     mapping: Mapping
+    source: str = ""
 
     def to_si(self, written: Array) -> Array:
         """Values in SI, shape (n,)."""
         return self.mapping.to_si(written, self.unit, self.si)
+
+    def origin(self) -> Origin:
+        """Source, unit, factor and offset; exact, since every conversion is linear."""
+        nought, one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
+        return Origin(self.channel, self.source, self.unit, one - nought, nought)
 
 
 def assign(
@@ -70,7 +79,8 @@ def _mapped(
     channel_map: ChannelMap | None,
     where: str,
 ) -> Assigned:
-    found = [i for i, column in enumerate(columns) if column.name == entry.source.strip()]
+    source = entry.source.strip()
+    found = [i for i, column in enumerate(columns) if source in (column.name, column.full)]
     names = [column.name for column in columns]
     if not found:
         raise ChannelMapError(
@@ -88,7 +98,7 @@ def _mapped(
         )
     column = columns[found[0]]
     unit = _known_unit(entry.unit or column.unit, CHANNELS[name].si, f"{where}: {name}")
-    return Assigned(name, found[0], unit, CHANNELS[name].si, entry)
+    return Assigned(name, found[0], unit, CHANNELS[name].si, entry, column.name)
 
 
 def _canonical(column: Column, index: int, where: str) -> Assigned | None:
@@ -103,7 +113,7 @@ def _canonical(column: Column, index: int, where: str) -> Assigned | None:
     else:
         return None
     unit = _known_unit(column.unit, si, f"{where}: {column.name}")
-    return Assigned(column.name, index, unit, si, Mapping(column.name))
+    return Assigned(column.name, index, unit, si, Mapping(column.name), column.name)
 
 
 def _truth_si(column: Column) -> str | None:

@@ -8,13 +8,20 @@ unit = "kPa"                  # optional: overrides the header's
 sign = 1                      # optional: -1 turns the channel round
 scale = 1.0                   # optional: value = sign * (scale * written + offset), in `unit`
 offset = 0.0
+
+[text]                        # optional: how a text table is written, where that is not certain
+separator = ";"
+decimal = ","
+encoding = "latin-1"
 """
 
+import codecs
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from calib.errors import ChannelMapError
+from calib.logs.dialect import LOOKED, SEPARATORS, TextFormat
 from calib.logs.source import Array
 from calib.names import CHANNELS
 from calib.toml import check_keys, quantity, read_toml
@@ -48,10 +55,11 @@ class Mapping:
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """The mapped channels by canonical name, and the file they came from."""
+    """The mapped channels by canonical name, the file they came from, and how a text is written."""
 
     where: str
     channels: dict[str, Mapping]
+    text: TextFormat = LOOKED
 
 
 def read_channel_map(path: Path) -> ChannelMap:
@@ -62,12 +70,32 @@ def read_channel_map(path: Path) -> ChannelMap:
     """
     path = Path(path)
     table = read_toml(path, SCHEMA, ChannelMapError)
-    check_keys(table, ("channels",), ("channels",), path, ChannelMapError)
+    needed = () if "text" in table else ("channels",)
+    check_keys(table, ("channels", "text"), needed, path, ChannelMapError)
     where = f"{path}: channels"
-    channels = check_keys(table["channels"], tuple(CHANNELS), (), where, ChannelMapError)
-    return ChannelMap(
-        str(path), {name: _mapping(name, entry, where) for name, entry in channels.items()}
+    channels = check_keys(table.get("channels", {}), tuple(CHANNELS), (), where, ChannelMapError)
+    mapped = {name: _mapping(name, entry, where) for name, entry in channels.items()}
+    return ChannelMap(str(path), mapped, _text(table.get("text", {}), f"{path}: text"))
+
+
+def _text(entry: object, where: str) -> TextFormat:
+    values = dict(
+        check_keys(entry, ("separator", "decimal", "encoding"), (), where, ChannelMapError)
     )
+    for key, known in (("separator", tuple(SEPARATORS)), ("decimal", (".", ","))):
+        if key in values and values[key] not in known:
+            raise ChannelMapError(
+                f"{key} {values[key]!r}",
+                where=where,
+                expected=f"one of {', '.join(repr(k) for k in known)}",
+            )
+    try:
+        codecs.lookup(str(values.get("encoding", "utf-8")))
+    except LookupError as cause:
+        raise ChannelMapError(
+            str(cause), where=where, expected='an encoding such as "utf-8" or "latin-1"'
+        ) from cause
+    return TextFormat(**values)
 
 
 def _mapping(name: str, entry: object, where: str) -> Mapping:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calib.errors import LogError
-from calib.logs.source import Array, Column, Source, column_from_cell
+from calib.logs.header import column_from_cell
+from calib.logs.source import Array, Column, Source
 
 if TYPE_CHECKING:
     import pyarrow
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 UNIT_KEY = b"unit"
 
 
-def open_parquet(data: bytes, where: str) -> Source:
+def open_parquet(data: bytes, where: str, told: object = None) -> Source:
     """Open a Parquet file.
 
     A field without the metadata may name its unit as a CSV header does, ``p_mc [bar]``; that is

@@ -1,27 +1,45 @@
 """Read a log of any known format: one file in, one Log in SI out."""
 
 import hashlib
-from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import LogError
 from calib.logs.assign import TRUTH, assign
 from calib.logs.channel_map import ChannelMap, read_channel_map
-from calib.logs.csv import open_csv
+from calib.logs.dialect import LOOKED
 from calib.logs.log import Log
-from calib.logs.parquet import open_parquet
 from calib.logs.source import Source
+from calib.logs.tables import TABLES, ending_of, stem_of
 from calib.logs.verify import check_clock, complete_channels
 from calib.names import CHANNELS
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 """Channels without which a log can neither be fitted nor validated."""
 
-FORMATS: dict[str, Callable[[bytes, str], Source]] = {
-    ".csv": open_csv,
-    ".parquet": open_parquet,
-}
-"""One opener per file ending. A new format is one file and one line here."""
+FORMATS = tuple(TABLES)
+"""The endings of files that can be read."""
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A log that was opened, and the SHA-256 of its bytes."""
+
+    source: Source
+    digest: str
+
+
+def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
+    """Open a log without deciding what its columns are.
+
+    Of ``channel_map`` only what it says of the file's format is used. Raises LogError for a file
+    that is none, or not whole.
+    """
+    path = Path(path)
+    data = _bytes(path)
+    told = channel_map.text if channel_map else LOOKED
+    source = TABLES[ending_of(path)](data, str(path), told)
+    return Opened(source, hashlib.sha256(data).hexdigest())
 
 
 def read_log(
@@ -48,11 +66,11 @@ def read_log(
     driven: that is `calib.check`.
     """
     path = Path(path)
-    data = _bytes(path)
     where = str(path)
-    source = FORMATS[path.suffix.lower()](data, where)
     if isinstance(channel_map, str | Path):
         channel_map = read_channel_map(channel_map)
+    opened = open_log(path, channel_map)
+    source = opened.source
     require = ("time", *(name for name in require if name != "time"))
     taken, ignored = assign(source.columns, channel_map, require, where)
     written = source.read([item.index for item in taken])
@@ -60,9 +78,10 @@ def read_log(
     values, notes = complete_channels(values, require, where)
     check_clock(values["time"], where)
     return Log(
-        name=path.stem,
+        name=stem_of(path),
         source=where,
-        digest=hashlib.sha256(data).hexdigest(),
+        digest=opened.digest,
+        origins=tuple(item.origin() for item in taken if item.channel in values),
         channels={name: values[name] for name in CHANNELS if name in values},
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
         ignored=ignored,
@@ -76,9 +95,11 @@ def _bytes(path: Path) -> bytes:
         raise LogError("a directory", where=path, expected="a log file", do="name the files in it")
     if not path.exists():
         raise LogError("no such file", where=path, expected="a log", do="check the path")
-    if path.suffix.lower() not in FORMATS:
+    if ending_of(path) not in FORMATS:
         raise LogError(
-            f"unknown format {path.suffix!r}", where=path, expected=f"one of {', '.join(FORMATS)}"
+            f"unknown format {ending_of(path)!r}",
+            where=path,
+            expected=f"one of {', '.join(FORMATS)}",
         )
     try:
         return path.read_bytes()
