@@ -58,10 +58,11 @@ def assign(
     for a source that the file does not have.
     """
     mapped = channel_map.channels if channel_map else {}
+    ignore = channel_map.ignore if channel_map else ()
     taken = [_mapped(name, entry, columns, channel_map, where) for name, entry in mapped.items()]
     sources = {item.index for item in taken}
     for index, column in enumerate(columns):
-        if index not in sources and column.name not in mapped:
+        if index not in sources and column.name not in (*mapped, *ignore):
             item = _canonical(column, index, where)
             taken += [item] if item else []
     _refuse_twice(taken, where)

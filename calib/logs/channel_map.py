@@ -1,6 +1,7 @@
 """A channel map: which column of a foreign log is which channel, with unit and sign.
 
 schema = 1
+ignore = ["p_rl"]             # optional: columns that are not what their name says
 
 [channels.p_mc]
 source = "Brake pressure"     # the column's name in the log
@@ -55,11 +56,15 @@ class Mapping:
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """The mapped channels by canonical name, the file they came from, and how a text is written."""
+    """The mapped channels by canonical name, and the file they came from.
+
+    ``text`` says how a text table is written; columns in ``ignore`` are not taken by their name.
+    """
 
     where: str
     channels: dict[str, Mapping]
     text: TextFormat = LOOKED
+    ignore: tuple[str, ...] = ()
 
 
 def read_channel_map(path: Path) -> ChannelMap:
@@ -70,12 +75,19 @@ def read_channel_map(path: Path) -> ChannelMap:
     """
     path = Path(path)
     table = read_toml(path, SCHEMA, ChannelMapError)
-    needed = () if "text" in table else ("channels",)
-    check_keys(table, ("channels", "text"), needed, path, ChannelMapError)
+    needed = () if {"text", "ignore"} & set(table) else ("channels",)
+    check_keys(table, ("channels", "text", "ignore"), needed, path, ChannelMapError)
     where = f"{path}: channels"
     channels = check_keys(table.get("channels", {}), tuple(CHANNELS), (), where, ChannelMapError)
     mapped = {name: _mapping(name, entry, where) for name, entry in channels.items()}
-    return ChannelMap(str(path), mapped, _text(table.get("text", {}), f"{path}: text"))
+    text = _text(table.get("text", {}), f"{path}: text")
+    return ChannelMap(str(path), mapped, text, _ignore(table.get("ignore", []), f"{path}: ignore"))
+
+
+def _ignore(entry: object, where: str) -> tuple[str, ...]:
+    if not isinstance(entry, list) or not all(isinstance(name, str) for name in entry):
+        raise ChannelMapError(f"{entry!r}", where=where, expected="a list of names of columns")
+    return tuple(entry)
 
 
 def _text(entry: object, where: str) -> TextFormat:
