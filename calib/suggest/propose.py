@@ -219,7 +219,7 @@ class _Work:
         left = {s.name: self.left.get(s.name, "none of ours") for s in self.series}
         left = {name: why for name, why in {**self.left, **left}.items() if name not in taken}
         missing = {
-            name: _why_missing(name)
+            name: f"the column of that name is {left[name]}" if name in left else _why_missing(name)
             for name in REQUIRED
             if name not in self.proposals and name not in doubted and not self._wheel_doubt(name)
         }
