@@ -96,7 +96,12 @@ def last_row(body: bytes, width: int, dialect: Dialect, where: str) -> str | Non
     cells = dialect.cells([line.decode(errors="replace") for line in lines])
     ended = body.endswith((b"\n", b"\r"))
     before, last = [row[-1] for row in cells[:-1] if row], cells[-1]
-    if len(last) < width or (not ended and _shorter(last[-1], before, dialect.decimal)):
+    open_quote = lines[-1].count(b'"') % 2 == 1
+    if (
+        len(last) < width
+        or open_quote
+        or (not ended and _shorter(last[-1], before, dialect.decimal))
+    ):
         raise LogError(
             f"the last line is cut off: {lines[-1].decode(errors='replace')[:60]!r}",
             where=where,

@@ -14,6 +14,7 @@ from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
 from calib.suggest.series import Series
 from calib.suggest.words import (
     BRAKE,
+    DECELERATION,
     LONG,
     MASTER,
     NO_BRAKE,
@@ -116,6 +117,8 @@ def find_acceleration(
             refused.append((item.name, "an acceleration, by its name not along the car"))
         elif measured and rate is not None and abs(_follows(item, rate, clock)) < FOLLOWS:
             refused.append((item.name, "an acceleration that is not the derivative of speed"))
+        elif not measured and points < 1:
+            refused.append((item.name, "an acceleration that nothing shows to be along the car"))
         else:
             passed.append((item, points))
     used = rate if measured else None
@@ -138,16 +141,20 @@ def _follows(item: Series, rate: Array, clock: Clock) -> float:
 
 
 def _acceleration(item: Series, rate: Array | None, clock: Clock, metres: bool) -> Proposal:
-    reasons = ["name", f"unit {item.column.unit}"]
+    named = item.name == "a_x" or score(item.name, LONG, NO_LONG) > 0
+    reasons = [*(["name"] if named else []), f"unit {item.column.unit}"]
     if rate is None:
+        sign = -1 if DECELERATION & set(words(item.name)) else 1
         reasons.append("speed does not change enough to check its sign")
-        return Proposal("a_x", Mapping(item.name), LIKELY, tuple(reasons))
+        reasons += ["called a deceleration: turned round"] if sign < 0 else []
+        return Proposal("a_x", Mapping(item.name, sign=sign), LIKELY, tuple(reasons))
     follows = _follows(item, rate, clock)
     sign = 1 if follows > 0 else -1
     reasons.append(f"is the derivative of speed (correlation {abs(follows):.2f})")
     if sign < 0:
         reasons.append("positive when the car slows down: turned round")
-    return Proposal("a_x", Mapping(item.name, sign=sign), SURE, tuple(reasons))
+    sure = SURE if named else LIKELY
+    return Proposal("a_x", Mapping(item.name, sign=sign), sure, tuple(reasons))
 
 
 def _wrong_unit(

@@ -24,7 +24,18 @@ NO_BRAKE = {
     *("tire", "tyre", "reifen", "oil", "oel", "öl", "fuel", "boost", "booster", "manifold"),
     *("rail", "baro", "ambient", "vacuum", "intake", "turbo", "clutch", "air", "park"),
 }
-LONG = {"x", "ax", "long", "lon", "longitudinal", "laengs", "längs", "longacc", "forward"}
+DECELERATION = {"decel", "deceleration", "verzoegerung", "verzögerung"}
+LONG = DECELERATION | {
+    "x",
+    "ax",
+    "long",
+    "lon",
+    "longitudinal",
+    "laengs",
+    "längs",
+    "longacc",
+    "forward",
+}
 NO_LONG = {
     *("y", "z", "ay", "az", "lat", "lateral", "quer", "vert", "vertical", "pedal", "yaw"),
     *("latacc", "roll", "pitch"),
