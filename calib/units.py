@@ -189,8 +189,9 @@ def si_of(unit: str) -> str:
 
     For values whose quantity is not known beforehand. Raises `UnknownUnit`.
     """
+    written = spelling(unit)
     for si, (_, table) in _TABLES.items():
-        if spelling(unit) in table:
+        if written in table:
             return si
     known = sorted({name for _, table in _TABLES.values() for name in table})
     raise UnknownUnit(f"unknown unit {unit!r}; known: {', '.join(known)}")

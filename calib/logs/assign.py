@@ -13,6 +13,7 @@ from calib.names import CHANNELS, TRUTH_UNITS
 from calib.units import UnknownUnit, si_of, unit_of
 
 TRUTH = "true_"
+MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map suggest` proposes one"
 
 
 @dataclass(frozen=True)
@@ -167,7 +168,7 @@ def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) ->
         f"channel{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing",
         where=where,
         expected=f"columns called so; the log also has {have}",
-        do="; ".join([*hints, "name foreign columns in a channel map (--map)"]),
+        do="; ".join([*hints, MAP_IT]),
     )
 
 

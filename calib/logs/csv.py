@@ -28,44 +28,48 @@ def open_csv(data: bytes, where: str, told: TextFormat = LOOKED) -> Source:
     if data.startswith(b"\x1f\x8b"):
         data = gunzip(data, where)
     data = to_utf8(data, where, told.encoding)
-    header, body, told = _split_header(data, where, told)
-    first, rest = _first_line(body)
+    header, start, told = _header(data, where, told)
+    first, after = _line(data, start)
     has_units = _looks_like_units(first, told)
-    body = rest if has_units else body
-    if not body.strip():
+    start = after if has_units else start
+    if not data[start : start + 4096].strip() and not data[start:].strip():
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     names, note = head_text(header + b"\n" + first if has_units else header, where)
     text, _, units = names.partition("\n")
-    dialect = dialect_of(text, body, told, where)
+    dialect = dialect_of(text, data, start, told, where)
     (cells,) = dialect.cells([text])
     columns = [column_from_cell(cell) for cell in cells]
     if has_units:
         columns = _with_units(columns, dialect, units, where)
-    notes = tuple(n for n in (note, last_row(body, len(columns), dialect, where)) if n)
+    notes = tuple(n for n in (note, last_row(data, start, len(columns), dialect, where)) if n)
 
     def read(indices: Sequence[int]) -> list[Array]:
-        return read_columns(body, tuple(columns), indices, dialect, where)
+        return read_columns(data, start, tuple(columns), indices, dialect, where)
 
     return Source(tuple(columns), read, notes)
 
 
-def _first_line(data: bytes) -> tuple[bytes, bytes]:
-    head, _, rest = data.partition(b"\n")
-    return head.rstrip(b"\r"), rest
+def _line(data: bytes, start: int) -> tuple[bytes, int]:
+    """The line that begins at ``start``, and where the next one begins; nothing else is copied."""
+    end = data.find(b"\n", start)
+    end = len(data) if end < 0 else end
+    return data[start:end].rstrip(b"\r"), end + 1
 
 
-def _split_header(data: bytes, where: str, told: TextFormat) -> tuple[bytes, bytes, TextFormat]:
-    """The first line, the rest, and what is known of the dialect.
+def _header(data: bytes, where: str, told: TextFormat) -> tuple[bytes, int, TextFormat]:
+    """The first line, where the next one begins, and what is known of the dialect.
 
     A line ``sep=;`` before the header, as spreadsheets want it, tells the separator.
     """
-    if not data.strip():
+    if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a header and samples")
-    head, body = _first_line(data.lstrip(b"\r\n"))
+    head, start = _line(data, 0)
+    while not head:  # blank lines before it
+        head, start = _line(data, start)
     if head[:4].lower() == b"sep=" and head[4:].decode(errors="replace") in SEPARATORS:
         told = TextFormat(told.separator or head[4:].decode(), told.decimal, told.encoding)
-        head, body = _first_line(body)
-    return head, body, told
+        head, start = _line(data, start)
+    return head, start, told
 
 
 def _looks_like_units(first: bytes, told: TextFormat) -> bool:
@@ -86,15 +90,20 @@ def _with_units(columns: list[Column], dialect: Dialect, line: str, where: str) 
     return with_unit_row(columns, cells, where)
 
 
-def last_row(body: bytes, width: int, dialect: Dialect, where: str) -> str | None:
+def last_row(data: bytes, start: int, width: int, dialect: Dialect, where: str) -> str | None:
     r"""Look at the last row: raise LogError if it was cut off, note a missing end of line.
+
+    ``data`` is the whole file; its rows, of ``width`` cells, begin at ``start``.
 
     0.005,0.10,74.4800\n
     0.010,0.20,74.4\n         a short number and no end of line: cut
     """
-    lines = body.rstrip(b"\r\n")[-40 * 32 * width :].splitlines()[-20:]
+    tail = 40 * 32 * width
+    text = data[max(start, len(data) - tail) :].rstrip(b"\r\n")
+    text = text or data[start:].rstrip(b"\r\n")[-tail:]  # a long end of blank lines
+    lines = text.splitlines()[-20:]
     cells = dialect.cells([line.decode(errors="replace") for line in lines])
-    ended = body.endswith((b"\n", b"\r"))
+    ended = data.endswith((b"\n", b"\r"))
     before, last = [row[-1] for row in cells[:-1] if row], cells[-1]
     open_quote = lines[-1].count(b'"') % 2 == 1
     if (
@@ -125,39 +134,45 @@ def _shorter(cell: str, before: list[str], mark: str) -> bool:
 
 
 def read_columns(
-    body: bytes, columns: tuple[Column, ...], indices: Sequence[int], dialect: Dialect, where: str
+    data: bytes,
+    start: int,
+    columns: tuple[Column, ...],
+    indices: Sequence[int],
+    dialect: Dialect,
+    where: str,
 ) -> list[Array]:
     """Read some columns as numbers; a second, slow look finds the cell that is none.
+
+    ``data`` is the whole file, whose rows begin at ``start``: a slice would copy it.
 
     Raises LogError naming row, counted from 1, and column of that cell.
     """
     import pyarrow as pa
 
+    rows = pa.py_buffer(data).slice(start)
     try:
-        table = _arrow_table(body, len(columns), indices, dialect, pa.float64())
+        table = _arrow_table(rows, len(columns), indices, dialect)
     except pa.ArrowInvalid as cause:
-        raise _bad_row(body, columns, indices, dialect, where, str(cause)) from cause
+        raise _bad_row(data[start:], columns, indices, dialect, where, str(cause)) from cause
     return [
         column.to_numpy().astype(np.float64, copy=False)
         for column in table.columns  # null becomes NaN
     ]
 
 
-def _arrow_table(
-    body: bytes, width: int, indices: Sequence[int], dialect: Dialect, kind: Any
-) -> Any:
+def _arrow_table(rows: Any, width: int, indices: Sequence[int], dialect: Dialect) -> Any:
     import pyarrow as pa
     import pyarrow.csv as arrow_csv
 
     names = [str(i) for i in range(width)]
     wanted = [str(i) for i in indices]
     return arrow_csv.read_csv(
-        pa.BufferReader(body),
+        pa.BufferReader(rows),
         read_options=arrow_csv.ReadOptions(column_names=names, use_threads=False),
         parse_options=arrow_csv.ParseOptions(delimiter=dialect.separator),
         convert_options=arrow_csv.ConvertOptions(
             include_columns=wanted,
-            column_types=dict.fromkeys(wanted, kind),
+            column_types=dict.fromkeys(wanted, pa.float64()),
             null_values=list(EMPTY),
             decimal_point=dialect.decimal,
         ),

@@ -63,32 +63,33 @@ def is_number(cell: str, decimal: str = ".") -> bool:
     return _NUMBER[decimal].fullmatch(cell) is not None
 
 
-def sample_of(body: bytes, count: int = 8, width: int = 16384) -> list[str]:
-    """Whole lines from the beginning, the middle and the end of a file; of a short one some twice.
+def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> list[str]:
+    r"""Whole lines from ``start``, the middle and the end of a file; of a short one some twice.
 
-    >>> sample_of(b"1,2", count=1)
+    >>> sample_of(b"a,b\n1,2", 4, count=1)
     ['1,2', '1,2']
     """
-    half = len(body) // 2
-    head = body[:width].splitlines()[:count]
-    middle = body[half : half + width].splitlines()[1 : count + 1]
-    tail = body[-width:].rstrip(b"\r\n").splitlines()[-count:]
+    half = (start + len(data)) // 2
+    head = data[start : start + width].splitlines()[:count]
+    middle = data[half : half + width].splitlines()[1 : count + 1]
+    tail = data[max(start, len(data) - width) :].rstrip(b"\r\n").splitlines()[-count:]
     return [line.decode(errors="replace") for line in (*head, *middle, *tail) if line.strip()]
 
 
-def dialect_of(header: str, body: bytes, told: TextFormat, where: str) -> Dialect:
+def dialect_of(header: str, data: bytes, start: int, told: TextFormat, where: str) -> Dialect:
     """The dialect of a table.
 
     Parameters
     ----------
     header : first line.
-    body : the lines with samples.
+    data : the whole file.
+    start : where its samples begin.
     told : what the user says of it.
     where : the file's path, for messages.
 
     Raises LogError, with the candidates, if no dialect fits or several do.
     """
-    rows = sample_of(body)
+    rows = sample_of(data, start)
     told_separators = [told.separator] if told.separator else list(SEPARATORS)
     separators = [s for s in told_separators if _fits(s, header, rows)]
     if len(separators) != 1:
@@ -96,7 +97,7 @@ def dialect_of(header: str, body: bytes, told: TextFormat, where: str) -> Dialec
     (separator,) = separators
     if told.decimal is not None:
         return Dialect(separator, told.decimal)
-    return Dialect(separator, _decimal(separator, rows, body, where))
+    return Dialect(separator, _decimal(separator, rows, data, start, where))
 
 
 def _fits(separator: str, header: str, rows: list[str]) -> bool:
@@ -120,14 +121,15 @@ def _numeric_column(column: tuple[str, ...]) -> bool:
     return 2 * numbers > len(filled)
 
 
-def _decimal(separator: str, rows: list[str], body: bytes, where: str) -> str:
+def _decimal(separator: str, rows: list[str], data: bytes, start: int, where: str) -> str:
     """The decimal mark. Raises LogError where numbers can be read in two ways."""
     cells = [cell for row in Dialect(separator, ".").cells(rows) for cell in row]
     found = {mark: [c for c in cells if mark in c and is_number(c, mark)] for mark in ".,"}
     marks = [mark for mark, numbers in found.items() if numbers]
     if not marks:
         # Whole numbers so far. A mark that comes later and is not this one is refused when read.
-        return "," if separator != "," and b"," in body and b"." not in body else "."
+        comma = data.find(b",", start) >= 0 and data.find(b".", start) < 0
+        return "," if separator != "," and comma else "."
     clear = [m for m in marks if not all(_THOUSANDS.fullmatch(c) for c in found[m])]
     if len(marks) == 1 and (clear or separator == ","):
         return marks[0]

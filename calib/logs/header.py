@@ -93,7 +93,7 @@ def is_unit_row(cells: Sequence[str]) -> bool:
     """
     texts = [bare_unit(cell) for cell in cells]
     words = [text for text in texts if text and text != "1"]
-    return any(is_unit(w) for w in words) and not any(_numeric(w) for w in words)
+    return not any(_numeric(w) for w in words) and any(is_unit(w) for w in words)
 
 
 def _numeric(text: str) -> bool:

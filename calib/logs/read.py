@@ -38,8 +38,7 @@ def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
     path = Path(path)
     data = _bytes(path)
     told = channel_map.text if channel_map else LOOKED
-    source = TABLES[ending_of(path)](data, str(path), told)
-    return Opened(source, hashlib.sha256(data).hexdigest())
+    return Opened(TABLES[ending_of(path)](data, str(path), told), hashlib.sha256(data).hexdigest())
 
 
 def read_log(

@@ -50,18 +50,18 @@ def open_vbo(data: bytes, where: str, told: TextFormat | None = None) -> Source:
     Raises LogError for a file without the sections it needs, names that do not fit the columns, no
     samples, or a last line with too few columns: the file was cut off.
     """
-    if not data.strip():
+    if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a VBO file")
     data = to_utf8(data, where, told.encoding if told else None)
     texts, body, notes = _sections(data, where)
     columns, more = _columns(texts, where)
     body = _single_blanks(body)
-    if not body.strip():
+    if not body or body.isspace():
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
-    end = last_row(body, len(columns), DIALECT, where)
+    end = last_row(body, 0, len(columns), DIALECT, where)
 
     def read(indices: Sequence[int]) -> list[Array]:
-        arrays = read_columns(body, columns, indices, DIALECT, where)
+        arrays = read_columns(body, 0, columns, indices, DIALECT, where)
         return [
             _seconds(x, where) if columns[i].name == "time" else x
             for i, x in zip(indices, arrays, strict=True)

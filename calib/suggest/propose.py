@@ -24,6 +24,7 @@ from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal, Suggestion
 from calib.suggest.series import Series, read_series
 from calib.suggest.wheels import find_wheels, groups
 from calib.suggest.words import DISC, NO_STEERING, STEERING, axle, score
+from calib.units import UnknownUnit, from_si, to_si, unit_of
 
 Array = NDArray[np.float64]
 
@@ -85,6 +86,7 @@ class _Work:
             raise InputError(f"{where} has no column {cell!r}", expected=f"one of {names}")
         spoken = column_from_cell(cell)
         unit = spoken.unit if column.name != cell and spoken.unit != column.unit else None
+        _check_unit(unit or column.unit, channel, cell)
         mapping = Mapping(column.name, unit)
         self.proposals[channel] = Proposal(channel, mapping, SURE, ("told",))
 
@@ -248,6 +250,18 @@ def _column_called(cell: str, source: Source) -> Column | None:
     return None
 
 
+def _check_unit(unit: str | None, channel: str, cell: str) -> None:
+    """Raise InputError for a column that is told without a unit, or with one of another kind."""
+    si = CHANNELS[channel].si
+    if unit is None:
+        do = f"say it: '{channel}={cell} [{CHANNELS[channel].unit}]'"
+        raise InputError(f"{cell!r} has no unit", where=channel, expected=f"one of {si}", do=do)
+    try:
+        unit_of(unit, si)
+    except UnknownUnit as cause:
+        raise InputError(f"{cell!r}: {cause}", where=channel) from cause
+
+
 def _told(series: Series, proposal: Proposal | None) -> Array | None:
     """The values [SI] of a column that was told, or None if it is another or has no unit."""
     if proposal is None or series.name != proposal.mapping.source:
@@ -256,8 +270,6 @@ def _told(series: Series, proposal: Proposal | None) -> Array | None:
     if unit is None:
         return series.values
     # A unit that was told overrides the file's: back to what is written, then on.
-    from calib.units import from_si, to_si
-
     written = series.values
     if series.column.unit and series.si not in (None, "?"):
         written = from_si(series.values, series.column.unit, str(series.si))

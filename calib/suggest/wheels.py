@@ -10,7 +10,7 @@ from calib.names import WHEELS
 from calib.suggest.physics import together
 from calib.suggest.proposal import SURE, Doubt, Proposal
 from calib.suggest.series import Series
-from calib.suggest.words import corner, stem
+from calib.suggest.words import loose_corner
 from calib.units import to_si
 
 Array = NDArray[np.float64]
@@ -34,9 +34,9 @@ def groups(series: list[Series], *quantities: str | None) -> list[dict[str, Seri
     """Columns of one kind of quantity that come in fours, one for each wheel."""
     found: dict[tuple[str, str | None], dict[str, Series]] = {}
     for item in series:
-        wheel = corner(item.name)
+        wheel, rest = loose_corner(item.name)
         if wheel and item.si in quantities:
-            found.setdefault((stem(item.name), item.si), {}).setdefault(wheel, item)
+            found.setdefault((rest, item.si), {}).setdefault(wheel, item)
     return [four for four in found.values() if len(four) == 4]
 
 

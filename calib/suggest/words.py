@@ -22,7 +22,19 @@ BRAKE = {"brake", "brk", "brakes", "bremse", "brems", "bremsdruck", "bremskraft"
 MASTER = {"mc", "tmc", "master", "mastercylinder", "hz", "thz", "hauptbremszylinder", "hbz"}
 NO_BRAKE = {
     *("tire", "tyre", "reifen", "oil", "oel", "öl", "fuel", "boost", "booster", "manifold"),
-    *("rail", "baro", "ambient", "vacuum", "intake", "turbo", "clutch", "air", "park"),
+    *(
+        "rail",
+        "baro",
+        "ambient",
+        "vacuum",
+        "intake",
+        "turbo",
+        "clutch",
+        "air",
+        "park",
+        "parking",
+        "hand",
+    ),
 }
 DECELERATION = {"decel", "deceleration", "verzoegerung", "verzögerung"}
 LONG = DECELERATION | {
@@ -49,6 +61,8 @@ NO_SPEED = {
 }
 STEERING = {"steering", "steer", "swa", "lenk", "lenkwinkel", "lenkrad", "delta"}
 NO_STEERING = {"yaw", "heading", "slip", "pitch", "roll", "rate", "road", "rear"}
+WHOLE = 5
+"""Letters from which on a word is found within another: ``Fahrzeuggeschwindigkeit``."""
 DISC = {"disc", "disk", "rotor", "scheibe", "bremsscheibe"}
 
 
@@ -67,7 +81,27 @@ def corner(name: str) -> str | None:
     >>> corner("nRad_VL"), corner("rear right speed"), corner("speed")
     ('fl', 'rr', None)
     """
-    found = words(name)
+    return _corner(words(name))
+
+
+def loose_corner(name: str) -> tuple[str | None, str]:
+    """The wheel that a name speaks of or ends with, and the name without it.
+
+    Only worth something where all four wheels have such a name.
+
+    >>> loose_corner("WSFL"), loose_corner("WSRR")
+    (('fl', 'ws'), ('rr', 'ws'))
+    """
+    found = corner(name)
+    if found is not None or not words(name):
+        return found, stem(name)
+    *before, last = words(name)
+    wheel = _corner([last[-2:]]) if len(last) > 2 else None
+    return wheel, " ".join([*before, last[:-2]])
+
+
+def _corner(found: list[str]) -> str | None:
+    """The wheel of some words."""
     one = [wheel for wheel, names in CORNERS.items() if names & set(found)]
     if len(one) == 1:
         return one[0]
@@ -106,6 +140,11 @@ def score(name: str, wanted: set[str], unwanted: set[str]) -> int:
     (2, -1, 1)
     """
     found = set(words(name))
-    if found & unwanted:
+    if _said(found, unwanted):
         return -1
-    return 2 * len(found & wanted) - (1 if found & DERIVED else 0)
+    return 2 * len(_said(found, wanted)) - (1 if found & DERIVED else 0)
+
+
+def _said(found: set[str], wanted: set[str]) -> set[str]:
+    """The words that say one of ``wanted``, long ones also within a compound."""
+    return {w for w in found if w in wanted or any(len(x) >= WHOLE and x in w for x in wanted)}

@@ -36,7 +36,7 @@ def foreign(run=RUN):
             (f"nRad_{name}", "U/min"): run[f"omega_{w}"] * 30 / np.pi
             for w, name in zip(WHEELS, ("VL", "VR", "HL", "HR"), strict=True)
         },
-        ("Vehicle speed", "km/h"): 3.6 * run["v"],
+        ("Fahrzeuggeschwindigkeit", "km/h"): 3.6 * run["v"],
         ("Driver", None): np.full(run.time.size, 7.0),
     }
 
@@ -70,7 +70,7 @@ def test_a_foreign_log_is_found_out():
         "omega_fr": "nRad_VR",
         "omega_rl": "nRad_HL",
         "omega_rr": "nRad_HR",
-        "v": "Vehicle speed",
+        "v": "Fahrzeuggeschwindigkeit",
     }
     assert {p.sure for p in result.proposals} == {"sure"}
     assert not result.doubts
@@ -185,10 +185,27 @@ def test_none_can_be_told():
     assert "v" not in found(foreign(), told={"v": ""})
 
 
-@pytest.mark.parametrize("told", [{"p_cm": "Zeit"}, {"p_mc": "Druck"}])
-def test_telling_what_does_not_exist(told):
-    with pytest.raises(InputError, match=r"p_cm|Druck"):
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"p_cm": "Zeit"}, "no channel is called 'p_cm'"),
+        ({"p_mc": "Druck"}, "no column 'Druck'"),
+        ({"p_mc": "nRad_VL"}, "angular speed, not of pressure"),
+        ({"p_mc": "Driver"}, r"no unit.*p_mc=Driver \[bar\]"),
+        ({"p_mc": "Driver [rpm]"}, "not of pressure"),
+    ],
+)
+def test_telling_what_cannot_be(told, words):
+    with pytest.raises(InputError, match=words):
         suggestion(foreign(), told=told)
+
+
+@pytest.mark.parametrize("style", ["WS{}", "WhlSpd{}", "{} wheel", "Wheel_{}_speed"])
+def test_wheels_under_many_names(style):
+    columns = {k: x for k, x in foreign().items() if not k[0].startswith("nRad")}
+    for wheel in WHEELS:
+        columns[(style.format(wheel.upper()), "rad/s")] = RUN[f"omega_{wheel}"]
+    assert found(columns)["omega_rl"].mapping.source == style.format("RL")
 
 
 def test_speeds_at_the_rim_need_a_radius():
