@@ -1,5 +1,6 @@
 """Separated text: our own ``name [unit]`` with commas, and what other programs write."""
 
+import csv
 from collections.abc import Sequence
 from typing import Any
 
@@ -28,6 +29,15 @@ def open_csv(data: bytes, where: str, told: TextFormat = LOOKED) -> Source:
     if data.startswith(b"\x1f\x8b"):
         data = gunzip(data, where)
     data = to_utf8(data, where, told.encoding)
+    try:
+        return _open(data, where, told)
+    except csv.Error as cause:
+        raise LogError(
+            f"no table of text: {cause}", where=where, expected="lines of cells"
+        ) from cause
+
+
+def _open(data: bytes, where: str, told: TextFormat) -> Source:
     header, start, told = _header(data, where, told)
     first, after = _line(data, start)
     has_units = _looks_like_units(first, told)
