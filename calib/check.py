@@ -1,17 +1,20 @@
 """What is in a log, whether it is usable, and for what."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from calib.axles import Estimate
 from calib.caveats import caveats
+from calib.copies import Copy
 from calib.course import BrakeEvent
-from calib.logs.log import Log
+from calib.logs.log import Log, Origin
 from calib.names import CHANNELS
 from calib.observation import OPTIONAL, Observation, observe
 from calib.sensors import Sensor
-from calib.units import from_si
+from calib.units import from_si, to_si
+from calib.uses import uses
 from calib.verdict import PURPOSES, problems
 
 
@@ -25,6 +28,33 @@ class Verdict:
 
 
 @dataclass(frozen=True)
+class Taken:
+    """What a channel was made of: SI value = factor * written + offset; ``low``, ``high`` in SI."""
+
+    channel: str
+    source: str
+    unit: str
+    factor: float
+    offset: float
+    si: str
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        offset = f" {self.offset:+.6g}" if self.offset else ""
+        span = f"{self.low:.6g} to {self.high:.6g} {self.si}"
+        return f"from {self.source!r} [{self.unit}] x {self.factor:.6g}{offset}: {span}"
+
+    @property
+    def as_it_stands(self) -> bool:
+        """Whether the file has the channel under its own name, in the unit of our own files."""
+        quantity = CHANNELS[self.channel]
+        plain = to_si(1.0, quantity.unit, quantity.si) - to_si(0.0, quantity.unit, quantity.si)
+        same = self.source == self.channel and math.isclose(self.factor, plain)
+        return same and self.offset == to_si(0.0, quantity.unit, quantity.si)
+
+
+@dataclass(frozen=True)
 class Findings:
     """What `check` found in one log.
 
@@ -35,6 +65,8 @@ class Findings:
     seen : what is in it [SI].
     warnings : what the user should know although it is not fatal.
     verdicts : one for each purpose.
+    taken : which column each channel was made of.
+    uses : what can be learnt from it, whatever it is unfit for.
     """
 
     log: str
@@ -45,6 +77,8 @@ class Findings:
     seen: Observation
     warnings: tuple[str, ...]
     verdicts: tuple[Verdict, ...]
+    taken: tuple[Taken, ...] = ()
+    uses: tuple[str, ...] = ()
 
     @property
     def usable(self) -> bool:
@@ -52,8 +86,11 @@ class Findings:
         return any(verdict.usable for verdict in self.verdicts)
 
 
-def check(log: Log) -> Findings:
+def check(log: Log, copies: tuple[Copy, ...] = ()) -> Findings:
     """Look at a log and judge it for each purpose.
+
+    ``copies`` are pressures of the log that were computed from something else, see
+    `calib.copies`: they make it useless for every purpose.
 
     Works on whatever `calib.logs.read.read_log` gives, also with ``require=()``. It judges the
     driving and the sensors; whether the vehicle file fits the car it cannot know.
@@ -61,7 +98,7 @@ def check(log: Log) -> Findings:
     seen = observe(log)
     verdicts = []
     for purpose in PURPOSES:
-        reasons = tuple(problems(seen, purpose))
+        reasons = (*map(str, copies), *problems(seen, purpose))
         verdicts.append(Verdict(purpose, not reasons, reasons))
     return Findings(
         log=log.name,
@@ -72,6 +109,18 @@ def check(log: Log) -> Findings:
         seen=seen,
         warnings=(*log.notes, *caveats(seen)),
         verdicts=tuple(verdicts),
+        taken=tuple(_taken(log, origin) for origin in log.origins if origin.channel in CHANNELS),
+        uses=tuple(uses(seen)),
+    )
+
+
+def _taken(log: Log, origin: Origin) -> Taken:
+    values = log[origin.channel]
+    return Taken(
+        **asdict(origin),
+        si=CHANNELS[origin.channel].si,
+        low=float(values.min()),
+        high=float(values.max()),
     )
 
 
@@ -109,10 +158,19 @@ def facts(findings: Findings) -> Iterator[tuple[str, str]]:
     yield "not there", ", ".join(absent) or "-"
     if findings.ignored:
         yield "ignored", ", ".join(findings.ignored)
+    if not all(item.as_it_stands for item in findings.taken):
+        for item in findings.taken:
+            yield item.channel, str(item)
     jitter = f"jitter {1e3 * clock.jitter:.2f} ms, {len(clock.gaps)} gaps"
     yield "clock", f"{clock.samples} samples, {clock.duration:.2f} s, {clock.rate:.4g} Hz, {jitter}"
     for sensor in seen.sensors:
         yield sensor.channel, _sensor(sensor)
+    yield from _driving(findings)
+
+
+def _driving(findings: Findings) -> Iterator[tuple[str, str]]:
+    """What was driven, where ``a_x`` and the wheel speeds are there to tell."""
+    seen = findings.seen
     if seen.axles is None:
         return
     yield "driven", f"up to {3.6 * seen.speed:.0f} km/h, up to {seen.z:.2f} g"
@@ -122,6 +180,8 @@ def facts(findings: Findings) -> Iterator[tuple[str, str]]:
     yield "eta - 1", _percent(seen.axles.front_rear) + " without braking"
     sides = (seen.axles.left_right_f, seen.axles.left_right_r)
     yield "right/left", f"front {_percent(sides[0])}, rear {_percent(sides[1])}"
+    for text in findings.uses:
+        yield "good for", text
 
 
 def _sensor(sensor: Sensor) -> str:

@@ -97,21 +97,48 @@ _TABLES: dict[str, tuple[str, dict[str, Unit]]] = {
 
 _SPELLINGS = {
     "sec": "s",
+    "secs": "s",
+    "Secs": "s",
+    "msec": "ms",
     "µs": "us",  # micro sign
     "μs": "us",  # Greek mu
     "C": "degC",
     "°C": "degC",
     "°F": "degF",
     "°": "deg",
+    "℃": "degC",  # one sign of Unicode
+    "degree": "deg",
+    "degrees": "deg",
+    "Degrees": "deg",
     "°/s": "deg/s",
+    "°/sec": "deg/s",
+    "deg/sec": "deg/s",
+    "degrees/s": "deg/s",
+    "rad/sec": "rad/s",
     "1/°C": "1/degC",
     "m/s/s": "m/s^2",
     "m/sec^2": "m/s^2",
     "m/s2": "m/s^2",
+    "ms^-2": "m/s^2",
+    "m*s^-2": "m/s^2",
+    "G": "g",
     "rps": "Hz",
     "RPM": "rpm",
+    "rev/min": "rpm",
+    "r/min": "rpm",
+    "min^-1": "1/min",
+    "min-1": "1/min",
+    "mps": "m/s",
     "kmh": "km/h",
+    "Km/h": "km/h",
+    "km/hr": "km/h",
+    "Mph": "mph",
+    "MPH": "mph",
     "knots": "kn",
+    "kts": "kn",
+    "PSI": "psi",
+    "percent": "%",
+    "Percent": "%",
     "Nm": "N*m",
     "kNm": "kN*m",
     "kgm^2": "kg*m^2",
@@ -126,7 +153,8 @@ _SIGNS = str.maketrans({"²": "^2", "·": "*", "⋅": "*", "×": "*", " ": None}
 
 def spelling(unit: str) -> str:
     """The one spelling of a unit that the tables hold: ``m/s²`` becomes ``m/s^2``."""
-    text = unit.strip().replace("N.m", "N*m").replace("**", "^").translate(_SIGNS)
+    text = unit.strip().replace("N.m", "N*m").replace("**", "^")
+    text = text.replace("⁻²", "^-2").replace("⁻¹", "^-1").translate(_SIGNS)
     return _SPELLINGS.get(text, text)
 
 
@@ -161,8 +189,9 @@ def si_of(unit: str) -> str:
 
     For values whose quantity is not known beforehand. Raises `UnknownUnit`.
     """
+    written = spelling(unit)
     for si, (_, table) in _TABLES.items():
-        if spelling(unit) in table:
+        if written in table:
             return si
     known = sorted({name for _, table in _TABLES.values() for name in table})
     raise UnknownUnit(f"unknown unit {unit!r}; known: {', '.join(known)}")
@@ -204,3 +233,16 @@ def from_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | 
     """
     u = unit_of(unit, si)
     return (values - u.offset) * u.per / u.scale
+
+
+def is_unit(text: str, si: str | None = None) -> bool:
+    """Whether ``text`` is a known unit: of the quantity with SI unit ``si``, or of any.
+
+    >>> is_unit("bar"), is_unit("bar", "m/s"), is_unit("front")
+    (True, False, False)
+    """
+    try:
+        unit_of(text, si if si is not None else si_of(text))
+    except UnknownUnit:
+        return False
+    return True

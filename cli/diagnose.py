@@ -86,8 +86,9 @@ def diagnose(
 def _check_out(inputs: list[Path], holdout: list[Path], out: Path) -> None:
     """Refuse before the search what could not be written after it."""
     from calib.diagnose.folder import files_of
+    from calib.logs.tables import stem_of
 
-    stems = [path.stem for path in holdout]
+    stems = [stem_of(path) for path in holdout]
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})
     if twice:
         raise typer.BadParameter(

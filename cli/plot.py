@@ -97,6 +97,7 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
     """Read everything; whatever is no log and no result is a table."""
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import FORMATS, REQUIRED, read_log
+    from calib.logs.tables import ending_of
     from calib.plots.choose import Given
     from calib.plots.result import is_result, read_result
     from calib.store import load
@@ -111,7 +112,7 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
         if p not in results
         and p.name != RECORD
         and not p.is_dir()
-        and (p.suffix.lower() in FORMATS or p.is_file())
+        and (ending_of(p) in FORMATS or p.is_file())
     ]
     names = [w for w, p in zip(what, files, strict=True) if p not in results and p not in logs]
     _check_usage(len(names), len(logs), len(results), vehicle is not None)

@@ -89,7 +89,9 @@ def _with_known(table: "Table", path: Path) -> "Table":
 def _check_out(logs: list[Path], out: Path | None) -> None:
     if out is None:
         return
-    stems = [path.stem for path in logs]
+    from calib.logs.tables import stem_of
+
+    stems = [stem_of(path) for path in logs]
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})
     if twice:
         raise typer.BadParameter(

@@ -26,7 +26,8 @@ LAYERS = """
     resistance identify level lookup balance
     curves
     soundness version store difference exports
-    observation caveats verdict check
+    copies uses observation caveats verdict check
+    suggest
     fit
     kalman adaptive rivals estimator
     simulate replay noise

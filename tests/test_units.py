@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.names import CHANNELS, TRUTH_UNITS
-from calib.units import UnknownUnit, from_si, si_of, to_si
+from calib.units import _SPELLINGS, _TABLES, UnknownUnit, from_si, si_of, spelling, to_si
 
 # Pint's names. Its own reading of three of ours would be wrong: "Nm" is a nanometre to it, "g" a
 # gram, and a Hz one radian per second.
@@ -65,6 +65,24 @@ def test_agrees_with_pint(registry, si, ours, theirs):
         ("kg·m²", "kg*m^2", "kg*m^2"),
         ("cm²", "cm^2", "m^2"),
         (" bar ", "bar", "Pa"),
+        ("m·s⁻²", "m/s^2", "m/s^2"),
+        ("G", "g", "m/s^2"),
+        ("kmh", "km/h", "m/s"),
+        ("Km/h", "km/h", "m/s"),
+        ("MPH", "mph", "m/s"),
+        ("kts", "kn", "m/s"),
+        ("mps", "m/s", "m/s"),
+        ("RPM", "rpm", "rad/s"),
+        ("r/min", "rpm", "rad/s"),
+        ("min⁻¹", "rpm", "rad/s"),
+        ("°/s", "deg/s", "rad/s"),
+        ("deg/sec", "deg/s", "rad/s"),
+        ("Degrees", "deg", "rad"),
+        ("℃", "degC", "degC"),
+        ("deg C", "degC", "degC"),
+        ("Secs", "s", "s"),
+        ("PSI", "psi", "Pa"),
+        ("Percent", "%", "1"),
         ("km / h", "km/h", "m/s"),
     ],
 )
@@ -82,12 +100,29 @@ def test_spellings_mean_the_same(variant, plain, si):
         ("Kpa", "Pa", ("did you mean 'kPa'",)),
         ("", "Pa", ("unknown unit ''", "pressure")),
         ("1/s", "rad/s", ("unknown unit",)),  # a radian or a revolution per second?
+        ("g", "m", ("'g'", "acceleration", "length")),
+        ("G", "kg", ("acceleration",)),
+        ("Nm", "Pa", ("torque", "pressure")),
+        ("mPa", "Pa", ("unknown unit 'mPa'",)),  # a millipascal is no megapascal
+        ("Bar", "Pa", ("did you mean 'bar'",)),
+        ("km/h", "rad/s", ("speed", "angular speed")),
     ],
 )
 def test_refuses_what_it_does_not_know(unit, si, words):
     with pytest.raises(UnknownUnit) as error:
         to_si(1.0, unit, si)
     assert all(word in str(error.value) for word in words)
+
+
+def test_every_unit_of_the_table_was_compared_with_pint():
+    compared = {(si, spelling(ours)) for si, ours, _ in CASES}
+    assert compared == {(si, unit) for si, (_, units) in _TABLES.items() for unit in units}
+
+
+def test_every_spelling_leads_to_a_unit():
+    known = {unit for _, units in _TABLES.values() for unit in units}
+    assert {s: u for s, u in _SPELLINGS.items() if u not in known} == {}
+    assert not set(_SPELLINGS) & known
 
 
 def test_refuses_an_unknown_quantity():

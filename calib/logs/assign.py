@@ -3,13 +3,17 @@
 import difflib
 from dataclasses import dataclass
 
+import numpy as np
+
 from calib.errors import ChannelMapError, LogError
 from calib.logs.channel_map import ChannelMap, Mapping
+from calib.logs.log import Origin
 from calib.logs.source import Array, Column
 from calib.names import CHANNELS, TRUTH_UNITS
 from calib.units import UnknownUnit, si_of, unit_of
 
 TRUTH = "true_"
+MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map suggest` proposes one"
 
 
 @dataclass(frozen=True)
@@ -21,10 +25,16 @@ class Assigned:
     unit: str
     si: str
     mapping: Mapping
+    source: str = ""
 
     def to_si(self, written: Array) -> Array:
         """Values in SI, shape (n,)."""
         return self.mapping.to_si(written, self.unit, self.si)
+
+    def origin(self) -> Origin:
+        """Source, unit, factor and offset; exact, since every conversion is linear."""
+        nought, one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
+        return Origin(self.channel, self.source, self.unit, one - nought, nought)
 
 
 def assign(
@@ -49,10 +59,11 @@ def assign(
     for a source that the file does not have.
     """
     mapped = channel_map.channels if channel_map else {}
+    ignore = channel_map.ignore if channel_map else ()
     taken = [_mapped(name, entry, columns, channel_map, where) for name, entry in mapped.items()]
     sources = {item.index for item in taken}
     for index, column in enumerate(columns):
-        if index not in sources and column.name not in mapped:
+        if index not in sources and column.name not in (*mapped, *ignore):
             item = _canonical(column, index, where)
             taken += [item] if item else []
     _refuse_twice(taken, columns, where)
@@ -89,7 +100,7 @@ def _mapped(
         )
     column = columns[found[0]]
     unit = _known_unit(entry.unit or column.unit, CHANNELS[name].si, f"{where}: {name}")
-    return Assigned(name, found[0], unit, CHANNELS[name].si, entry)
+    return Assigned(name, found[0], unit, CHANNELS[name].si, entry, column.name)
 
 
 def _canonical(column: Column, index: int, where: str) -> Assigned | None:
@@ -104,7 +115,7 @@ def _canonical(column: Column, index: int, where: str) -> Assigned | None:
     else:
         return None
     unit = _known_unit(column.unit, si, f"{where}: {column.name}")
-    return Assigned(column.name, index, unit, si, Mapping(column.name))
+    return Assigned(column.name, index, unit, si, Mapping(column.name), column.name)
 
 
 def _truth_si(column: Column) -> str | None:
@@ -163,7 +174,7 @@ def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) ->
         f"channel{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing",
         where=where,
         expected=f"columns called so; the log also has {have}",
-        do="; ".join([*hints, "name foreign columns in a channel map (--map)"]),
+        do="; ".join([*hints, MAP_IT]),
     )
 
 

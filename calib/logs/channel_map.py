@@ -2,6 +2,7 @@
 
 schema = 1
 dbc = "chassis.dbc"           # optional: what is in the frames of a bus; relative to this file
+ignore = ["p_rl"]             # optional: columns that are not what their name says
 
 [channels.p_mc]
 source = "Brake pressure"     # the column's name in the log
@@ -10,13 +11,20 @@ sign = 1                      # optional: -1 turns the channel round
 scale = 1.0                   # optional: value = sign * (scale * written + offset), in `unit`
 offset = 0.0
 method = "linear"             # optional, for logs of several rasters: or "hold"
+
+[text]                        # optional: how a text table is written, where that is not certain
+separator = ";"
+decimal = ","
+encoding = "latin-1"
 """
 
+import codecs
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from calib.errors import ChannelMapError
+from calib.logs.dialect import LOOKED, SEPARATORS, TextFormat
 from calib.logs.source import Array
 from calib.names import CHANNELS
 from calib.toml import check_keys, quantity, read_toml
@@ -53,10 +61,16 @@ class Mapping:
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """The mapped channels by canonical name, the file they came from, and its DBC files."""
+    """The mapped channels by canonical name, and the file they came from.
+
+    ``text`` says how a text table is written; columns in ``ignore`` are not taken by their name;
+    ``dbc`` files say what is in the frames of a bus.
+    """
 
     where: str
     channels: dict[str, Mapping]
+    text: TextFormat = LOOKED
+    ignore: tuple[str, ...] = ()
     dbc: tuple[Path, ...] = ()
 
 
@@ -68,12 +82,14 @@ def read_channel_map(path: Path) -> ChannelMap:
     """
     path = Path(path)
     table = read_toml(path, SCHEMA, ChannelMapError)
-    needed = () if "dbc" in table else ("channels",)
-    check_keys(table, ("channels", "dbc"), needed, path, ChannelMapError)
+    needed = () if {"text", "ignore", "dbc"} & set(table) else ("channels",)
+    check_keys(table, ("channels", "text", "ignore", "dbc"), needed, path, ChannelMapError)
     where = f"{path}: channels"
     channels = check_keys(table.get("channels", {}), tuple(CHANNELS), (), where, ChannelMapError)
     mapped = {name: _mapping(name, entry, where) for name, entry in channels.items()}
-    return ChannelMap(str(path), mapped, _dbc(table.get("dbc", []), path))
+    text = _text(table.get("text", {}), f"{path}: text")
+    ignore = _ignore(table.get("ignore", []), f"{path}: ignore")
+    return ChannelMap(str(path), mapped, text, ignore, _dbc(table.get("dbc", []), path))
 
 
 def _dbc(written: object, path: Path) -> tuple[Path, ...]:
@@ -84,6 +100,32 @@ def _dbc(written: object, path: Path) -> tuple[Path, ...]:
             f"dbc {written!r}", where=path, expected="the path of a DBC file, or a list of them"
         )
     return tuple(path.parent / name for name in names)
+
+
+def _ignore(entry: object, where: str) -> tuple[str, ...]:
+    if not isinstance(entry, list) or not all(isinstance(name, str) for name in entry):
+        raise ChannelMapError(f"{entry!r}", where=where, expected="a list of names of columns")
+    return tuple(entry)
+
+
+def _text(entry: object, where: str) -> TextFormat:
+    values = dict(
+        check_keys(entry, ("separator", "decimal", "encoding"), (), where, ChannelMapError)
+    )
+    for key, known in (("separator", tuple(SEPARATORS)), ("decimal", (".", ","))):
+        if key in values and values[key] not in known:
+            raise ChannelMapError(
+                f"{key} {values[key]!r}",
+                where=where,
+                expected=f"one of {', '.join(repr(k) for k in known)}",
+            )
+    try:
+        codecs.lookup(str(values.get("encoding", "utf-8")))
+    except LookupError as cause:
+        raise ChannelMapError(
+            str(cause), where=where, expected='an encoding such as "utf-8" or "latin-1"'
+        ) from cause
+    return TextFormat(**values)
 
 
 def _mapping(name: str, entry: object, where: str) -> Mapping:

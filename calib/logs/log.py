@@ -9,6 +9,20 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Origin:
+    """Where a channel was taken from: SI value = factor * written + offset.
+
+    ``source`` as the file names it, with the ``unit`` in which it was understood.
+    """
+
+    channel: str
+    source: str
+    unit: str
+    factor: float
+    offset: float
+
+
+@dataclass(frozen=True)
 class Log:
     """One run.
 
@@ -21,6 +35,7 @@ class Log:
     truth : truth channels of a simulation [SI]; only scores may read them.
     ignored : source channels that were not taken.
     notes : what the reader did to the data, in words.
+    origins : which source channel each was taken from, and how; empty for a log that was made.
     """
 
     name: str
@@ -30,6 +45,7 @@ class Log:
     truth: dict[str, Array] = field(default_factory=dict)
     ignored: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    origins: tuple[Origin, ...] = ()
 
     def __getitem__(self, channel: str) -> Array:
         return self.channels[channel]

@@ -1,24 +1,33 @@
 """Parquet with each channel's unit in the field metadata, under the key ``unit``."""
 
+import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from calib.errors import LogError
-from calib.logs.source import Array, Column, Source, column_from_cell
+from calib.logs.header import column_from_cell
+from calib.logs.source import Array, Column, Source
 
 if TYPE_CHECKING:
     import pyarrow
 
 UNIT_KEY = b"unit"
+OTHER_KEYS = (b"units", b"Unit", b"Units")
+"""Field metadata under which others write the unit."""
+MDF_CLOCK = "timestamps"
+"""The index of a table that asammdf exports: seconds, as the clock of an MDF file always is."""
 
 
-def open_parquet(data: bytes, where: str) -> Source:
+def open_parquet(data: bytes, where: str, told: object = None) -> Source:
     """Open a Parquet file.
 
     A field without the metadata may name its unit as a CSV header does, ``p_mc [bar]``; that is
-    what is left when pandas has written the file, since pandas drops the metadata.
+    what is left when pandas has written the file, since pandas drops the metadata. Units that
+    pandas was given as ``frame.attrs["units"]``, by column, are taken. The index ``timestamps`` of
+    an MDF file exported by asammdf is the time in seconds; its other units asammdf drops, so that
+    they must be in a channel map.
 
     Raises LogError for a file that is empty, cut off or not Parquet.
     """
@@ -36,7 +45,9 @@ def open_parquet(data: bytes, where: str) -> Source:
             expected="a whole Parquet file",
             do="copy the log again",
         ) from cause
-    columns = tuple(_column(field) for field in file.schema_arrow)
+    schema = file.schema_arrow
+    pandas = _pandas(schema.metadata)
+    columns = tuple(_column(field, pandas) for field in schema)
     if file.metadata.num_rows == 0:
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
 
@@ -50,9 +61,25 @@ def open_parquet(data: bytes, where: str) -> Source:
     return Source(columns, read)
 
 
-def _column(field: "pyarrow.Field") -> Column:
-    unit = (field.metadata or {}).get(UNIT_KEY)
-    return Column(field.name, unit.decode()) if unit is not None else column_from_cell(field.name)
+def _pandas(metadata: dict[bytes, bytes] | None) -> dict[str, Any]:
+    """What pandas has written beside the table; empty if another program has."""
+    try:
+        found = json.loads((metadata or {}).get(b"pandas", b"{}"))
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _column(field: "pyarrow.Field", pandas: dict[str, Any]) -> Column:
+    metadata = field.metadata or {}
+    for key in (UNIT_KEY, *OTHER_KEYS):
+        if key in metadata:
+            return Column(field.name, metadata[key].decode(errors="replace"))
+    if field.name == MDF_CLOCK and MDF_CLOCK in pandas.get("index_columns", []):
+        return Column("time", "s", MDF_CLOCK)
+    units = (pandas.get("attributes") or {}).get("units")
+    unit = units.get(field.name) if isinstance(units, dict) else None
+    return Column(field.name, str(unit)) if unit else column_from_cell(field.name)
 
 
 def _numbers(column: "pyarrow.ChunkedArray", where: str) -> Array:

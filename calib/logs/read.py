@@ -1,47 +1,67 @@
 """Read a log of any known format: one file in, one Log in SI out."""
 
 import hashlib
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import ChannelMapError, LogError
-from calib.logs.asc import open_asc
 from calib.logs.assign import TRUTH, Assigned, assign
-from calib.logs.blf import open_blf
-from calib.logs.candump import open_candump
 from calib.logs.channel_map import ChannelMap, read_channel_map
-from calib.logs.csv import open_csv
-from calib.logs.log import Array, Log
-from calib.logs.mdf import open_mdf
-from calib.logs.parquet import open_parquet
-from calib.logs.recording import Recording, Trace
+from calib.logs.dialect import LOOKED
+from calib.logs.log import Array, Log, Origin
+from calib.logs.recording import Trace
+from calib.logs.recordings import RECORDINGS, as_source
 from calib.logs.resample import Wanted, on_one_clock
 from calib.logs.source import Source
+from calib.logs.tables import TABLES, ending_of, stem_of
 from calib.logs.verify import check_clock, complete_channels
 from calib.names import CHANNELS
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 """Channels without which a log can neither be fitted nor validated."""
 
-TABLES: dict[str, Callable[[bytes, str], Source]] = {
-    ".csv": open_csv,
-    ".parquet": open_parquet,
-}
-"""Formats whose channels share one clock. A new format is one file and one line here."""
-
-RECORDINGS: dict[str, Callable[[Path, tuple[Path, ...]], Recording]] = {
-    ".mf4": open_mdf,
-    ".mdf": open_mdf,
-    ".dat": open_mdf,
-    ".blf": open_blf,
-    ".asc": open_asc,
-    ".log": open_candump,
-}
-"""Formats of several rasters, frames of a bus among them, which need the DBC of the map."""
-
 FORMATS = (*TABLES, *RECORDINGS)
 """The endings of files that can be read."""
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A log that was opened, and the SHA-256 of its bytes."""
+
+    source: Source
+    digest: str
+
+
+def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
+    """Open a log without deciding what its columns are.
+
+    Of ``channel_map`` only what it says of the file's format is used. Raises LogError for a file
+    that is none, or not whole.
+    """
+    path = Path(path)
+    _refuse_no_file(path)
+    if ending_of(path) not in RECORDINGS:
+        return _open_table(path, channel_map)
+    digest = _digest(path)
+    dbc = channel_map.dbc if channel_map else ()
+    return Opened(as_source(RECORDINGS[ending_of(path)](path, dbc), str(path)), digest)
+
+
+def _open_table(path: Path, channel_map: ChannelMap | None) -> Opened:
+    try:
+        data = path.read_bytes()
+    except OSError as cause:
+        raise _unreadable(path, cause) from cause
+    told = channel_map.text if channel_map else LOOKED
+    return Opened(TABLES[ending_of(path)](data, str(path), told), hashlib.sha256(data).hexdigest())
+
+
+def _digest(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as cause:
+        raise _unreadable(path, cause) from cause
 
 
 def read_log(
@@ -73,14 +93,15 @@ def read_log(
     if isinstance(channel_map, str | Path):
         channel_map = read_channel_map(channel_map)
     require = ("time", *(name for name in require if name != "time"))
-    read = _read_recording if path.suffix.lower() in RECORDINGS else _read_table
+    read = _read_recording if ending_of(path) in RECORDINGS else _read_table
     taken = read(path, channel_map, require)
     values, notes = complete_channels(taken.values, require, where)
     check_clock(values["time"], where)
     return Log(
-        name=path.stem,
+        name=stem_of(path),
         source=where,
         digest=taken.digest,
+        origins=tuple(o for o in taken.origins if o.channel in values),
         channels={name: values[name] for name in CHANNELS if name in values},
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
         ignored=taken.ignored,
@@ -94,30 +115,28 @@ class _Taken:
 
     digest: str
     values: dict[str, Array]
+    origins: tuple[Origin, ...]
     ignored: tuple[str, ...]
     notes: tuple[str, ...]
 
 
 def _read_table(path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]) -> _Taken:
-    try:
-        data = path.read_bytes()
-    except OSError as cause:
-        raise _unreadable(path, cause) from cause
-    source = TABLES[path.suffix.lower()](data, str(path))
+    opened = _open_table(path, channel_map)
+    source = opened.source
     taken, ignored = assign(source.columns, channel_map, require, str(path))
     written = source.read([item.index for item in taken])
     values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
-    return _Taken(hashlib.sha256(data).hexdigest(), values, ignored, source.notes)
+    return _Taken(opened.digest, values, _origins(taken), ignored, source.notes)
+
+
+def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:
+    return tuple(item.origin() for item in taken)
 
 
 def _read_recording(path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]) -> _Taken:
-    try:
-        with path.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as cause:
-        raise _unreadable(path, cause) from cause
+    digest = _digest(path)
     where = str(path)
-    opened = RECORDINGS[path.suffix.lower()](path, channel_map.dbc if channel_map else ())
+    opened = RECORDINGS[ending_of(path)](path, channel_map.dbc if channel_map else ())
     try:
         taken, ignored = assign(opened.columns, channel_map, require, where)
         clock = next(item for item in taken if item.channel == "time")
@@ -132,7 +151,7 @@ def _read_recording(path: Path, channel_map: ChannelMap | None, require: tuple[s
     resampled = on_one_clock([_wanted(i, t) for i, t in zip(others, traces, strict=True)], where)
     written = zip((clock, *others), (resampled.time, *resampled.values), strict=True)
     values = {item.channel: item.to_si(w) for item, w in written}
-    return _Taken(digest, values, ignored, opened.notes + resampled.notes)
+    return _Taken(digest, values, _origins(taken), ignored, opened.notes + resampled.notes)
 
 
 def _own_clock(clock: Assigned, channel_map: ChannelMap | None) -> ChannelMapError:
@@ -169,7 +188,9 @@ def _refuse_no_file(path: Path) -> None:
         raise LogError("a directory", where=path, expected="a log file", do="name the files in it")
     if not path.exists():
         raise LogError("no such file", where=path, expected="a log", do="check the path")
-    if path.suffix.lower() not in FORMATS:
+    if ending_of(path) not in FORMATS:
         raise LogError(
-            f"unknown format {path.suffix!r}", where=path, expected=f"one of {', '.join(FORMATS)}"
+            f"unknown format {ending_of(path)!r}",
+            where=path,
+            expected=f"one of {', '.join(FORMATS)}",
         )

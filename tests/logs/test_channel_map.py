@@ -96,6 +96,11 @@ def test_mapped_channel_still_needs_a_unit(tmp_path, log_file):
         ("scale = 2.0", "scale = 0", ("scale 0",)),
         ("scale = 2.0", 'scale = "two"', ("channels.p_mc.scale", "'two'")),
         ("schema = 1", "schema = 9", ("schema 9",)),
+        ("schema = 1", "schema = 1\nignore = 3", ("ignore", "a list of names")),
+        ("schema = 1", "schema = 1\ntext.separator = 'x'", ("separator 'x'", "';'")),
+        ("schema = 1", "schema = 1\ntext.decimal = ';'", ("decimal ';'",)),
+        ("schema = 1", "schema = 1\ntext.encoding = 'latin-77'", ("latin-77",)),
+        ("schema = 1", "schema = 1\ntext.seperator = ';'", ("did you mean 'separator'",)),
         ("[channels.a_x]", "[channels.a_x", ("not TOML",)),
     ],
 )
@@ -122,3 +127,38 @@ def test_dbc_that_is_no_path(tmp_path, dbc):
     assert "expected the path of a DBC file" in refusal(
         write_map(tmp_path, f"schema = 1\ndbc = {dbc}\n")
     )
+
+
+def test_ignored_column_is_not_taken_by_its_name(tmp_path, log_file):
+    text = 'schema = 1\nignore = ["p_mc"]\n[channels.time]\nsource = "Zeit"\n'
+    log = read_log(log_file, write_map(tmp_path, text), require=())
+    assert "p_mc" not in log
+    assert "p_mc" in log.ignored
+
+
+def test_a_source_may_be_named_by_its_whole_header_cell(tmp_path, log_file):
+    log_file.write_text(log_file.read_text().replace("Zeit [ms]", "Zeit(ms)"))
+    log = read_log(log_file, write_map(tmp_path, MAP.replace('"Zeit"', '"Zeit(ms)"')))
+    assert log.time[1] == pytest.approx(0.005)
+
+
+def test_the_log_says_what_was_taken_from_what(tmp_path, log_file):
+    log = read_log(log_file, write_map(tmp_path, MAP))
+    origins = {o.channel: o for o in log.origins}
+    p = origins["p_mc"]
+    assert (p.source, p.unit) == ("Brake pressure", "kPa")
+    assert (p.factor, p.offset) == (pytest.approx(2000), pytest.approx(-10e3))
+    assert origins["a_x"].factor == pytest.approx(-9.80665)
+
+
+def test_a_map_tells_how_the_text_is_written(tmp_path):
+    path = tmp_path / "run.csv"
+    rows = [";".join([str(i + 1), *["1,234"] * 6]) for i in range(60)]
+    names = (
+        "time [s];p_mc [bar];a_x [g];omega_fl [rpm];omega_fr [rpm];omega_rl [rpm];omega_rr [rpm]"
+    )
+    path.write_text("\n".join([names, *rows, ""]))
+    with pytest.raises(LogError, match="decimal mark is not certain"):
+        read_log(path)
+    log = read_log(path, write_map(tmp_path, "schema = 1\n[text]\ndecimal = ','\n"))
+    assert log["p_mc"][0] == pytest.approx(1.234e5)

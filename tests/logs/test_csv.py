@@ -49,11 +49,6 @@ def test_header_in_an_old_encoding():
     assert open_csv(text.encode("latin-1"), "run.csv").columns[1] == Column("T_disc_f", "°C")
 
 
-@pytest.mark.parametrize(("sign", "name"), [(";", "semicolon"), ("\t", "tab")])
-def test_wrong_delimiter(sign, name):
-    assert f"separated by a {name}" in refusal((HEADER + ROWS).replace(",", sign))
-
-
 def test_not_text():
     assert "not text" in refusal(b"MDF     \0\0\0\0")
 

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -67,3 +69,44 @@ def test_flipped_bits_are_seen():
         damaged[place] ^= 0x10
         with pytest.raises(LogError, match="damaged"):
             open_parquet(bytes(damaged), "run.parquet").read(range(20))
+
+
+@pytest.mark.parametrize("key", ["unit", "units", "Unit"])
+def test_units_under_other_names(key):
+    data = parquet([pa.field("p_mc", pa.float32(), metadata={key: "kPa"})], [[1.0]])
+    assert open_parquet(data, "run.parquet").columns == (Column("p_mc", "kPa"),)
+
+
+def test_units_that_pandas_was_given(tmp_path):
+    frame = pd.DataFrame({"time": [0.0, 0.1], "p_mc": [1.0, 2.0]})
+    frame.attrs["units"] = {"time": "s", "p_mc": "MPa"}
+    frame.to_parquet(tmp_path / "run.parquet")
+    columns = open_parquet((tmp_path / "run.parquet").read_bytes(), "run.parquet").columns
+    assert columns == (Column("time", "s"), Column("p_mc", "MPa"))
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_what_asammdf_exports(tmp_path):
+    asammdf = pytest.importorskip("asammdf")
+    time = np.arange(100) / 200
+    signals = [
+        asammdf.Signal(np.sin(time), time, unit="bar", name="p_mc"),
+        asammdf.Signal(np.cos(time), time, unit="m/s", name="speed [km/h]"),
+    ]
+    with asammdf.MDF() as mdf:
+        mdf.append(signals)
+        mdf.export("parquet", tmp_path / "run.parquet")
+    source = open_parquet((tmp_path / "run.parquet").read_bytes(), "run.parquet")
+    found = {c.name: c for c in source.columns}
+    assert found["time"] == Column("time", "s", "timestamps")
+    assert found["p_mc"].unit is None  # asammdf drops it
+    assert found["speed"].unit == "km/h"  # in the name it stays
+    index = [c.name for c in source.columns].index("time")
+    np.testing.assert_allclose(source.read([index])[0], time)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.99])
+def test_every_cut_is_refused(share):
+    data = parquet([TIME, PRESSURE], [list(np.arange(999) / 200), list(range(999))])
+    with pytest.raises(LogError, match="cut off"):
+        open_parquet(data[: int(share * len(data))], "run.parquet")

@@ -90,6 +90,7 @@ def test_foreign_columns_are_listed_not_read(tmp_path):
 
 def test_all_samples_are_read():
     files = sorted(p for p in SAMPLES.glob("*/*") if p.suffix in {".csv", ".parquet"})
+    files = [p for p in files if p.parent.name != "real"]
     assert len(files) == 14
     for path in files:
         log = read_log(path)

@@ -1,0 +1,170 @@
+"""How a text table is written: separator, decimal mark, rows of the header.
+
+Looked at are the header and rows from the beginning, the middle and the end. A reading of them is
+taken only if it is the only one; several, or none, is an error that lists them and says how a
+channel map tells which is right:
+
+    [text]
+    separator = ";"
+    decimal = ","
+"""
+
+import csv
+import re
+from collections import Counter
+from dataclasses import dataclass
+
+from calib.errors import LogError
+
+SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", "|": "vertical bar"}
+EMPTY = ("", "nan", "NaN", "NAN", "NA", "N/A", "null")
+"""Cells that mean: no value here."""
+
+_POINT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?inf(inity)?", re.IGNORECASE)
+_COMMA = re.compile(r"[-+]?(\d+,?\d*|,\d+)([eE][-+]?\d+)?|[-+]?inf(inity)?", re.IGNORECASE)
+_NUMBER = {".": _POINT, ",": _COMMA}
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")
+"""``1,234``: one and a bit, or more than a thousand?"""
+
+
+@dataclass(frozen=True)
+class TextFormat:
+    """What a channel map says of a text table; None is looked for."""
+
+    separator: str | None = None
+    decimal: str | None = None
+    encoding: str | None = None
+
+
+LOOKED = TextFormat()
+"""Nothing is told, all is looked for."""
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """Separator between cells, and the decimal mark in numbers."""
+
+    separator: str
+    decimal: str
+
+    def cells(self, lines: list[str]) -> list[list[str]]:
+        """The cells of some lines, without the blanks around them."""
+        return [
+            [cell.strip() for cell in row] for row in csv.reader(lines, delimiter=self.separator)
+        ]
+
+    def __str__(self) -> str:
+        marks = {".": "point", ",": "comma"}
+        return f"{SEPARATORS[self.separator]} between cells and decimal {marks[self.decimal]}"
+
+
+def is_number(cell: str, decimal: str = ".") -> bool:
+    """Whether a cell holds a number with this decimal mark."""
+    return _NUMBER[decimal].fullmatch(cell) is not None
+
+
+def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> list[str]:
+    r"""Whole lines from ``start``, the middle and the end of a file; of a short one some twice.
+
+    >>> sample_of(b"a,b\n1,2", 4, count=1)
+    ['1,2', '1,2']
+    """
+    half = (start + len(data)) // 2
+    head = data[start : start + width].splitlines()[:count]
+    middle = data[half : half + width].splitlines()[1 : count + 1]
+    tail = data[max(start, len(data) - width) :].rstrip(b"\r\n").splitlines()[-count:]
+    return [line.decode(errors="replace") for line in (*head, *middle, *tail) if line.strip()]
+
+
+def dialect_of(header: str, data: bytes, start: int, told: TextFormat, where: str) -> Dialect:
+    """The dialect of a table.
+
+    Parameters
+    ----------
+    header : first line.
+    data : the whole file.
+    start : where its samples begin.
+    told : what the user says of it.
+    where : the file's path, for messages.
+
+    Raises LogError, with the candidates, if no dialect fits or several do.
+    """
+    rows = sample_of(data, start)
+    told_separators = [told.separator] if told.separator else list(SEPARATORS)
+    separators = [s for s in told_separators if _fits(s, header, rows)]
+    if len(separators) != 1:
+        raise _undecided(separators, header, rows, where)
+    (separator,) = separators
+    if told.decimal is not None:
+        return Dialect(separator, told.decimal)
+    return Dialect(separator, _decimal(separator, rows, data, start, where))
+
+
+def _fits(separator: str, header: str, rows: list[str]) -> bool:
+    """Whether most rows are as wide as the header, and two of their columns mostly numbers."""
+    if separator not in header:
+        return False
+    plain = Dialect(separator, ".")
+    (names,) = plain.cells([header])
+    table = plain.cells(rows)
+    # A few may be short or damaged: they are named later, with their row.
+    whole = [row for row in table if len(row) == len(names)]
+    if 2 * len(whole) <= len(table):
+        return False
+    columns = list(zip(*whole, strict=True))
+    return sum(_numeric_column(column) for column in columns) >= 2
+
+
+def _numeric_column(column: tuple[str, ...]) -> bool:
+    filled = [cell for cell in column if cell not in EMPTY]
+    numbers = sum(is_number(c, ".") or is_number(c, ",") for c in filled)
+    return 2 * numbers > len(filled)
+
+
+def _decimal(separator: str, rows: list[str], data: bytes, start: int, where: str) -> str:
+    """The decimal mark. Raises LogError where numbers can be read in two ways."""
+    cells = [cell for row in Dialect(separator, ".").cells(rows) for cell in row]
+    found = {mark: [c for c in cells if mark in c and is_number(c, mark)] for mark in ".,"}
+    marks = [mark for mark, numbers in found.items() if numbers]
+    if not marks:
+        # Whole numbers so far. A mark that comes later and is not this one is refused when read.
+        comma = data.find(b",", start) >= 0 and data.find(b".", start) < 0
+        return "," if separator != "," and comma else "."
+    clear = [m for m in marks if not all(_THOUSANDS.fullmatch(c) for c in found[m])]
+    if len(marks) == 1 and (clear or separator == ","):
+        return marks[0]
+    examples = ", ".join(repr(Counter(found[m]).most_common(1)[0][0]) for m in marks)
+    raise LogError(
+        f"the decimal mark is not certain: {examples}",
+        where=where,
+        expected="one mark, and no separator of thousands",
+        do='say it in a channel map (--map): [text] with decimal = "," or decimal = "."',
+    )
+
+
+def _undecided(separators: list[str], header: str, rows: list[str], where: str) -> LogError:
+    if separators:
+        names = " or ".join(f"{SEPARATORS[s]} ({s!r})" for s in separators)
+        return LogError(
+            f"the columns may be separated by {names}",
+            where=where,
+            expected="one separator that fits",
+            do='say it in a channel map (--map): [text] with separator = "' + separators[0] + '"',
+        )
+    present = [s for s in SEPARATORS if s in header]
+    tried = [
+        f"{SEPARATORS[s]}: {len(Dialect(s, '.').cells([header])[0])} names over rows of "
+        f"{_widths(s, rows)} cells"
+        for s in present
+    ]
+    return LogError(
+        f"not a table that can be read for certain ({'; '.join(tried) or 'no separator'})",
+        where=where,
+        expected="a header, and rows of as many numbers, separated by comma, semicolon, tab or bar",
+        do="decimal commas need another separator than the comma; see the first lines of the file",
+    )
+
+
+def _widths(separator: str, rows: list[str]) -> str:
+    counts = sorted({len(row) for row in Dialect(separator, ".").cells(rows)})
+    return " or ".join(str(count) for count in counts[:3])

@@ -1,0 +1,79 @@
+"""From the bytes of a text file to UTF-8: byte order marks, UTF-16, the old Western encodings."""
+
+import codecs
+
+from calib.errors import LogError
+
+MARKS = (
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
+HEAD = 4096
+"""Bytes that are looked at: a header is shorter."""
+
+
+def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
+    """The text of a file in UTF-8 without a byte order mark.
+
+    Parameters
+    ----------
+    data : the whole file.
+    where : its path, for messages.
+    encoding : as the user names it, or None to look.
+
+    Without a name, UTF-16 is recognised by its mark or by every other byte of its beginning being
+    nought, and the rest is left as it is: a header of another encoding is seen to by `head_text`,
+    and numbers are the same in all of them. Raises LogError for bytes that are no text.
+    """
+    for mark, name in MARKS:
+        if data.startswith(mark):
+            data, encoding = data[len(mark) :], name
+            break
+    encoding = encoding or _unmarked_utf16(data[:HEAD])
+    if encoding is None or codecs.lookup(encoding).name == "utf-8":
+        _refuse_binary(data[:HEAD], where)
+        return data
+    try:
+        return data.decode(encoding).encode()
+    except UnicodeDecodeError as cause:
+        cut = "the last character is cut off" if "truncated" in cause.reason else str(cause)
+        raise LogError(
+            f"not {encoding}: {cut}", where=where, expected="whole text", do="copy the log again"
+        ) from cause
+
+
+def _unmarked_utf16(head: bytes) -> str | None:
+    head = head[: len(head) // 2 * 2]
+    if len(head) >= 16 and b"\0" in head:
+        if not any(head[1::2]) and all(head[0::2]):
+            return "utf-16-le"
+        if not any(head[0::2]) and all(head[1::2]):
+            return "utf-16-be"
+    return None
+
+
+def _refuse_binary(head: bytes, where: str) -> None:
+    if b"\0" in head:
+        raise LogError("not text", where=where, expected="text with separated columns")
+
+
+def head_text(head: bytes, where: str) -> tuple[str, str | None]:
+    """A header as text, and a note where it is not in UTF-8 but in Windows-1252.
+
+    That one is ISO 8859-1 wherever both have a sign, so a degree or a square reads right in both.
+    Raises LogError where neither encoding has the sign.
+    """
+    try:
+        return head.decode("utf-8"), None
+    except UnicodeDecodeError:
+        pass
+    try:
+        return head.decode("cp1252"), "the header is not UTF-8; read as Latin-1 (Windows-1252)"
+    except UnicodeDecodeError as cause:
+        raise LogError(
+            f"the header is neither UTF-8 nor Latin-1: {cause}",
+            where=where,
+            expected="text",
+            do='name its encoding in a channel map: [text] encoding = "..."',
+        ) from cause

@@ -1,0 +1,127 @@
+"""Header cells: a name and perhaps a unit, in the styles in which loggers write them.
+
+name [unit]    always a name and a unit
+name (unit)    if the bracket holds a unit, or stands behind one of our channels
+name_unit      if the ending cannot be anything but a unit, or if the rest is one of our channels
+               and the ending a unit of it: ``time_s`` but not ``valve_s``
+"""
+
+import re
+from collections.abc import Sequence
+
+from calib.errors import LogError
+from calib.logs.source import Column
+from calib.names import CHANNELS
+from calib.units import is_unit, spelling
+
+_SQUARE = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
+_ROUND = re.compile(r"\s*(.*\S)\s*\(([^()]*)\)\s*")
+
+ENDINGS = {
+    **{u: u for u in ("bar", "mbar", "hPa", "kPa", "MPa", "psi", "kmh", "kph", "mph", "rpm")},
+    **{u: u for u in ("degC", "degF", "Nm", "kNm", "mps", "percent", "deg")},
+    "km_h": "km/h",
+    "m_s": "m/s",
+    "m_s2": "m/s^2",
+    "mps2": "m/s^2",
+    "ms2": "m/s^2",
+    "rad_s": "rad/s",
+    "radps": "rad/s",
+    "deg_s": "deg/s",
+    "degps": "deg/s",
+    "U_min": "U/min",
+    "1_min": "1/min",
+}
+"""Endings that are units wherever they stand behind an underscore."""
+
+
+def column_from_cell(cell: str) -> Column:
+    """Split a header cell into name and unit.
+
+    >>> column_from_cell("p_mc [bar]")
+    Column(name='p_mc', unit='bar', full='')
+    >>> column_from_cell("Druck_HZ_bar")
+    Column(name='Druck_HZ', unit='bar', full='Druck_HZ_bar')
+    >>> column_from_cell("p_mc")
+    Column(name='p_mc', unit=None, full='')
+    """
+    cell = cell.strip()
+    match = _SQUARE.fullmatch(cell)
+    if match is not None and match[2] is not None:
+        return _column(match[1], match[2], cell)
+    match = _ROUND.fullmatch(cell)
+    if match is not None and (is_unit(match[2]) or _ours(match[1])):
+        return _column(match[1], match[2], cell)
+    for name, unit in _endings(cell):
+        return _column(name, unit, cell)
+    return Column(cell, None)
+
+
+def _column(name: str, unit: str, cell: str) -> Column:
+    plain = f"{name} [{unit}]"
+    return Column(name, unit.strip(), "" if cell == plain else cell)
+
+
+def _ours(name: str) -> bool:
+    return name in CHANNELS or name.startswith("true_")
+
+
+def _endings(cell: str) -> list[tuple[str, str]]:
+    """The one reading of ``cell`` as ``name_unit``, or none."""
+    if _ours(cell) and not cell.startswith("true_"):
+        return []
+    parts = cell.split("_")
+    for count in (2, 1):  # m_s before s
+        name, ending = "_".join(parts[:-count]), "_".join(parts[-count:])
+        if not name:
+            continue
+        unit = ENDINGS.get(ending)
+        if name in CHANNELS:
+            unit = unit or ending
+            if is_unit(unit, CHANNELS[name].si):
+                return [(name, unit)]
+        elif unit is not None:
+            return [(name, unit)]
+    return []
+
+
+def is_unit_row(cells: Sequence[str]) -> bool:
+    """Whether a row below the names holds units: no numbers, and at least one unit among them.
+
+    >>> is_unit_row(["s", "bar", "1", ""]), is_unit_row(["0.0", "bar"])
+    (True, False)
+    """
+    texts = [bare_unit(cell) for cell in cells]
+    words = [text for text in texts if text and text != "1"]
+    return not any(_numeric(w) for w in words) and any(is_unit(w) for w in words)
+
+
+def _numeric(text: str) -> bool:
+    return re.fullmatch(r"[-+]?[\d.,]+([eE][-+]?\d+)?", text) is not None
+
+
+def bare_unit(cell: str) -> str:
+    """A unit without the brackets it may stand in: ``[bar]`` and ``(bar)`` are ``bar``."""
+    text = cell.strip()
+    if len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>"):
+        text = text[1:-1].strip()
+    return text
+
+
+def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -> list[Column]:
+    """Columns with the units of a second header row.
+
+    Raises LogError where the two rows name different units for one column.
+    """
+    out = []
+    for column, cell in zip(columns, cells, strict=True):
+        unit = bare_unit(cell)
+        if unit and column.unit and spelling(unit) != spelling(column.unit):
+            raise LogError(
+                f"the header names two units: {column.unit!r} and, in the row below, {unit!r}",
+                where=f"{where}: {column.name}",
+                expected="one unit",
+                do="mend the header",
+            )
+        out.append(Column(column.name, column.unit or unit or None, column.full))
+    return out

@@ -1,0 +1,55 @@
+"""Formats of several rasters, frames of a bus among them: which ending is which, and how opened."""
+
+import contextlib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from calib.errors import LogError
+from calib.logs.asc import open_asc
+from calib.logs.blf import open_blf
+from calib.logs.candump import open_candump
+from calib.logs.mdf import open_mdf
+from calib.logs.recording import Recording
+from calib.logs.resample import Wanted, on_one_clock
+from calib.logs.source import Array, Source
+
+RECORDINGS: dict[str, Callable[[Path, tuple[Path, ...]], Recording]] = {
+    ".mf4": open_mdf,
+    ".mdf": open_mdf,
+    ".dat": open_mdf,
+    ".blf": open_blf,
+    ".asc": open_asc,
+    ".log": open_candump,
+}
+"""One opener per file ending; each takes the path and the DBC files of the channel map."""
+
+
+def as_source(opened: Recording, where: str) -> Source:
+    """All channels of a recording on one clock, as a table has them; the recording is closed.
+
+    For looking at a file before it is known what its channels are. Columns without numbers are
+    there, and raise LogError when they are read.
+    """
+    try:
+        traces = {}
+        for index in range(1, len(opened.columns)):
+            with contextlib.suppress(LogError):
+                traces[index] = opened.read([index])[0]
+    finally:
+        opened.close()
+    wanted = [Wanted(_name(opened, i), trace, trace.state) for i, trace in traces.items()]
+    resampled = on_one_clock(wanted, where)
+    arrays = {0: resampled.time, **dict(zip(traces, resampled.values, strict=True))}
+
+    def read(indices: Sequence[int]) -> list[Array]:
+        for index in indices:
+            if index not in arrays:
+                raise LogError("holds no numbers", where=f"{where}: {_name(opened, index)}")
+        return [arrays[index] for index in indices]
+
+    return Source(opened.columns, read, opened.notes + resampled.notes)
+
+
+def _name(opened: Recording, index: int) -> str:
+    column = opened.columns[index]
+    return column.full or column.name

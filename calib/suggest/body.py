@@ -1,0 +1,248 @@
+"""Which columns are the car's speed, its acceleration and its brake pressure."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.course import centred_mean
+from calib.logs.channel_map import Mapping
+from calib.names import G
+from calib.suggest.physics import LATE, Clock, correlation, lead, slope
+from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
+from calib.suggest.series import Series
+from calib.suggest.words import (
+    BRAKE,
+    DECELERATION,
+    LONG,
+    MASTER,
+    NO_BRAKE,
+    NO_LONG,
+    NO_SPEED,
+    SPEED,
+    corner,
+    score,
+    words,
+)
+from calib.verdict import PRESSURE, RADIUS
+
+Array = NDArray[np.float64]
+
+FOLLOWS = 0.8
+"""Correlation [1] from which on one signal follows another."""
+ACCELERATED = 0.5
+"""Range of the derivative of speed [m/s^2] below which it says nothing of an accelerometer."""
+LATER = 0.01
+"""Gain of correlation [1] by which a pressure must fit better when taken late to be called late."""
+PRESSED = 2e5
+"""Range of a pressure [Pa] below which the brake was not applied."""
+SLOPES = (0.7, 1.4)
+"""a_x over the derivative of speed [1]: a hill, pitch and slip move it, a wrong unit more."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """At most one proposal for a channel, or the doubts; and of which columns it is not, why."""
+
+    proposal: Proposal | None = None
+    doubts: tuple[Doubt, ...] = ()
+    refused: tuple[tuple[str, str], ...] = ()
+    series: Series | None = None
+
+
+def choose(
+    channel: str, passed: list[tuple[Series, int]], why: str, found: Callable[[Series], Proposal]
+) -> Found:
+    """The one whose name says most; several that say as much are a doubt."""
+    if not passed:
+        return Found()
+    best = max(points for _, points in passed)
+    top = [s for s, points in passed if points == best]
+    exact = [s for s in top if s.name == channel] or top
+    if len(exact) > 1:
+        names = tuple(s.name for s in exact)
+        return Found(doubts=(Doubt(channel, names, why, f"say which: --take {channel}=NAME"),))
+    second = [(s.name, f"{exact[0].name} is the likelier {channel}") for s, _ in passed]
+    refused = tuple(pair for pair in second if pair[0] != exact[0].name)
+    return Found(found(exact[0]), (), refused, exact[0])
+
+
+def find_speed(series: list[Series], wheels: Array | None) -> Found:
+    """The reference speed: a speed by name and unit that goes with the wheels."""
+    passed, refused = [], []
+    for item in series:
+        if item.si != "m/s" or corner(item.name):
+            continue
+        points = 99 if item.name == "v" else score(item.name, SPEED, NO_SPEED)
+        if points < 1:
+            refused.append((item.name, "a speed, by its name not that of the car"))
+        elif wheels is not None and np.ptp(wheels) and correlation(item.values, wheels) < 0.98:
+            refused.append((item.name, "a speed that does not go with the wheels"))
+        else:
+            passed.append((item, points))
+    checked = wheels is not None and bool(np.ptp(wheels))
+
+    def proposal(item: Series) -> Proposal:
+        reasons = (
+            "name",
+            f"unit {item.column.unit}",
+            *(["goes with the wheels"] if checked else []),
+        )
+        return Proposal("v", Mapping(item.name), SURE if checked else LIKELY, reasons)
+
+    found = choose("v", passed, "more than one speed of the car", proposal)
+    return Found(found.proposal, found.doubts, (*refused, *found.refused), found.series)
+
+
+def find_acceleration(
+    series: list[Series], rate: Array | None, clock: Clock, metres: bool
+) -> Found:
+    """The longitudinal acceleration: by unit, and it is the derivative of speed up to a sign.
+
+    Parameters
+    ----------
+    series : all columns.
+    rate : derivative of speed, shape (n,), or None.
+    clock : of the log.
+    metres : whether ``rate`` is in m/s^2; else in rad/s^2 of the wheels.
+    """
+    passed, refused = [], []
+    measured = rate is not None and float(np.ptp(rate)) > (ACCELERATED if metres else 2.0)
+    for item in series:
+        points = 99 if item.name == "a_x" else score(item.name, LONG, NO_LONG)
+        if item.si != "m/s^2":
+            continue
+        if points < 0:
+            refused.append((item.name, "an acceleration, by its name not along the car"))
+        elif measured and rate is not None and abs(_follows(item, rate, clock)) < FOLLOWS:
+            refused.append((item.name, "an acceleration that is not the derivative of speed"))
+        elif not measured and points < 1:
+            refused.append((item.name, "an acceleration that nothing shows to be along the car"))
+        else:
+            passed.append((item, points))
+    used = rate if measured else None
+
+    def proposal(item: Series) -> Proposal:
+        return _acceleration(item, used, clock, metres)
+
+    found = choose("a_x", passed, "more than one acceleration along the car", proposal)
+    wrong = _wrong_unit(found.series, used, clock, metres)
+    if wrong:
+        return Found(doubts=(wrong,), refused=tuple(refused))
+    return Found(found.proposal, found.doubts, (*refused, *found.refused), found.series)
+
+
+def _follows(item: Series, rate: Array, clock: Clock) -> float:
+    """Correlation with the derivative of speed at the best lag, with its sign [1]."""
+    smooth = centred_mean(item.values, clock.width(0.2))
+    forward, back = lead(smooth, rate, clock)[1], lead(-smooth, rate, clock)[1]
+    return forward if forward >= back else -back
+
+
+def _acceleration(item: Series, rate: Array | None, clock: Clock, metres: bool) -> Proposal:
+    named = item.name == "a_x" or score(item.name, LONG, NO_LONG) > 0
+    reasons = [*(["name"] if named else []), f"unit {item.column.unit}"]
+    if rate is None:
+        sign = -1 if DECELERATION & set(words(item.name)) else 1
+        reasons.append("speed does not change enough to check its sign")
+        reasons += ["called a deceleration: turned round"] if sign < 0 else []
+        return Proposal("a_x", Mapping(item.name, sign=sign), LIKELY, tuple(reasons))
+    follows = _follows(item, rate, clock)
+    sign = 1 if follows > 0 else -1
+    reasons.append(f"is the derivative of speed (correlation {abs(follows):.2f})")
+    if sign < 0:
+        reasons.append("positive when the car slows down: turned round")
+    sure = SURE if named else LIKELY
+    return Proposal("a_x", Mapping(item.name, sign=sign), sure, tuple(reasons))
+
+
+def _wrong_unit(
+    item: Series | None, rate: Array | None, clock: Clock, metres: bool
+) -> Doubt | None:
+    """A doubt where the size of the acceleration contradicts its unit."""
+    if item is None or rate is None:
+        return None
+    ratio = abs(slope(centred_mean(item.values, clock.width(0.2)), rate))
+    low, high = SLOPES if metres else RADIUS
+    if low <= ratio <= high:
+        return None
+    off, what = ratio, "speed" if metres else "the wheel speed [m]"
+    hint = next(
+        (f": is it in {u}?" for u, f in (("g", 1 / G), ("m/s^2", G)) if 0.7 < off / f < 1.4), ""
+    )
+    why = f"in {item.column.unit} it is {off:.3g} times the derivative of {what}{hint}"
+    return Doubt("a_x", (item.name,), why, "say its unit: --take 'a_x=NAME [UNIT]'")
+
+
+def find_pressure(series: list[Series], braking: Array | None, clock: Clock) -> Found:
+    """The brake pressure: a pressure by unit, that comes before the deceleration and goes with it.
+
+    ``braking`` is the deceleration, shape (n,), or None where speed does not change. A column
+    without a unit is a doubt if its name speaks of a brake pressure: a torque or a percentage
+    looks the same.
+    """
+    passed, refused, unnamed = [], [], []
+    for item in series:
+        points = 99 if item.name == "p_mc" else _brake_score(item.name)
+        if corner(item.name) or points < 0:
+            continue
+        if item.si in (None, "?") and points >= 2 and _presses(item):
+            unnamed.append(item)
+        elif item.si == "N*m" and points >= 1:
+            refused.append((item.name, "a torque, not a pressure"))
+        elif item.si == "Pa":
+            reason = _no_brake(item, points, braking, clock)
+            if reason:
+                refused.append((item.name, reason))
+            else:
+                passed.append((item, points))
+    found = choose(
+        "p_mc", passed, "more than one brake pressure", lambda i: _pressure(i, braking, clock)
+    )
+    doubts = found.doubts
+    if found.proposal is None and not doubts and unnamed:
+        names = tuple(item.name for item in unnamed)
+        why = "called a brake pressure, but the file names no unit that is known"
+        doubts = (Doubt("p_mc", names, why, "say its unit: --take 'p_mc=NAME [bar]'"),)
+    return Found(found.proposal, doubts, (*refused, *found.refused), found.series)
+
+
+def _brake_score(name: str) -> int:
+    return score(name, BRAKE, NO_BRAKE) + max(0, 2 * score(name, MASTER, NO_BRAKE))
+
+
+def _presses(item: Series) -> bool:
+    said = set(words(item.name))
+    return bool(said & {"pressure", "press", "prs", "druck", "bremsdruck", "p"})
+
+
+def _no_brake(item: Series, points: int, braking: Array | None, clock: Clock) -> str | None:
+    """Why a pressure is not that of the brake, or None."""
+    if item.values.max() > PRESSURE:
+        return f"a pressure of {item.values.max() / 1e5:.0f} bar is no brake's"
+    if braking is None or np.ptp(braking) < ACCELERATED or not item.moves:
+        return None if points > 0 else "a pressure that nothing shows to be the brake's"
+    ahead, follows = lead(item.values, braking, clock)
+    if follows < FOLLOWS:
+        return f"a pressure that the deceleration does not follow (correlation {follows:.2f})"
+    in_time = lead(item.values, braking, clock, LATE)[1]
+    if follows - in_time > LATER:
+        return f"a pressure that comes {-ahead:.2f} s after the deceleration"
+    return None
+
+
+def _pressure(item: Series, braking: Array | None, clock: Clock) -> Proposal:
+    reasons = ["name", f"unit {item.column.unit}"] if _said(item) else [f"unit {item.column.unit}"]
+    applied = float(np.ptp(item.values)) > PRESSED
+    if braking is None or not applied or np.ptp(braking) < ACCELERATED:
+        reasons.append("no braking in the log to check it by")
+        return Proposal("p_mc", Mapping(item.name), LIKELY, tuple(reasons))
+    ahead, follows = lead(item.values, braking, clock, LATE)
+    when = f"{ahead:.2f} s before" if ahead > 0 else "with"
+    reasons.append(f"{when} the deceleration (correlation {follows:.2f})")
+    return Proposal("p_mc", Mapping(item.name), SURE if _said(item) else LIKELY, tuple(reasons))
+
+
+def _said(item: Series) -> bool:
+    return item.name == "p_mc" or _brake_score(item.name) > 0

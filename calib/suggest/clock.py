@@ -1,0 +1,56 @@
+"""Which column is the clock."""
+
+import numpy as np
+
+from calib.logs.channel_map import Mapping
+from calib.suggest.physics import Clock
+from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
+from calib.suggest.series import Series
+from calib.suggest.words import TIME, words
+from calib.verdict import RATES
+
+SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+"""Units that a clock without one may have [s]; the rates that must work tell them apart."""
+
+
+def find_clock(series: list[Series]) -> tuple[Proposal | None, Clock | None, list[Doubt]]:
+    """The clock of a log: it runs forward, is called so, and has a unit of time.
+
+    A unit that is missing is found from the rate: of seconds, milliseconds and microseconds only
+    one gives 40 Hz to 1 kHz. Nothing is proposed where no column, or more than one, will do.
+    """
+    running = [s for s in series if _runs(s) and (s.si == "s" or s.si is None)]
+    named = [s for s in running if TIME & set(words(s.name))]
+    exact = [s for s in named if s.name == "time"]
+    fit = exact or named
+    if len(fit) > 1:
+        do = "say which it is: --take time=NAME"
+        return None, None, [_doubt(fit, "more than one column is a clock", do)]
+    if not fit:
+        candidates = [s for s in running if s.si == "s"] or running
+        do = "say which it is, with its unit: --take 'time=NAME [s]'"
+        return None, None, [_doubt(candidates, "no column is called a time", do)]
+    return _proposal(fit[0])
+
+
+def _runs(series: Series) -> bool:
+    return bool(series.values.size > 1 and np.all(np.diff(series.values) > 0.0))
+
+
+def _doubt(candidates: list[Series], why: str, do: str) -> Doubt:
+    return Doubt("time", tuple(s.name for s in candidates), why, do)
+
+
+def _proposal(series: Series) -> tuple[Proposal | None, Clock | None, list[Doubt]]:
+    step = float(np.median(np.diff(series.values)))
+    if series.si == "s":
+        reasons = ("name", f"unit {series.column.unit}", "runs forward")
+        found = Proposal("time", Mapping(series.name), SURE, reasons)
+        return found, Clock(series.values, step), []
+    for unit, scale in SCALES.items():
+        if RATES[0] <= 1.0 / (step * scale) <= RATES[1]:
+            reasons = ("name", "runs forward", f"only as {unit} it runs at 40 Hz to 1 kHz")
+            found = Proposal("time", Mapping(series.name, unit), LIKELY, reasons)
+            return found, Clock(series.values * scale, step * scale), []
+    do = "say it: --take 'time=NAME [s]'"
+    return None, None, [_doubt([series], f"no unit, and steps of {step:.4g}", do)]

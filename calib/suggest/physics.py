@@ -1,0 +1,92 @@
+"""What a braked car cannot but do: the tests that a column has to pass.
+
+speed        the four wheels and the car go together
+a_x          is the derivative of speed, up to a sign
+pressure     comes before the deceleration, and both rise and fall together
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.course import centred_mean, runs
+
+Array = NDArray[np.float64]
+
+SMOOTH = 0.2
+"""Width [s] over which a speed is smoothed before it is differentiated."""
+LAG = 0.5
+"""Longest lag looked at [s]: a brake builds up in 0.1 to 0.2 s."""
+LATE = 0.06
+"""A pressure may seem to come this much after its effect [s]: filters in the sensors differ."""
+SLOW = 0.15
+"""Share of the highest speed [1] below which the car is about to stand."""
+TOGETHER, RATIO = 0.99, 0.1
+"""Correlation of two wheels at least, and the difference of their means at most [1]."""
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Seconds [s] of each row, and the median step [s]."""
+
+    time: Array
+    step: float
+
+    def width(self, seconds: float) -> int:
+        """Samples in a time."""
+        return max(1, round(seconds / self.step))
+
+
+def together(four: list[Array]) -> bool:
+    """Whether four speeds are those of one car: alike in level and in course."""
+    means = [float(np.mean(x)) for x in four]
+    if min(means) <= 0.0 or max(means) > (1.0 + RATIO) * min(means):
+        return False
+    if any(np.ptp(x) == 0.0 for x in four):
+        return False
+    steady = max(float(np.std(x)) for x in four) < 0.02 * max(means)  # nothing to correlate
+    return steady or float(np.corrcoef(four).min()) > TOGETHER
+
+
+def rate_of(speed: Array, clock: Clock) -> Array:
+    """Derivative of a speed, smoothed over `SMOOTH` [unit/s]."""
+    width = clock.width(SMOOTH)
+    return centred_mean(np.gradient(centred_mean(speed, width), clock.time), width)
+
+
+def correlation(a: Array, b: Array) -> float:
+    """Correlation [1]; 0 where one of them does not move."""
+    if np.ptp(a) == 0.0 or np.ptp(b) == 0.0:
+        return 0.0
+    return float(np.corrcoef(a, b)[0, 1])
+
+
+def slope(y: Array, x: Array) -> float:
+    """Slope of y over x, through their means [unit of y/unit of x]."""
+    return float(np.cov(y, x)[0, 1] / np.var(x, ddof=1))
+
+
+def lead(first: Array, then: Array, clock: Clock, latest: float = LAG) -> tuple[float, float]:
+    """By how much ``first`` comes before ``then`` [s], and their correlation at that lag [1].
+
+    It is not looked for more than ``latest`` [s] behind. A slow ramp alone says little of a lag.
+    """
+    reach = min(clock.width(LAG), first.size // 4)
+    back = min(reach, round(latest / clock.step))
+    best = max(range(-back, reach + 1), key=lambda k: _lagged(first, then, k))
+    return best * clock.step, _lagged(first, then, best)
+
+
+def _lagged(first: Array, then: Array, k: int) -> float:
+    n = first.size
+    return correlation(first[max(0, -k) : n - max(0, k)], then[max(0, k) : n - max(0, -k)])
+
+
+def moving(speed: Array, clock: Clock) -> slice:
+    """The longest stretch in which the car moves, less what the smoothing blurs at its ends."""
+    fast = speed > SLOW * float(speed.max())
+    start, end = max(runs(fast), key=lambda run: run[1] - run[0], default=(0, speed.size))
+    margin = 2 * clock.width(SMOOTH)
+    whole = end - start > 6 * margin
+    return slice(start + margin, end - margin) if whole else slice(start, end)

@@ -1,0 +1,276 @@
+"""Put the findings together: a proposal for each channel, doubts, and what is left.
+
+columns --> clock --> wheels --> speed --> a_x --> pressure --> the rest, by name and unit
+(each is a test for those behind it)
+"""
+
+from collections.abc import Callable
+from collections.abc import Mapping as Named
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.copies import factor_between
+from calib.errors import InputError
+from calib.logs.channel_map import Mapping
+from calib.logs.header import column_from_cell
+from calib.logs.source import Column, Source
+from calib.names import CHANNELS, WHEELS
+from calib.suggest.body import Found, find_acceleration, find_pressure, find_speed
+from calib.suggest.clock import find_clock
+from calib.suggest.physics import Clock, moving, rate_of
+from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal, Suggestion
+from calib.suggest.series import Series, read_series
+from calib.suggest.wheels import find_wheels, groups
+from calib.suggest.words import DISC, NO_STEERING, STEERING, axle, score
+from calib.units import UnknownUnit, from_si, to_si, unit_of
+
+Array = NDArray[np.float64]
+
+REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
+
+
+def suggest(
+    source: Source,
+    where: str,
+    *,
+    told: Named[str, str] | None = None,
+    radius: float | None = None,
+) -> Suggestion:
+    """Propose a channel map for an opened log.
+
+    Parameters
+    ----------
+    source : of any format.
+    where : the file's path, for messages.
+    told : by channel the source that the user names, ``Brake [bar]`` with or without a unit; empty
+        for a channel that is not to be mapped.
+    radius : rolling radius [m] with which the car made wheel speeds at the rim, if it did.
+
+    Returns
+    -------
+    The suggestion. Nothing is invented: what no column fits is missing, what several fit is a
+    doubt. Raises InputError for a channel or column that is told and does not exist.
+    """
+    told = dict(told or {})
+    series, left = read_series(source)
+    work = _Work(series, left, told, radius)
+    for channel, cell in told.items():
+        work.tell(channel, cell, source, where)
+    work.find()
+    return work.suggestion(where)
+
+
+@dataclass
+class _Work:
+    """What is known so far. Columns that are taken are not offered again."""
+
+    series: list[Series]
+    left: dict[str, str]
+    told: dict[str, str]
+    radius: float | None
+    proposals: dict[str, Proposal] = field(default_factory=dict)
+    doubts: list[Doubt] = field(default_factory=list)
+    clock: Clock | None = None
+
+    def tell(self, channel: str, cell: str, source: Source, where: str) -> None:
+        """Take what the user says."""
+        if channel not in CHANNELS:
+            raise InputError(f"no channel is called {channel!r}", expected=", ".join(CHANNELS))
+        if not cell:
+            return
+        column = _column_called(cell, source)
+        if column is None:
+            names = ", ".join(repr(c.name) for c in source.columns)
+            raise InputError(f"{where} has no column {cell!r}", expected=f"one of {names}")
+        spoken = column_from_cell(cell)
+        unit = spoken.unit if column.name != cell and spoken.unit != column.unit else None
+        _check_unit(unit or column.unit, channel, cell)
+        mapping = Mapping(column.name, unit)
+        self.proposals[channel] = Proposal(channel, mapping, SURE, ("told",))
+
+    def find(self) -> None:
+        """Look for every channel that was not told, in the order in which one tests the next."""
+        self._clock()
+        clock = self.clock
+        if clock is None:
+            return
+        wheels = find_wheels(self._free(), self.radius)
+        self.left.update(dict(wheels.refused))
+        self._take_group("omega", wheels.proposals, wheels.doubts)
+        mean = wheels.mean if wheels.mean is not None else self._told_wheels()
+        speed = self._take("v", find_speed(self._free(), mean))
+        metres = speed is not None
+        motion = speed if speed is not None else mean
+        rate, clock = self._while_moving(motion, clock)
+        metres = metres or not (wheels.angular or "omega_fl" in self.told)
+        self._take("a_x", find_acceleration(self._free(), rate, clock, metres))
+        self._computed()
+        self._take("p_mc", find_pressure(self._free(), None if rate is None else -rate, clock))
+        self._wheel_pressures()
+        self._by_name()
+
+    def _while_moving(self, motion: Array | None, clock: Clock) -> tuple[Array | None, Clock]:
+        """Derivative of the speed; from here on only rows in which the car moves are looked at."""
+        if motion is None:
+            return None, clock
+        part = moving(motion, clock)
+        rate = rate_of(motion, clock)[part]
+        self.series = [replace(s, values=s.values[part]) for s in self.series]
+        return rate, Clock(clock.time[part], clock.step)
+
+    def _free(self) -> list[Series]:
+        """Columns that nothing has taken; one told for a channel that is looked for is not free."""
+        taken = {p.mapping.source for p in self.proposals.values()}
+        return [s for s in self.series if s.name not in taken and s.name not in self.left]
+
+    def _clock(self) -> None:
+        if "time" in self.proposals:
+            series = [_told(s, self.proposals["time"]) for s in self.series]
+            named = next((s for s in series if s is not None), None)
+            if named is not None:
+                self.clock = Clock(named, float(np.median(np.diff(named))))
+            return
+        found, self.clock, doubts = find_clock(self._free())
+        self.doubts += doubts
+        if found:
+            self.proposals["time"] = found
+
+    def _told_wheels(self) -> Array | None:
+        """Mean wheel speed of the columns that the user named [rad/s], or None."""
+        four = []
+        for wheel in WHEELS:
+            proposal = self.proposals.get(f"omega_{wheel}")
+            found = [_told(s, proposal) for s in self.series] if proposal else []
+            four += [x for x in found if x is not None]
+        return np.mean(four, axis=0) if len(four) == 4 else None
+
+    def _take(self, channel: str, found: Found) -> Array | None:
+        """Enter a finding, unless the user said something else. Returns the column's values."""
+        self.left.update({k: v for k, v in found.refused if k not in self.left})
+        if channel in self.told:
+            proposal = self.proposals.get(channel)
+            values = [_told(s, proposal) for s in self.series] if proposal else []
+            return next((x for x in values if x is not None), None)
+        self.doubts += found.doubts
+        if found.proposal is None or found.series is None:
+            return None
+        self.proposals[channel] = found.proposal
+        return found.series.values
+
+    def _take_group(
+        self, prefix: str, proposals: tuple[Proposal, ...], doubts: tuple[Doubt, ...]
+    ) -> None:
+        if not any(f"{prefix}_{w}" in self.told for w in WHEELS):
+            self.proposals.update({p.channel: p for p in proposals})
+            self.doubts += doubts
+
+    def _computed(self) -> None:
+        """Set pressures aside that are a column of another quantity times a number."""
+        others = [s for s in self.series if s.si not in ("Pa", None, "?", "s")]
+        for item in self._free():
+            for other in others if item.si == "Pa" else []:
+                factor = factor_between(item.values, other.values)
+                if factor is not None:
+                    self.left[item.name] = (
+                        f"computed: a fixed number times {other.name} [{other.column.unit}]"
+                    )
+
+    def _wheel_pressures(self) -> None:
+        fours = groups(self._free(), "Pa")
+        if len(fours) != 1 or any(s.values.max() > 350e5 for s in fours[0].values()):
+            return
+        for wheel in WHEELS:
+            item = fours[0][wheel]
+            if f"p_{wheel}" not in self.told:
+                reasons = ("name", f"unit {item.column.unit}")
+                self.proposals[f"p_{wheel}"] = Proposal(
+                    f"p_{wheel}", Mapping(item.name), LIKELY, reasons
+                )
+
+    def _by_name(self) -> None:
+        """Channels that no physics here can test."""
+        wanted: dict[str, Callable[[Series], bool]] = {
+            "steering": lambda s: s.si == "rad" and score(s.name, STEERING, NO_STEERING) > 0,
+            "T_disc_f": lambda s: (
+                s.si == "degC" and score(s.name, DISC, set()) > 0 and axle(s.name) == "f"
+            ),
+            "T_disc_r": lambda s: (
+                s.si == "degC" and score(s.name, DISC, set()) > 0 and axle(s.name) == "r"
+            ),
+        }
+        for channel, fits in wanted.items():
+            found = [s for s in self._free() if s.name == channel or fits(s)]
+            found = [s for s in found if s.name == channel] or found
+            if channel in self.told or not found:
+                continue
+            if len(found) > 1:
+                do = f"say which: --take {channel}=NAME; or none: --take {channel}="
+                names = tuple(s.name for s in found)
+                self.doubts.append(Doubt(channel, names, "several by name", do))
+                continue
+            reasons = ("name", f"unit {found[0].column.unit}", "nothing here can test it")
+            self.proposals[channel] = Proposal(channel, Mapping(found[0].name), LIKELY, reasons)
+
+    def suggestion(self, where: str) -> Suggestion:
+        """The outcome."""
+        ordered = tuple(self.proposals[name] for name in CHANNELS if name in self.proposals)
+        taken = {p.mapping.source for p in ordered}
+        doubted = {name for doubt in self.doubts for name in doubt.channel.split(" ... ")}
+        left = {s.name: self.left.get(s.name, "none of ours") for s in self.series}
+        left = {name: why for name, why in {**self.left, **left}.items() if name not in taken}
+        missing = {
+            name: f"the column of that name is {left[name]}" if name in left else _why_missing(name)
+            for name in REQUIRED
+            if name not in self.proposals and name not in doubted and not self._wheel_doubt(name)
+        }
+        ignore = tuple(n for n in left if n in CHANNELS and n not in self.proposals)
+        return Suggestion(where, ordered, tuple(self.doubts), missing, left, ignore)
+
+    def _wheel_doubt(self, name: str) -> bool:
+        return name.startswith("omega") and any(d.channel.startswith("omega") for d in self.doubts)
+
+
+def _why_missing(name: str) -> str:
+    why = {
+        "time": "no column runs forward and is called a time",
+        "p_mc": "no column is a brake pressure by name, unit and course",
+        "a_x": "no column is an acceleration along the car by name, unit and course",
+    }
+    return why.get(name, "no four columns are wheel speeds by name, unit and course")
+
+
+def _column_called(cell: str, source: Source) -> Column | None:
+    """The column that a user means: by its name, the whole cell, or the name with another unit."""
+    for name in (cell, column_from_cell(cell).name):
+        for column in source.columns:
+            if name in (column.name, column.full):
+                return column
+    return None
+
+
+def _check_unit(unit: str | None, channel: str, cell: str) -> None:
+    """Raise InputError for a column that is told without a unit, or with one of another kind."""
+    si = CHANNELS[channel].si
+    if unit is None:
+        do = f"say it: '{channel}={cell} [{CHANNELS[channel].unit}]'"
+        raise InputError(f"{cell!r} has no unit", where=channel, expected=f"one of {si}", do=do)
+    try:
+        unit_of(unit, si)
+    except UnknownUnit as cause:
+        raise InputError(f"{cell!r}: {cause}", where=channel) from cause
+
+
+def _told(series: Series, proposal: Proposal | None) -> Array | None:
+    """The values [SI] of a column that was told, or None if it is another or has no unit."""
+    if proposal is None or series.name != proposal.mapping.source:
+        return None
+    unit = proposal.mapping.unit
+    if unit is None:
+        return series.values
+    # A unit that was told overrides the file's: back to what is written, then on.
+    written = series.values
+    if series.column.unit and series.si not in (None, "?"):
+        written = from_si(series.values, series.column.unit, str(series.si))
+    return to_si(written, unit, CHANNELS[proposal.channel].si)

@@ -1,0 +1,89 @@
+"""Which four columns are the wheel speeds, and which the wheel pressures."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.logs.channel_map import Mapping
+from calib.names import WHEELS
+from calib.suggest.physics import together
+from calib.suggest.proposal import SURE, Doubt, Proposal
+from calib.suggest.series import Series
+from calib.suggest.words import loose_corner
+from calib.units import to_si
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Wheels:
+    """What was found: proposals, doubts, and the mean wheel speed, in whatever unit it has.
+
+    ``angular`` says whether that unit is rad/s.
+    """
+
+    proposals: tuple[Proposal, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
+    mean: Array | None = None
+    angular: bool = False
+    refused: tuple[tuple[str, str], ...] = ()
+
+
+def groups(series: list[Series], *quantities: str | None) -> list[dict[str, Series]]:
+    """Columns of one kind of quantity that come in fours, one for each wheel."""
+    found: dict[tuple[str, str | None], dict[str, Series]] = {}
+    for item in series:
+        wheel, rest = loose_corner(item.name)
+        if wheel and item.si in quantities:
+            found.setdefault((rest, item.si), {}).setdefault(wheel, item)
+    return [four for four in found.values() if len(four) == 4]
+
+
+def find_wheels(series: list[Series], radius: float | None) -> Wheels:
+    """The wheel speeds: named for the four wheels, alike in level and course, with a unit.
+
+    Speeds at the rim (km/h) need the ``radius`` [m] that the car made them with.
+    """
+    good, refused = [], []
+    for four in groups(series, "rad/s", "m/s", None):
+        if together([four[w].values for w in WHEELS]):
+            good.append(four)
+        elif next(iter(four.values())).si is not None:
+            refused += [
+                (s.name, "does not go together with its three wheels") for s in four.values()
+            ]
+    angular = [four for four in good if four["fl"].si == "rad/s"]
+    fit = [four for four in angular if four["fl"].name == "omega_fl"] or angular or good
+    if not fit:
+        return Wheels(refused=tuple(refused))
+    if len(fit) > 1:
+        names = tuple(" ".join(four[w].name for w in WHEELS) for four in fit)
+        do = "say which: --take omega_fl=NAME, and so for the others"
+        return Wheels(doubts=(Doubt("omega_fl ... omega_rr", names, "several fours", do),))
+    return replace(_of(fit[0], radius), refused=tuple(refused))
+
+
+def _of(four: dict[str, Series], radius: float | None) -> Wheels:
+    mean = np.mean([four[w].values for w in WHEELS], axis=0)
+    names = tuple(four[w].name for w in WHEELS)
+    unit, kind = four["fl"].column.unit, four["fl"].si
+    reasons: tuple[str, ...] = ("name", f"unit {unit}", "the four go together")
+    if kind is None:
+        do = "say it: --take 'omega_fl=NAME [rad/s]', and so for the others"
+        doubt = Doubt("omega_fl ... omega_rr", names, "the file names no unit", do)
+        return Wheels(doubts=(doubt,), mean=mean)
+    if kind == "rad/s":
+        found = [Proposal(f"omega_{w}", Mapping(four[w].name), SURE, reasons) for w in WHEELS]
+        return Wheels(tuple(found), (), mean, True)
+    if radius is None:
+        do = "give the radius that the car makes them with: --radius 0.31"
+        why = f"speeds at the rim, in {unit}, are no wheel speeds without a radius"
+        return Wheels(doubts=(Doubt("omega_fl ... omega_rr", names, why, do),), mean=mean)
+    reasons = (*reasons, f"divided by the given radius of {radius:g} m")
+    scale = to_si(1.0, str(unit), "m/s") / radius
+    found = [
+        Proposal(f"omega_{w}", Mapping(four[w].name, "rad/s", scale=scale), SURE, reasons)
+        for w in WHEELS
+    ]
+    return Wheels(tuple(found), (), mean / radius, True)

@@ -1,0 +1,150 @@
+"""What the names of columns say: the words that engineers use for each quantity, and for wheels."""
+
+import re
+from itertools import pairwise
+
+_WORD = re.compile(r"[A-ZÄÖÜ]+(?=[A-ZÄÖÜ][a-zäöü])|[A-ZÄÖÜ]?[a-zäöüß]+|[A-ZÄÖÜ]+|\d+")
+
+FRONT = {"f", "front", "v", "vorn", "vorne", "va", "fa"}
+REAR = {"r", "rear", "h", "hinten", "ha", "ra"}
+LEFT = {"l", "left", "links", "li", "lh"}
+RIGHT = {"r", "right", "rechts", "re", "rh"}
+CORNERS = {
+    "fl": {"fl", "lf", "vl", "frontleft", "leftfront"},
+    "fr": {"fr", "rf", "vr", "frontright", "rightfront"},
+    "rl": {"rl", "lr", "hl", "rearleft", "leftrear"},
+    "rr": {"rr", "hr", "rearright", "rightrear"},
+}
+"""One word for a wheel, in English order, the other way round, and in German."""
+
+TIME = {"time", "zeit", "t", "timestamp", "timestamps", "timestemp", "ts"}
+BRAKE = {"brake", "brk", "brakes", "bremse", "brems", "bremsdruck", "bremskraft"}
+MASTER = {"mc", "tmc", "master", "mastercylinder", "hz", "thz", "hauptbremszylinder", "hbz"}
+NO_BRAKE = {
+    *("tire", "tyre", "reifen", "oil", "oel", "öl", "fuel", "boost", "booster", "manifold"),
+    *(
+        "rail",
+        "baro",
+        "ambient",
+        "vacuum",
+        "intake",
+        "turbo",
+        "clutch",
+        "air",
+        "park",
+        "parking",
+        "hand",
+    ),
+}
+DECELERATION = {"decel", "deceleration", "verzoegerung", "verzögerung"}
+LONG = DECELERATION | {
+    "x",
+    "ax",
+    "long",
+    "lon",
+    "longitudinal",
+    "laengs",
+    "längs",
+    "longacc",
+    "forward",
+}
+NO_LONG = {
+    *("y", "z", "ay", "az", "lat", "lateral", "quer", "vert", "vertical", "pedal", "yaw"),
+    *("latacc", "roll", "pitch"),
+}
+DERIVED = {"est", "estimate", "estimated", "filt", "filtered", "model", "req", "requested", "raw"}
+"""Words of a second, computed channel beside a first."""
+SPEED = {"v", "vx", "speed", "velocity", "vehicle", "geschwindigkeit", "gps", "gnss", "ground"}
+NO_SPEED = {
+    *("engine", "wheel", "rad", "motor", "wind", "fan", "turbine", "vertical", "vert", "target"),
+    *("set", "lateral", "lat", "limit", "cruise", "vy", "vz"),
+}
+STEERING = {"steering", "steer", "swa", "lenk", "lenkwinkel", "lenkrad", "delta"}
+NO_STEERING = {"yaw", "heading", "slip", "pitch", "roll", "rate", "road", "rear"}
+WHOLE = 5
+"""Letters from which on a word is found within another: ``Fahrzeuggeschwindigkeit``."""
+DISC = {"disc", "disk", "rotor", "scheibe", "bremsscheibe"}
+
+
+def words(name: str) -> list[str]:
+    """The words of a name in small letters.
+
+    >>> words("WheelSpeed_FL"), words("Brake pressure MC")
+    (['wheel', 'speed', 'fl'], ['brake', 'pressure', 'mc'])
+    """
+    return [word.lower() for word in _WORD.findall(name)]
+
+
+def corner(name: str) -> str | None:
+    """The wheel that a name speaks of, or None: ``fl``, ``fr``, ``rl``, ``rr``.
+
+    >>> corner("nRad_VL"), corner("rear right speed"), corner("speed")
+    ('fl', 'rr', None)
+    """
+    return _corner(words(name))
+
+
+def loose_corner(name: str) -> tuple[str | None, str]:
+    """The wheel that a name speaks of or ends with, and the name without it.
+
+    Only worth something where all four wheels have such a name.
+
+    >>> loose_corner("WSFL"), loose_corner("WSRR")
+    (('fl', 'ws'), ('rr', 'ws'))
+    """
+    found = corner(name)
+    if found is not None or not words(name):
+        return found, stem(name)
+    *before, last = words(name)
+    wheel = _corner([last[-2:]]) if len(last) > 2 else None
+    return wheel, " ".join([*before, last[:-2]])
+
+
+def _corner(found: list[str]) -> str | None:
+    """The wheel of some words."""
+    one = [wheel for wheel, names in CORNERS.items() if names & set(found)]
+    if len(one) == 1:
+        return one[0]
+    if one:
+        return None
+    for first, second in pairwise(found):
+        turned = [(second, first)] if len(first + second) > 2 else []  # `l r` is no wheel
+        for a, b in [(first, second), *turned]:
+            if a in FRONT | REAR and b in LEFT | RIGHT:
+                return ("f" if a in FRONT else "r") + ("l" if b in LEFT else "r")
+    return None
+
+
+def stem(name: str) -> str:
+    """A name without its wheel: the same for the four of a group.
+
+    >>> stem("WheelSpeed_FL"), stem("WheelSpeed_RR")
+    ('wheel speed', 'wheel speed')
+    """
+    sides = FRONT | REAR | LEFT | RIGHT | set().union(*CORNERS.values())
+    return " ".join(word for word in words(name) if word not in sides)
+
+
+def axle(name: str) -> str | None:
+    """The axle that a name speaks of, ``f`` or ``r``, or None; not where it names a wheel."""
+    found = set(words(name))
+    if corner(name) is not None or bool(found & FRONT) == bool(found & REAR):
+        return None
+    return "f" if found & FRONT else "r"
+
+
+def score(name: str, wanted: set[str], unwanted: set[str]) -> int:
+    """How far a name speaks of a quantity: wanted words, less a second, computed one's; -1 for no.
+
+    >>> score("a_x", LONG, NO_LONG), score("a_y", LONG, NO_LONG), score("a_x_est", LONG, NO_LONG)
+    (2, -1, 1)
+    """
+    found = set(words(name))
+    if _said(found, unwanted):
+        return -1
+    return 2 * len(_said(found, wanted)) - (1 if found & DERIVED else 0)
+
+
+def _said(found: set[str], wanted: set[str]) -> set[str]:
+    """The words that say one of ``wanted``, long ones also within a compound."""
+    return {w for w in found if w in wanted or any(len(x) >= WHOLE and x in w for x in wanted)}

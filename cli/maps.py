@@ -1,0 +1,127 @@
+"""`brake-cal map`: propose a channel map for a log of foreign names."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import complain, emit, emit_json, say
+from cli.options import Json, Map, example
+
+if TYPE_CHECKING:
+    from rich.table import Table as Grid
+
+    from calib.suggest.proposal import Suggestion
+
+UNCERTAIN = 3
+
+app = typer.Typer(
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    help="Channel maps: which column of a foreign log is which channel.",
+    epilog=example("brake-cal map suggest sample_logs/real/toyota_brake.csv"),
+)
+
+
+@app.callback()
+def group() -> None:
+    """Channel maps: which column of a foreign log is which channel."""
+
+
+@app.command(
+    epilog=example("brake-cal map suggest sample_logs/real/toyota_brake.csv --out map.toml")
+)
+def suggest(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="log of foreign names")],
+    take: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--take",
+            metavar="CHANNEL=NAME",
+            help="What a channel is, 'p_mc=Brake [bar]'; none of them with an empty NAME.",
+        ),
+    ] = None,
+    radius: Annotated[
+        float | None,
+        typer.Option(metavar="M", help="Radius [m] behind wheel speeds in km/h.", min=0.1, max=1.0),
+    ] = None,
+    channel_map: Map = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="M.toml", help="Write the map there.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Propose a channel map for a LOG from names, units and physics, and say how sure it is.
+
+    Prints the map on stdout and the reasons on stderr. Where something is ambiguous it lists the
+    candidates, writes no map and ends with 3. Of --map only what it says of the format is used.
+    """
+    from calib.logs.channel_map import read_channel_map
+    from calib.logs.read import open_log
+    from calib.suggest.propose import suggest as propose
+    from calib.suggest.written import to_toml
+
+    told = dict(_pair(text) for text in take or [])
+    _check_out(log, out)
+    given = read_channel_map(channel_map) if channel_map else None
+    found = propose(open_log(log, given).source, str(log), told=told, radius=radius)
+    if json:
+        emit_json({"schema": 1, "certain": not found.doubts, **_document(found)})
+    else:
+        _tell(found)
+    if found.doubts:
+        for doubt in found.doubts:
+            complain(f"{doubt.channel}: {doubt.why}: {', '.join(doubt.candidates)}; {doubt.do}")
+        raise typer.Exit(UNCERTAIN)
+    if out is not None:
+        from calib.files import write_whole
+
+        write_whole(out, to_toml(found).encode())
+        say(f"wrote {out}")
+    elif not json:
+        emit(to_toml(found).rstrip("\n"))
+
+
+def _pair(text: str) -> tuple[str, str]:
+    channel, equals, name = text.partition("=")
+    if not equals:
+        raise typer.BadParameter(f"{text!r} is no CHANNEL=NAME", param_hint="--take")
+    return channel.strip(), name.strip()
+
+
+def _check_out(log: Path, out: Path | None) -> None:
+    if out is None:
+        return
+    if out.is_dir() or not out.absolute().parent.is_dir():
+        raise typer.BadParameter(f"cannot write {out}", param_hint="--out")
+    if out.resolve() == log.resolve():
+        raise typer.BadParameter("would overwrite the LOG", param_hint="--out")
+
+
+def _document(found: "Suggestion") -> dict[str, object]:
+    from dataclasses import asdict
+
+    from calib.suggest.written import to_toml
+
+    toml = None if found.doubts else to_toml(found)
+    return {**asdict(found), "toml": toml}
+
+
+def _tell(found: "Suggestion") -> None:
+    from cli.console import console
+
+    console().print(_grid(found))
+
+
+def _grid(found: "Suggestion") -> "Grid":
+    from rich.table import Table as Grid
+    from rich.text import Text
+
+    from calib.suggest.written import to_lines
+
+    grid = Grid(box=None, show_header=False, pad_edge=False)
+    grid.add_column(style="bold", no_wrap=True)
+    grid.add_column(overflow="fold")
+    for label, text in to_lines(found):
+        grid.add_row(label, Text(text))
+    return grid

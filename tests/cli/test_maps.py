@@ -1,0 +1,97 @@
+"""`brake-cal map suggest` as the shell runs it, and what `check --map` says of it."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+REAL = Path(__file__).parents[2] / "sample_logs/real"
+
+
+@pytest.fixture
+def foreign(tmp_path):
+    """The Mustang's braking with foreign names, and a pressure without a unit."""
+    lines = (REAL / "mustang_brake.csv").read_text().splitlines()
+    head = lines[0].replace("p_mc [bar]", "Brake pressure").replace("T_b_req_oem [N*m]", "x [V]")
+    head = head.replace("a_x [", "LongAcc [").replace("omega_", "WS_")
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join([head, *lines[1:], ""]))
+    return path
+
+
+def test_prints_a_map_and_says_why(brake_cal):
+    ran = brake_cal("map", "suggest", REAL / "mustang_brake.csv")
+    assert ran.code == 0
+    assert 'ignore = ["p_mc"]' in ran.out
+    assert "[channels.p_mc]" not in ran.out
+    assert "T_b_req_oem [N*m]" in ran.err
+
+
+def test_the_maps_beside_the_logs_are_what_is_suggested(brake_cal, monkeypatch):
+    monkeypatch.chdir(REAL)
+    for car in ("mustang", "toyota"):
+        ran = brake_cal("map", "suggest", f"{car}_brake.csv")
+        assert ran.out == Path(f"{car}.toml").read_text()
+
+
+def test_doubts_end_with_3_and_no_map(brake_cal, foreign, tmp_path):
+    out = tmp_path / "map.toml"
+    ran = brake_cal("map", "suggest", foreign, "--out", out)
+    assert (ran.code, ran.out) == (3, "")
+    assert "p_mc: called a brake pressure" in ran.err
+    assert "--take 'p_mc=NAME [bar]'" in ran.err
+    assert not out.exists()
+
+
+def test_what_is_told_is_written_and_read(brake_cal, foreign, tmp_path):
+    out = tmp_path / "map.toml"
+    told = ("--take", "p_mc=Brake pressure [bar]")
+    assert brake_cal("map", "suggest", foreign, *told, "--out", out).code == 0
+    ran = brake_cal("check", foreign, "--map", out)
+    assert ran.code == 0
+    assert "from 'LongAcc' [m/s^2] x 1:" in ran.out
+    assert "from 'Brake pressure' [bar] x 100000:" in ran.out
+    taken = json.loads(brake_cal("check", foreign, "--map", out, "--json").out)["logs"][0]["taken"]
+    pressure = next(item for item in taken if item["channel"] == "p_mc")
+    assert pressure["source"] == "Brake pressure"
+    assert (pressure["si"], pressure["factor"]) == ("Pa", pytest.approx(1e5))
+    assert pressure["high"] == pytest.approx(16.67e5, rel=1e-3)
+
+
+def test_json_is_one_document(brake_cal, foreign):
+    ran = brake_cal("map", "suggest", foreign, "--json")
+    document = json.loads(ran.out)
+    assert ran.code == 3
+    assert document["certain"] is False
+    assert document["doubts"][0]["candidates"] == ["Brake pressure"]
+    assert document["toml"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (("--take", "p_mc"), 2, "is no CHANNEL=NAME"),
+        (("--take", "p_cm=x"), 3, "no channel is called 'p_cm'"),
+        (("--out", "/nowhere/map.toml"), 2, "cannot write"),
+        (("--radius", "31"), 2, "--radius"),
+    ],
+)
+def test_slips(brake_cal, foreign, arguments, code, says):
+    ran = brake_cal("map", "suggest", foreign, *arguments)
+    assert (ran.code, ran.out) == (code, "")
+    assert says in ran.err
+
+
+def test_the_log_is_not_overwritten(brake_cal, foreign):
+    before = foreign.read_bytes()
+    assert brake_cal("map", "suggest", foreign, "--out", foreign).code == 2
+    assert foreign.read_bytes() == before
+
+
+def test_check_says_what_the_cars_can_and_cannot_give(brake_cal):
+    ran = brake_cal("check", REAL / "mustang_brake.csv", REAL / "toyota_brake.csv")
+    assert ran.code == 1
+    assert "p_mc in bar is 0.01 times T_b_req_oem [N*m]" in ran.out
+    assert "p_mc is missing" in ran.out
+    assert ran.out.count("not usable") == 6
+    assert "the zero of eta" in ran.out

@@ -1,0 +1,301 @@
+"""A known run under foreign names is found again; nothing is invented; doubts are told."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.errors import InputError
+from calib.logs.channel_map import read_channel_map
+from calib.logs.read import open_log, read_log
+from calib.logs.source import Column, Source
+from calib.suggest.propose import suggest
+from calib.suggest.written import to_lines, to_toml
+from tests.made_runs import changed, made_run, stop
+
+SAMPLES = Path(__file__).parents[2] / "sample_logs"
+WHEELS = ("fl", "fr", "rl", "rr")
+RUN = made_run(stop(), rate=100.0)
+N = RUN.time.size
+RNG = np.random.default_rng(3)
+
+
+def foreign(run=RUN):
+    """The run as another logger has it: by (name, unit) the written values."""
+    return {
+        ("Zeit", "ms"): 1e3 * run.time,
+        ("Yaw rate", "deg/s"): RNG.normal(size=run.time.size),
+        ("Engine speed", "rpm"): 900 + RNG.normal(size=run.time.size),
+        ("Lateral acceleration", "g"): RNG.normal(size=run.time.size) / 9,
+        ("Longitudinal deceleration", "g"): -run["a_x"] / 9.80665,
+        ("Bremsdruck HZ", "MPa"): run["p_mc"] / 1e6,
+        ("Tyre pressure", "bar"): np.full(run.time.size, 2.4),
+        **{
+            (f"nRad_{name}", "U/min"): run[f"omega_{w}"] * 30 / np.pi
+            for w, name in zip(WHEELS, ("VL", "VR", "HL", "HR"), strict=True)
+        },
+        ("Fahrzeuggeschwindigkeit", "km/h"): 3.6 * run["v"],
+        ("Driver", None): np.full(run.time.size, 7.0),
+    }
+
+
+def source_of(columns):
+    values = list(columns.values())
+    names = tuple(Column(name, unit) for name, unit in columns)
+    return Source(names, lambda indices: [values[i] for i in indices])
+
+
+def suggestion(columns, **told):
+    return suggest(source_of(columns), "run.csv", **told)
+
+
+def found(columns, **told):
+    return {p.channel: p for p in suggestion(columns, **told).proposals}
+
+
+def without(columns, *names):
+    return {key: x for key, x in columns.items() if key[0] not in names}
+
+
+def test_a_foreign_log_is_found_out():
+    result = suggestion(foreign())
+    by_name = {p.channel: p.mapping.source for p in result.proposals}
+    assert by_name == {
+        "time": "Zeit",
+        "p_mc": "Bremsdruck HZ",
+        "a_x": "Longitudinal deceleration",
+        "omega_fl": "nRad_VL",
+        "omega_fr": "nRad_VR",
+        "omega_rl": "nRad_HL",
+        "omega_rr": "nRad_HR",
+        "v": "Fahrzeuggeschwindigkeit",
+    }
+    assert {p.sure for p in result.proposals} == {"sure"}
+    assert not result.doubts
+    assert not result.missing
+    assert set(result.left) == {
+        *("Yaw rate", "Engine speed", "Lateral acceleration", "Tyre pressure", "Driver")
+    }
+
+
+def test_the_map_reads_the_run_back(tmp_path):
+    columns = foreign()
+    path, channel_map = tmp_path / "run.csv", tmp_path / "map.toml"
+    rows = np.column_stack(list(columns.values()))
+    head = ";".join(f"{name} [{unit or ''}]" for name, unit in columns)
+    np.savetxt(path, rows, delimiter=";", header=head, comments="", fmt="%.9f")
+    channel_map.write_text(to_toml(suggest(open_log(path).source, str(path))))
+    log = read_log(path, channel_map)
+    for name in ("time", "a_x", "p_mc", "v", *(f"omega_{w}" for w in WHEELS)):
+        np.testing.assert_allclose(log[name], RUN[name], rtol=1e-6, atol=2e-3)
+    assert read_channel_map(channel_map).channels["a_x"].sign == -1
+
+
+@pytest.mark.parametrize("lost", ["Bremsdruck HZ", "Longitudinal deceleration", "nRad_VL"])
+def test_what_is_not_there_is_not_invented(lost):
+    result = suggestion(without(foreign(), lost))
+    channel = {"Bremsdruck HZ": "p_mc", "nRad_VL": "omega_fl"}.get(lost, "a_x")
+    assert channel in result.missing
+    assert channel not in {p.channel for p in result.proposals}
+    assert not result.doubts
+
+
+@given(
+    kept=st.sets(st.sampled_from([name for name, _ in foreign()]), min_size=1),
+    order=st.randoms(use_true_random=False),
+)
+def test_whatever_is_kept_nothing_wrong_is_proposed(kept, order):
+    """Any selection of columns, in any order: each proposal is the right one or there is none."""
+    right = {p.channel: p.mapping for p in suggestion(foreign()).proposals}
+    columns = [(key, x) for key, x in foreign().items() if key[0] in kept]
+    order.shuffle(columns)
+    for channel, proposal in found(dict(columns)).items():
+        assert proposal.mapping == right[channel]
+
+
+def test_a_torque_is_no_pressure():
+    columns = without(foreign(), "Bremsdruck HZ")
+    columns[("Brake torque", "Nm")] = RUN["p_mc"] / 1e3
+    result = suggestion(columns)
+    assert result.left["Brake torque"] == "a torque, not a pressure"
+    assert "p_mc" in result.missing
+
+
+def test_a_pressure_that_was_computed_from_a_torque_is_none():
+    columns = without(foreign(), "Bremsdruck HZ")
+    columns[("p_mc", "bar")] = np.round(RUN["p_mc"] / 1e5, 4)
+    columns[("Brake torque", "Nm")] = np.round(RUN["p_mc"] / 1e3, 2)
+    result = suggestion(columns)
+    assert "computed: a fixed number times Brake torque [Nm]" in result.missing["p_mc"]
+    assert result.ignore == ("p_mc",)
+
+
+@pytest.mark.parametrize("late", [0.2, 0.4])
+def test_a_pressure_behind_the_deceleration_is_none(late):
+    columns = foreign()
+    shift = round(late * 100)
+    pressure = columns[("Bremsdruck HZ", "MPa")]
+    columns[("Bremsdruck HZ", "MPa")] = np.concatenate([pressure[:shift], pressure[:-shift]])
+    result = suggestion(columns)
+    assert "after the deceleration" in result.left["Bremsdruck HZ"]
+    assert "p_mc" in result.missing
+
+
+@pytest.mark.parametrize("early", [0.05, 0.2])
+def test_a_pressure_before_the_deceleration_is_one(early):
+    columns = foreign()
+    shift = round(early * 100)
+    pressure = columns[("Bremsdruck HZ", "MPa")]
+    columns[("Bremsdruck HZ", "MPa")] = np.concatenate([pressure[shift:], pressure[-shift:]])
+    reasons = " ".join(found(columns)["p_mc"].reasons)
+    assert f"{early:.2f} s before" in reasons
+
+
+def test_a_wrong_unit_of_acceleration_is_asked():
+    columns = without(foreign(), "Longitudinal deceleration")
+    columns[("Longitudinal deceleration", "m/s^2")] = -RUN["a_x"] / 9.80665
+    (doubt,) = suggestion(columns).doubts
+    assert doubt.channel == "a_x"
+    assert "is it in g?" in doubt.why
+
+
+def test_two_pressures_are_asked_and_told():
+    columns = foreign()
+    columns[("Bremsdruck HZ 2", "bar")] = RUN["p_mc"] / 1e5
+    (doubt,) = suggestion(columns).doubts
+    assert doubt.channel == "p_mc"
+    assert set(doubt.candidates) == {"Bremsdruck HZ", "Bremsdruck HZ 2"}
+    result = suggestion(columns, told={"p_mc": "Bremsdruck HZ 2"})
+    assert not result.doubts
+    assert {p.channel: p.mapping.source for p in result.proposals}["p_mc"] == "Bremsdruck HZ 2"
+
+
+def test_a_pressure_without_a_unit_is_asked_and_told():
+    columns = without(foreign(), "Bremsdruck HZ")
+    columns[("Brake pressure", None)] = RUN["p_mc"] / 1e5
+    (doubt,) = suggestion(columns).doubts
+    assert "no unit" in doubt.why
+    told = found(columns, told={"p_mc": "Brake pressure [bar]"})["p_mc"]
+    assert (told.mapping.source, told.mapping.unit) == ("Brake pressure", "bar")
+
+
+def test_none_can_be_told():
+    assert "v" not in found(foreign(), told={"v": ""})
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"p_cm": "Zeit"}, "no channel is called 'p_cm'"),
+        ({"p_mc": "Druck"}, "no column 'Druck'"),
+        ({"p_mc": "nRad_VL"}, "angular speed, not of pressure"),
+        ({"p_mc": "Driver"}, r"no unit.*p_mc=Driver \[bar\]"),
+        ({"p_mc": "Driver [rpm]"}, "not of pressure"),
+    ],
+)
+def test_telling_what_cannot_be(told, words):
+    with pytest.raises(InputError, match=words):
+        suggestion(foreign(), told=told)
+
+
+@pytest.mark.parametrize("style", ["WS{}", "WhlSpd{}", "{} wheel", "Wheel_{}_speed"])
+def test_wheels_under_many_names(style):
+    columns = {k: x for k, x in foreign().items() if not k[0].startswith("nRad")}
+    for wheel in WHEELS:
+        columns[(style.format(wheel.upper()), "rad/s")] = RUN[f"omega_{wheel}"]
+    assert found(columns)["omega_rl"].mapping.source == style.format("RL")
+
+
+def test_speeds_at_the_rim_need_a_radius():
+    columns = {k: x for k, x in foreign().items() if not k[0].startswith("nRad")}
+    for wheel in WHEELS:
+        columns[(f"WheelSpeed_{wheel.upper()}", "km/h")] = RUN[f"omega_{wheel}"] * 0.3 * 3.6
+    (doubt,) = suggestion(columns).doubts
+    assert "--radius" in doubt.do
+    mapping = found(columns, radius=0.3)["omega_fl"].mapping
+    assert (mapping.unit, mapping.scale) == ("rad/s", pytest.approx(1 / 3.6 / 0.3))
+
+
+def test_wheels_without_a_unit_are_asked():
+    """17 could be rad/s or km/h: a radius of 0.278 m makes both alike."""
+    columns = {(n, None if n.startswith("nRad") else u): x for (n, u), x in foreign().items()}
+    (doubt,) = suggestion(columns).doubts
+    assert doubt.channel == "omega_fl ... omega_rr"
+
+
+def test_a_wheel_that_does_not_go_with_the_others_is_none():
+    columns = foreign()
+    columns[("nRad_HL", "U/min")] = RNG.normal(size=N) + 300
+    result = suggestion(columns)
+    assert "omega_rl" in result.missing
+    assert "does not go together" in result.left["nRad_HL"]
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(1.0, "s"), (1e3, "ms"), (1e6, "us")])
+def test_a_clock_without_a_unit_is_told_by_its_rate(scale, unit):
+    columns = {("timestamp", None): scale * RUN.time, **without(foreign(), "Zeit")}
+    clock = found(columns)["time"]
+    assert (clock.mapping.unit, clock.sure) == (unit, "likely")
+
+
+def test_a_counter_is_no_clock():
+    columns = {("Sample", None): np.arange(N) * 1.0, **without(foreign(), "Zeit")}
+    (doubt,) = suggestion(columns).doubts
+    assert (doubt.channel, doubt.candidates) == ("time", ("Sample",))
+
+
+def test_a_coast_is_only_likely():
+    coast = made_run(lambda t: 0.0 * t, rate=100.0)
+    proposals = found(foreign(coast))
+    assert proposals["p_mc"].sure == proposals["a_x"].sure == "likely"
+
+
+def test_holes_and_text_are_left():
+    columns = foreign()
+    columns[("Bremsdruck HZ", "MPa")] = np.full(N, np.nan)
+    assert suggestion(columns).left["Bremsdruck HZ"] == "empty"
+
+
+@pytest.mark.parametrize(
+    "path", sorted(p for p in SAMPLES.glob("*/*") if p.suffix in (".csv", ".parquet")), ids=str
+)
+def test_our_own_logs_are_taken_as_they_are(path):
+    result = suggest(open_log(path).source, str(path))
+    assert not result.doubts
+    assert all(p.mapping.source == p.channel and p.mapping.sign == 1 for p in result.proposals)
+    assert list(result.missing) == (["p_mc"] if path.parent.name == "real" else [])
+
+
+def test_everything_is_told_in_words():
+    columns = foreign()
+    columns[("Bremsdruck HZ 2", "bar")] = RUN["p_mc"] / 1e5
+    lines = dict(to_lines(suggestion(columns)))
+    assert "not certain" in lines["p_mc"]
+    assert "sign -1" in lines["a_x"]
+
+
+def test_names_with_quotes_and_backslashes_stay_whole(tmp_path):
+    columns = without(foreign(), "Zeit")
+    columns[('t "\\\\x" #1\x7f', "s")] = RUN.time
+    path = tmp_path / "map.toml"
+    path.write_text(to_toml(suggestion(columns)))
+    assert read_channel_map(path).channels["time"].source == 't "\\\\x" #1\x7f'
+
+
+def test_changed_sign_is_found():
+    for sign in (1, -1):
+        run = changed(RUN, a_x=sign * RUN["a_x"])
+        columns = {("a_x", "m/s^2"): run["a_x"], **without(foreign(), "Longitudinal deceleration")}
+        assert found(columns)["a_x"].mapping.sign == sign
+
+
+def test_an_unnamed_acceleration_needs_physics():
+    columns = without(foreign(), "Longitudinal deceleration")
+    columns[("acc 1", "g")] = -RUN["a_x"] / 9.80665
+    assert found(columns)["a_x"].sure == "likely"
+    still = made_run(lambda t: 0.0 * t, rate=100.0)
+    columns = without(foreign(still), "Longitudinal deceleration")
+    columns[("acc 1", "g")] = -still["a_x"] / 9.80665
+    assert "a_x" in suggestion(columns).missing
