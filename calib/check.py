@@ -63,6 +63,7 @@ class Findings:
     log, source, digest : which one.
     truth, ignored : its truth channels; columns that were not taken.
     seen : what is in it [SI].
+    notes : what was done on reading.
     warnings : what the user should know although it is not fatal.
     verdicts : one for each purpose.
     taken : which column each channel was made of.
@@ -75,6 +76,7 @@ class Findings:
     truth: tuple[str, ...]
     ignored: tuple[str, ...]
     seen: Observation
+    notes: tuple[str, ...]
     warnings: tuple[str, ...]
     verdicts: tuple[Verdict, ...]
     taken: tuple[Taken, ...] = ()
@@ -107,7 +109,8 @@ def check(log: Log, copies: tuple[Copy, ...] = ()) -> Findings:
         truth=tuple(log.truth),
         ignored=log.ignored,
         seen=seen,
-        warnings=(*log.notes, *caveats(seen)),
+        notes=log.notes,
+        warnings=tuple(caveats(seen)),
         verdicts=tuple(verdicts),
         taken=tuple(_taken(log, origin) for origin in log.origins if origin.channel in CHANNELS),
         uses=tuple(uses(seen)),
@@ -141,6 +144,7 @@ def to_text(findings: Findings) -> str:
     """The findings as lines of text, in the units of a log file."""
     lines = [findings.source]
     lines += [f"  {label:<12} {text}" for label, text in facts(findings)]
+    lines += [f"  {'read':<12} {text}" for text in findings.notes]
     lines += [f"  {'warning':<12} {text}" for text in findings.warnings]
     for verdict in findings.verdicts:
         lines.append(f"  {verdict.purpose:<12} {'usable' if verdict.usable else 'not usable'}")

@@ -79,6 +79,8 @@ def _panel(findings: "Findings") -> "Panel":
     grid.add_column(overflow="fold")
     for label, text in facts(findings):
         grid.add_row(label, Text(text))
+    for text in findings.notes:
+        grid.add_row("read", Text(text))
     for text in findings.warnings:
         grid.add_row(Text("warning", style="yellow"), Text(text))
     for verdict in findings.verdicts:
