@@ -55,13 +55,16 @@ def export_table(
     Every file carries the table's id, version and digest, the checksum of its numbers, and says
     what holds beyond the ends of an axis.
     """
-    _check_usage(form, out, bits, force)
+    form = _known(form)
+    _check_usage(form, out, bits)
     from calib.errors import ExchangeError
     from calib.exports.build import build
     from calib.exports.formats import FORMATS, Order
     from calib.store import load
 
     stored = load(table, store)
+    if not force:
+        _refuse_foreign(out, stored)
     quality = _quality(validation, stored)
     try:
         data = build(stored, points, quality)
@@ -74,22 +77,37 @@ def export_table(
     _report(order, form, out, content, json)
 
 
-def _check_usage(form: str, out: Path, bits: int | None, force: bool) -> None:
-    from calib.exports.formats import FIXED_POINT, FORMATS
+def _known(form: str) -> str:
+    from calib.exports.formats import FORMATS, SPOKEN
     from calib.toml import did_you_mean
 
-    if form not in FORMATS:
-        near = did_you_mean(form.lower(), FORMATS)
+    said = form.lower().replace("_", "-").lstrip(".")
+    known = SPOKEN.get(said, said)
+    if known not in FORMATS:
+        near = did_you_mean(said, FORMATS)
         what = f"unknown format {form!r}; {near} " if near else f"unknown format {form!r}; "
         raise typer.BadParameter(f"{what}known: {', '.join(FORMATS)}", param_hint="--format")
+    return known
+
+
+def _refuse_foreign(out: Path, stored: "Stored") -> None:
+    """An earlier export of the same version may be written anew, nothing else."""
+    if out.exists() and stored.digest.encode() not in out.read_bytes():
+        raise typer.BadParameter(
+            f"{out} exists and is no export of {stored.id}; --force replaces it",
+            param_hint="--out",
+        )
+
+
+def _check_usage(form: str, out: Path, bits: int | None) -> None:
+    from calib.exports.formats import FIXED_POINT
+
     if bits is not None and form not in FIXED_POINT:
         raise typer.BadParameter(f"only with {', '.join(FIXED_POINT)}", param_hint="--fixed-point")
     if out.is_dir():
         raise typer.BadParameter(f"{out} is a directory", param_hint="--out")
     if not out.absolute().parent.is_dir():
         raise typer.BadParameter(f"no directory {out.parent}", param_hint="--out")
-    if out.exists() and not force:
-        raise typer.BadParameter(f"{out} exists; --force replaces it", param_hint="--out")
 
 
 def _quality(path: Path | None, stored: "Stored") -> "Quality":

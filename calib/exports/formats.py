@@ -35,5 +35,8 @@ FORMATS: dict[str, Callable[[Order], bytes]] = {
 }
 """Each gives the whole file as bytes. Raises ExchangeError where the order cannot be met."""
 
+SPOKEN = {"c": "c-header", "h": "c-header", "cdf": "cdfx", "inca": "inca-csv"}
+"""Other names by which the formats go."""
+
 FIXED_POINT = ("c-header",)
 """Formats that have a fixed point."""

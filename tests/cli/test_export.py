@@ -106,3 +106,14 @@ def test_a_verdict_becomes_the_state(tables, tmp_path):
     assert ran.code == 3
     assert "is the validation of wagon@1" in ran.err
     assert not (tmp_path / "b").exists()
+
+
+@pytest.mark.parametrize(
+    ("said", "form"), [("C", "c-header"), ("cdf", "cdfx"), ("inca_csv", "inca-csv")]
+)
+def test_formats_go_by_other_names_too_and_a_version_may_be_written_again(
+    tables, tmp_path, said, form
+):
+    out = tmp_path / "a"
+    for name in (form, said):
+        assert tables("export", "sedan", "--format", name, "--out", out).code == 0
