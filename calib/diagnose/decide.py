@@ -55,9 +55,10 @@ SECOND_OF_ALL = 0.03
 SECOND_SHARE = 0.6
 """Share of what the first left over that a second must close."""
 
-FAINT_SECOND = 0.005
+FAINT_SECOND = 0.002
 """Gain from which a second effect may be there; it counts if the hold-outs show it beyond doubt. A
-second that is not there gains up to 0.003, or 0.009 beside one whose form is not the plant's."""
+second that is not there gains up to 0.003, or 0.009 beside one whose form is not the plant's; and
+on the hold-outs up to 0.012."""
 
 CONFUSABLE = 0.004
 """Rivals whose mean squared innovation lies within this of the best cannot be told from it."""
@@ -87,7 +88,7 @@ def decide(problem: Problem, base: Candidate) -> Decision:
         verdict = "no_gap" if base.reduced < STRANGE else "unknown"
         return Decision(verdict, base, base, tuple(singles))
     first = singles[0]
-    pairs = seconds(problem, singles) if first.reduced > 1.0 + SECOND else []
+    pairs = seconds(problem, singles) if first.reduced > 1.0 else []
     faint = _faint(problem, base, first, pairs)
     if pairs and gain(first, pairs[0]) > max(SECOND, SECOND_OF_ALL * gain(base, first)):
         # something the first does not explain lies along another effect

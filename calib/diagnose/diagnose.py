@@ -193,8 +193,9 @@ def check_logs(calibration: list[Log], holdout: list[Log]) -> None:
 PROOF, BEYOND_DOUBT = 0.003, 0.02
 """Least gain on the hold-outs of an effect that the calibration shows, and of one that is faint."""
 
-FELT = 10.0
-"""Change of the sum of squares of a hold-out from which the effect is felt in it: three sigma."""
+FELT, FELT_PART = 10.0, 0.02
+"""Change of the sum of squares of a hold-out from which the effect is felt in it: three sigma, and
+a part of what it is where it is felt most."""
 
 
 def confirm(decision: Decision, held: Problem) -> Decision:
@@ -204,21 +205,42 @@ def confirm(decision: Decision, held: Problem) -> Decision:
     calibration nor the hold-outs are strange without it.
     """
     if decision.faint is not None and second_shown(decision.faint, held):
-        return decision.faint
+        return without_refuted(decision.faint, held)
     if not decision.best.names:
         return decision
     fall = chi2_by_run(held, decision.base) - chi2_by_run(held, decision.best)
     count = count_of(held, decision.base)
-    felt = fall[np.abs(fall) > FELT]
     seen = gain(decision.base, decision.best) >= DETECT
-    if np.sum(fall) / count > (PROOF if seen else BEYOND_DOUBT) and np.mean(felt > 0.0) > 0.5:
-        return decision
+    if np.sum(fall) / count > (PROOF if seen else BEYOND_DOUBT) and helps(fall):
+        return without_refuted(decision, held)
     left = max(float(np.sum(chi2_by_run(held, decision.base))) / count, decision.base.reduced)
     verdict = "no_gap" if left < STRANGE else "unknown"
     return replace(decision, verdict=verdict, best=decision.base)
 
 
-SECOND_PROOF, SECOND_PART = 0.03, 0.01
+def without_refuted(decision: Decision, held: Problem) -> Decision:
+    """Drop rivals that the hold-outs refute; what was ambiguous may then be named."""
+    count = count_of(held, decision.base)
+    own = float(np.sum(chi2_by_run(held, decision.best)))
+    refuted = [
+        rival
+        for rival in confusable(decision.best, decision.rivals)
+        if float(np.sum(chi2_by_run(held, rival))) - own > BEYOND_DOUBT * count
+    ]
+    rivals = tuple(c for c in decision.rivals if all(c is not r for r in refuted))
+    verdict = decision.verdict
+    if verdict == "ambiguous" and not confusable(decision.best, rivals):
+        verdict = "named"
+    return replace(decision, verdict=verdict, rivals=rivals)
+
+
+def helps(fall: Array) -> bool:
+    """Whether most hold-outs in which an effect is felt, of all those (n,), are the better for it."""
+    felt = fall[np.abs(fall) > max(FELT, FELT_PART * float(np.max(np.abs(fall))))]
+    return bool(np.mean(felt > 0.0) > 0.5) if felt.size else False
+
+
+SECOND_PROOF, SECOND_PART = 0.05, 0.01
 """Least gain on the hold-outs of a faint second effect, and its least part of what the first gains:
 a first whose form is not quite right leaves half a percent of itself to any second."""
 
@@ -229,13 +251,12 @@ def second_shown(pair: Decision, held: Problem) -> bool:
     count = count_of(held, pair.base)
     none, first, both = (chi2_by_run(held, c) / count for c in (pair.base, pair.first, pair.best))
     fall = first - both
-    felt = fall[np.abs(fall) * count > FELT]
     gained = float(np.sum(fall))
     return bool(
         gained > SECOND_PROOF
         and gained > SECOND_PART * float(np.sum(none - first))
         and gained > SECOND_SHARE * (float(np.sum(first)) - FLOOR)
-        and np.mean(felt > 0.0) > 0.5
+        and helps(fall * count)
     )
 
 
