@@ -29,7 +29,7 @@ class Place:
 
 
 def read_plan(path: Path) -> tuple[Place, ...]:
-    """Read a plan, one log a row. Raises InputError for what is unreadable, unknown or there twice."""
+    """Read a plan, one log a row. Raises InputError for what is unreadable or there twice."""
     if not path.is_file():
         raise InputError("no such file", where=path, expected="a CSV file with log,car,station")
     try:

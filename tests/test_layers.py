@@ -33,7 +33,8 @@ LAYERS = """
     scores limits validate results
     anova plan
     components repeatability
-    fleet_columns outliers control_chart
+    fleet_columns tails control_chart
+    outliers
     fleet_summary
     diagnose
     fleet

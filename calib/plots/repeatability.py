@@ -32,30 +32,30 @@ NAMED = 12
 
 def sheet(found: Study) -> Sheet:
     """Return the sheet of a gauge study: two panels for every figure."""
-    panels: list[Panel] = []
-    rows = []
-    for result in found.results:
-        values, parts = f"{result.name}-values", f"{result.name}-parts"
-        title = f"{result.name}: {_verdict(result)}"
-        panels += [
-            Panel(values, result.name, lambda ax, r=result: by_car(ax, found, r), 4),
-            Panel(parts, title, lambda ax, r=result: components(ax, r)),
-        ]
-        rows.append((values, values, parts))
+    pairs = [_panels(found, result) for result in found.results]
     stations = f", {len(found.stations)} stations" if found.stations else ""
+    told = (
+        "Points are single ramps, a bar is the mean of a car",
+        "Components are standard deviations over the total one, with 95 % intervals; shaded: "
+        "gauge up to 10 and 30 %",
+        f"D, f1, f2 where eta - 1 is {100.0 * found.reference:g} %",
+        *found.notes,
+    )
     return Sheet(
         kind="repeatability",
         name="repeatability",
         title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
-        note=(
-            "Points are single ramps, a bar is the mean of a car. Components are standard "
-            "deviations over the total one, with 95 % intervals; shaded: gauge up to 10 and 30 %. "
-            f"D, f1, f2 where eta - 1 is {100.0 * found.reference:g} %. " + ". ".join(found.notes)
-        ).rstrip(". ")
-        + ".",
-        panels=tuple(panels),
-        rows=tuple(rows),
-        heights=(0.8,) * len(rows),
+        note=". ".join(told) + ".",
+        panels=tuple(panel for pair in pairs for panel in pair),
+        rows=tuple((values.name, values.name, parts.name) for values, parts in pairs),
+        heights=(0.8,) * len(pairs),
+    )
+
+
+def _panels(found: Study, result: Result) -> tuple[Panel, Panel]:
+    return (
+        Panel(f"{result.name}-values", result.name, lambda ax: by_car(ax, found, result), 4),
+        Panel(f"{result.name}-parts", _verdict(result), lambda ax: components(ax, result)),
     )
 
 
@@ -106,7 +106,7 @@ def components(ax: "Axes", result: Result) -> None:
         ax.axvspan(100.0 * low, 100.0 * high, color=colour, linewidth=0.0, zorder=0)
     top = 110.0
     for i, name in enumerate(names):
-        sd, (low, high) = (100.0 * v / total for v in (parts[name].sd, np.array(parts[name].sd95)))
+        sd, low, high = (100.0 * v / total for v in (parts[name].sd, *parts[name].sd95))
         strong = name in (GAUGE, CAR)
         ax.barh(i, sd, height=0.55, color=COLOURS[0] if strong else "#8DB9DA", zorder=2)
         ax.plot([low, high], [i, i], color=BODY["color"], linewidth=1.0, zorder=3)
@@ -115,7 +115,8 @@ def components(ax: "Axes", result: Result) -> None:
         if high > top:  # the interval goes on beyond the picture, and says so
             ax.plot(top, i, ">", color=BODY["color"], ms=4.5, zorder=4, clip_on=False)
         if name in result.gauge.negative:
-            ax.text(2.0, i, "came out negative", va="center", fontsize=6.5, zorder=4)
+            where = 3.0 + min(high, 60.0)
+            ax.text(where, i, "came out negative", va="center", fontsize=6.5, zorder=4)
     ax.set_yticks(range(len(names)), [LABELS[name] for name in names])
     ax.invert_yaxis()
     ax.grid(axis="y", visible=False)
