@@ -26,7 +26,7 @@ RULES = {
     4: "eight in a row on one side",
 }
 
-BY_CHANCE = {1: 0.0027, 2: 0.00205, 3: 0.00441, 4: 0.00781}
+BY_CHANCE = {1: 0.0027, 2: 0.00205, 3: 0.00447, 4: 0.00781}
 """Share of cars at which each rule is broken on a steady line, see `broken_by_chance`."""
 
 FEWEST = 10

@@ -4,6 +4,7 @@ distribution   bars of cars, median, 5 to 95 %, outliers as marks below
 in order       cars as points, centre and 3 sigma, alarms of the run rules, change of level
 """
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -50,8 +51,9 @@ def distribution(ax: "Axes", look: Look) -> None:
     ax.axvline(look.spread.median, color=FRONT["color"], label="median")
     far = np.clip(look.values[look.outlying], low, high)
     if far.size:
-        at = {"transform": ax.get_xaxis_transform(), "clip_on": False, "zorder": 5}
-        ax.plot(far, np.full(far.size, 0.02), "v", color=REAR["color"], ms=5, label="outlier", **at)
+        # in axes coordinates across, and not cut at the edge: a mark for what lies beyond it
+        marks = ax.plot(far, np.full(far.size, 0.02), "v", color=REAR["color"], ms=5)[0]
+        marks.set(transform=ax.get_xaxis_transform(), clip_on=False, zorder=5, label="outlier")
     ax.set_xlim(*_room(low, high))
     ax.locator_params(axis="x", nbins=4)
     ax.set(xlabel=_axis(look), ylabel="logs")
@@ -81,7 +83,8 @@ def in_order(ax: "Axes", found: Summary, look: Look) -> None:
         ax.plot(x[look.outlying], y[look.outlying], "v", color=REAR["color"], ms=5, label="outlier")
     ax.set_ylim(*_room(low, high))
     ax.set_xlim(0.0, len(found.logs) + 1.0)
-    ax.set(xlabel=f"log, ordered by {found.ordered_by}", ylabel=_axis(look))
+    told = found.ordered_by.replace("$", r"\$")
+    ax.set(xlabel=f"log, ordered by {told}", ylabel=_axis(look))
 
 
 def window(look: Look) -> tuple[float, float]:
@@ -100,4 +103,10 @@ def _room(low: float, high: float) -> tuple[float, float]:
 
 
 def _axis(look: Look) -> str:
-    return f"{look.figure.name} [{look.figure.unit}]"
+    name = look.figure.name.replace("$", r"\$")  # a name is no formula
+    return f"{name} [{look.figure.unit}]"
+
+
+def picture_name(figure: str) -> str:
+    """File name of the picture of a figure, whatever the column is called."""
+    return re.sub(r"[^\w.-]", "_", figure) + ".png"

@@ -79,7 +79,7 @@ def by_car(ax: "Axes", found: Study, result: Result) -> None:
             color=COLOURS[k % len(COLOURS)],
             ms=3.2,
             alpha=0.8,
-            label=station or None,
+            label=_plain(station) or None,
         )
     for i in range(len(cars)):
         mean = float(np.mean(result.values[x == i]))
@@ -88,9 +88,16 @@ def by_car(ax: "Axes", found: Study, result: Result) -> None:
     names = len(cars) <= NAMED
     if names:
         turn = 0.0 if max(map(len, cars)) * len(cars) < 60 else 35.0
-        ax.set_xticks(range(len(cars)), cars, rotation=turn, ha="right" if turn else "center")
+        shown = [_plain(car) for car in cars]
+        ax.set_xticks(range(len(cars)), shown, rotation=turn, ha="right" if turn else "center")
     ax.set(ylabel=f"{result.name} [1]", xlabel="" if names else "car, in order of its name")
     ax.set_xlim(-0.6, len(cars) - 0.4)
+
+
+def _plain(name: str) -> str:
+    """A name as it is: no formula, and none that the legend would hide."""
+    shown = name.replace("$", r"\$")
+    return f" {shown}" if shown.startswith("_") else shown
 
 
 def components(ax: "Axes", result: Result) -> None:
