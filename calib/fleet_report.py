@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from calib import outliers
+from calib import control_chart, outliers
 from calib.control_chart import BY_CHANCE, RULES
 from calib.fleet_summary import DRIFT, Look, Shares, Summary
 from calib.outliers import Spread
@@ -22,6 +22,9 @@ NAMES = 50
 
 def headline(found: Summary) -> str:
     """The fleet in one sentence."""
+    if _too_few(found):
+        said = f"{_count(len(found.logs), 'log', 'logs')}: too few to judge outliers or drift"
+        return said + f"; {_errors(found)}." if found.failures else said + "."
     drifting = [look.figure.name for look in found.looks if look.drifts]
     logs = len({outlier.log for outlier in found.outliers})
     parts = [
@@ -31,8 +34,18 @@ def headline(found: Summary) -> str:
         f"{_count(logs, 'log stands', 'logs stand')} apart" if logs else "no log stands apart",
     ]
     if found.failures:
-        parts.append(f"{_count(sum(f.count for f in found.failures), 'log', 'logs')} with an error")
+        parts.append(_errors(found))
     return "; ".join(parts) + "."
+
+
+def _errors(found: Summary) -> str:
+    return f"{_count(sum(f.count for f in found.failures), 'log', 'logs')} with an error"
+
+
+def _too_few(found: Summary) -> bool:
+    """Whether no figure has logs enough to be judged."""
+    counts = [look.spread.count for look in found.looks]
+    return max(counts, default=0) < min(outliers.FEWEST, control_chart.FEWEST)
 
 
 def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> str:
@@ -63,16 +76,20 @@ def _first(found: Summary) -> list[Look]:
 
 
 def _head(found: Summary, title: str) -> str:
-    calm = not any(look.drifts for look in found.looks) and not found.outliers
+    kind = "unknown" if _too_few(found) else "no_gap" if _calm(found) else "ambiguous"
     shown = "".join(
         f"<div><dt>{escape(text)}</dt><dd>{value}</dd></div>"
         for text, value in (("logs", len(found.logs)), *found.status.items())
     )
     return (
-        f'<header class="{"no_gap" if calm else "ambiguous"}">\n<p class="kind">Fleet</p>\n'
+        f'<header class="{kind}">\n<p class="kind">Fleet</p>\n'
         f"<h1>{escape(title)}</h1>\n"
         f'<p class="verdict">{escape(headline(found))}</p>\n<dl>{shown}</dl>\n</header>'
     )
+
+
+def _calm(found: Summary) -> bool:
+    return not (any(look.drifts for look in found.looks) or found.outliers or found.failures)
 
 
 def _failures(found: Summary) -> str:

@@ -69,3 +69,10 @@ def test_numbers_show_their_scatter():
     eta = 1.003 + 1e-5 * np.linspace(-1.0, 1.0, 21)
     assert number(1.0030052, spread(eta)) == "1.003005"
     assert number(0.38123, spread(np.linspace(0.3, 0.5, 9))) == "0.3812"
+
+
+def test_a_few_logs_are_not_called_steady(tmp_path):
+    few = summarise(open_fleet(results(tmp_path / "r.parquet", 3)))
+    assert headline(few) == "3 logs: too few to judge outliers or drift."
+    page = report_html(few, "t", {one.figure.name: b"" for one in few.looks})
+    assert '<header class="unknown">' in page

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calib.control_chart import RULES
+from calib.control_chart import FEWEST, RULES
 from calib.fleet_summary import Look, Summary
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DASHED, FRONT, IDENTIFIED, NOMINAL, REAR, SHADE
@@ -56,6 +56,7 @@ def distribution(ax: "Axes", look: Look) -> None:
         marks.set(transform=ax.get_xaxis_transform(), clip_on=False, zorder=5, label="outlier")
     ax.set_xlim(*_room(low, high))
     ax.locator_params(axis="x", nbins=4)
+    ax.yaxis.get_major_locator().set_params(integer=True)
     ax.set(xlabel=_axis(look), ylabel="logs")
 
 
@@ -83,6 +84,7 @@ def in_order(ax: "Axes", found: Summary, look: Look) -> None:
         ax.plot(x[look.outlying], y[look.outlying], "v", color=REAR["color"], ms=5, label="outlier")
     ax.set_ylim(*_room(low, high))
     ax.set_xlim(0.0, len(found.logs) + 1.0)
+    ax.xaxis.get_major_locator().set_params(integer=True)
     told = found.ordered_by.replace("$", r"\$")
     ax.set(xlabel=f"log, ordered by {told}", ylabel=_axis(look))
 
@@ -93,7 +95,7 @@ def window(look: Look) -> tuple[float, float]:
     reach = TAIL * look.spread.scale
     if look.chart is not None:
         reach = max(reach, 3.5 * look.chart.sigma)
-    if reach > 0.0:
+    if reach > 0.0 and look.values.size >= FEWEST:
         low, high = max(low, look.spread.median - reach), min(high, look.spread.median + reach)
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 

@@ -1,6 +1,6 @@
 """How often the 95 % intervals of a gauge study hold the truth, for designs good and poor.
 
-    python tests/studies/repeatability_coverage.py [--studies 1000] [--seed 1]
+    python tests/studies/repeatability_coverage.py [--studies 400] [--seed 1]
 
 Components are known: the figure is drawn, not fitted. Prints for each design, in percent, how often
 the interval of each component, of %GRR and of ndc holds the truth.
@@ -83,7 +83,7 @@ def coverage(rng, design, sd, studies):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--studies", type=int, default=1000)
+    parser.add_argument("--studies", type=int, default=400)
     parser.add_argument("--seed", type=int, default=1)
     told = parser.parse_args()
     columns = ("EV", "station", "both", "GRR", "PV", "TV", "%GRR", "ndc")
