@@ -109,7 +109,9 @@ def _named(found: Summary) -> str:
         for o in found.outliers[:NAMES]
     ]
     if not rows:
-        return _section("Logs that stand apart", _p("None."))
+        return _section(
+            "Logs that stand apart", _p("Too few logs to tell." if _too_few(found) else "None.")
+        )
     chance = outliers.SHARE * len(found.outliers)
     more = len(found.outliers) - len(rows)
     return _section(

@@ -56,7 +56,7 @@ def distribution(ax: "Axes", look: Look) -> None:
         marks.set(transform=ax.get_xaxis_transform(), clip_on=False, zorder=5, label="outlier")
     ax.set_xlim(*_room(low, high))
     ax.locator_params(axis="x", nbins=4)
-    ax.yaxis.get_major_locator().set_params(integer=True)
+    ax.locator_params(axis="y", integer=True)
     ax.set(xlabel=_axis(look), ylabel="logs")
 
 
@@ -68,9 +68,9 @@ def in_order(ax: "Axes", found: Summary, look: Look) -> None:
     ax.plot(x, y, ".", color=NOMINAL["color"], ms=2.0 if many else 4.0, alpha=0.5, rasterized=many)
     if look.chart is not None:
         ax.axhline(look.chart.centre, color=BODY["color"], linewidth=0.8)
-        for end, label in zip(look.chart.limits, ("3 sigma", None), strict=True):
-            if low <= end <= high:
-                ax.axhline(end, color=BODY["color"], linestyle=DASHED, linewidth=0.8, label=label)
+        shown = [end for end in look.chart.limits if low <= end <= high]
+        for end, label in zip(shown, ("3 sigma", None), strict=False):
+            ax.axhline(end, color=BODY["color"], linestyle=DASHED, linewidth=0.8, label=label)
         alarm = np.logical_or.reduce([look.chart.alarms[rule] for rule in RULES])
         if alarm.any():
             label = "run rule broken"
@@ -84,7 +84,7 @@ def in_order(ax: "Axes", found: Summary, look: Look) -> None:
         ax.plot(x[look.outlying], y[look.outlying], "v", color=REAR["color"], ms=5, label="outlier")
     ax.set_ylim(*_room(low, high))
     ax.set_xlim(0.0, len(found.logs) + 1.0)
-    ax.xaxis.get_major_locator().set_params(integer=True)
+    ax.locator_params(axis="x", integer=True)
     told = found.ordered_by.replace("$", r"\$")
     ax.set(xlabel=f"log, ordered by {told}", ylabel=_axis(look))
 
