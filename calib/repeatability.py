@@ -43,12 +43,13 @@ QUANTITIES = {
 
 @dataclass(frozen=True)
 class Reading:
-    """The figures of one ramp, by name of `QUANTITIES`, with its car and station."""
+    """The figures of one ramp, by name of `QUANTITIES`; its car, station and SHA-256."""
 
     log: str
     car: str
     station: str
     figures: dict[str, float]
+    digest: str = ""
 
 
 @dataclass(frozen=True)
@@ -135,6 +136,7 @@ def study(
 
     At least two cars and one repeated ramp are needed; stations are optional.
     """
+    _refuse_twice(readings)
     car, station = (_coded([getattr(r, key) for r in readings]) for key in ("car", "station"))
     _check_design(readings, car, station)
     terms = terms_of(car, station)
@@ -150,6 +152,18 @@ def _coded(names: list[str]) -> NDArray[np.int64]:
 
 
 Codes = NDArray[np.int64]
+
+
+def _refuse_twice(readings: tuple[Reading, ...]) -> None:
+    """A run given twice would pass for a perfect repeat."""
+    seen: dict[str, str] = {}
+    for reading in readings:
+        if reading.digest in seen:
+            raise InputError(
+                f"the same run as {seen[reading.digest]}", where=reading.log, do="give it once"
+            )
+        if reading.digest:
+            seen[reading.digest] = reading.log
 
 
 def _check_design(readings: tuple[Reading, ...], car: Codes, station: Codes) -> None:

@@ -26,7 +26,7 @@ FAILED = 1
 def repeatability(
     logs: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="[LOG...]", help="Ramps; all of the plan if none."),
+        typer.Argument(metavar="LOG", help="Ramps; all of the plan if none."),
     ] = None,
     *,
     vehicle: Annotated[
@@ -133,7 +133,7 @@ def _readings(
             log = read_log(place.log, mapping)
             figures = figures_of(fit(cars[place.vehicle or vehicle], [log]), log, reference)
             kept = {name: figures[name] for name in names}
-            readings.append(Reading(str(place.log), place.car, place.station, kept))
+            readings.append(Reading(str(place.log), place.car, place.station, kept, log.digest))
             done()
     return tuple(readings)
 

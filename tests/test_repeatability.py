@@ -93,3 +93,10 @@ def test_stations_that_share_no_car_are_told_as_such():
 def test_a_design_that_cannot_do_is_refused(made, says):
     with pytest.raises(InputError, match=says):
         study(made)
+
+
+def test_a_run_given_twice_is_no_repeat():
+    made = readings()
+    twice = (replace(made[0], digest="ab"), replace(made[5], digest="ab"), *made[6:])
+    with pytest.raises(InputError, match="the same run as 0-0-0"):
+        study(twice)
