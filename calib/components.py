@@ -5,7 +5,7 @@
     %GRR = GRR/TV                ndc = 1.41 PV/GRR, cut to a whole number (AIAG MSA, 4th ed.)
 
 AV is station and car-by-station together. Intervals are generalised confidence intervals (Burdick,
-Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005, app. B): nu MS/chi2(nu)
+Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): nu MS/chi2(nu)
 stands for each expected mean square, and the 2.5 and 97.5 % points of what follows are the ends.
 `tests/studies/repeatability_coverage.py` counts how often they hold the truth.
 """

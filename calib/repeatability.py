@@ -26,7 +26,7 @@ GOOD = 0.10
 """%GRR up to which AIAG calls a gauge good; between this and the limit it is marginal."""
 
 DEFAULTS = (Limit("grr", None, 0.30), Limit("ndc", 5.0, None))
-"""AIAG, Measurement Systems Analysis, 4th ed., ch. II D and III B."""
+"""AIAG, Measurement Systems Analysis, 4th ed."""
 
 QUANTITIES = {
     "pad_scale": "common factor on the nominal pad friction",

@@ -79,7 +79,7 @@ def test_a_small_design_by_hand():
 
 
 def test_one_way_with_unequal_numbers_by_hand():
-    # n = 1, 2, 3: n0 = (6 - 14/6)/2 = 11/6 (Searle, Casella, McCulloch, Variance Components, 3.6).
+    # n = 1, 2, 3: n0 = (6 - 14/6)/2 = 11/6 (Searle, Casella, McCulloch, Variance Components).
     car = np.array([0, 1, 1, 2, 2, 2])
     y = np.array([4.0, 1.0, 3.0, 7.0, 8.0, 9.0])
     found = anova(y, car, np.zeros(6, dtype=int))
