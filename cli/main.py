@@ -9,7 +9,20 @@ from typer.core import TyperGroup
 
 from calib import __version__
 from calib.errors import BrakeCalError
-from cli import check, demo, diagnose, effects, fit, maps, plot, simulate, tables, validate
+from cli import (
+    check,
+    demo,
+    diagnose,
+    effects,
+    fit,
+    fleet,
+    maps,
+    plot,
+    repeatability,
+    simulate,
+    tables,
+    validate,
+)
 from cli.console import complain
 from cli.options import example
 
@@ -50,9 +63,11 @@ app.command(epilog=plot.EPILOG)(plot.plot)
 app.command(epilog=simulate.EPILOG)(simulate.simulate)
 app.command(epilog=diagnose.EPILOG, cls=diagnose.Greedy)(diagnose.diagnose)
 app.command(epilog=effects.EPILOG)(effects.effects)
+app.command(epilog=repeatability.EPILOG)(repeatability.repeatability)
 app.command(epilog=demo.EPILOG)(demo.demo)
 app.add_typer(maps.app, name="map")
 app.add_typer(tables.app, name="tables")
+app.add_typer(fleet.app, name="fleet")
 
 
 def _print_version(wanted: bool) -> None:

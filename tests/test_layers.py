@@ -32,10 +32,15 @@ LAYERS = """
     kalman adaptive rivals estimator
     simulate replay noise
     scores limits validate results
+    anova plan
+    components repeatability
+    fleet_columns tails control_chart
+    outliers
+    fleet_summary
     diagnose
     fleet
     plots report_style
-    report demo
+    report fleet_report demo
 """
 """A file imports from rows above its own, or from its own row where that makes no circle."""
 

@@ -235,7 +235,7 @@ def without_refuted(decision: Decision, held: Problem) -> Decision:
 
 
 def helps(fall: Array) -> bool:
-    """Whether most hold-outs in which an effect is felt, of all those (n,), are the better for it."""
+    """Whether most of the hold-outs (n,) in which an effect is felt are the better for it."""
     felt = fall[np.abs(fall) > max(FELT, FELT_PART * float(np.max(np.abs(fall))))]
     return bool(np.mean(felt > 0.0) > 0.5) if felt.size else False
 

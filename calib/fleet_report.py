@@ -1,0 +1,315 @@
+"""The report of a fleet: one HTML file with pictures inside, and the same as a document.
+
+Nothing in it is fetched. Every string that comes from a log or a file name is escaped.
+"""
+
+import base64
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from calib import control_chart, outliers
+from calib.control_chart import BY_CHANCE, RULES
+from calib.fleet_summary import DRIFT, Look, Shares, Summary
+from calib.outliers import Spread
+from calib.report_style import STYLE
+
+NAMES = 50
+"""Outliers listed in the page; fleet.json has all."""
+
+
+def headline(found: Summary) -> str:
+    """The fleet in one sentence."""
+    if _too_few(found):
+        said = f"{_count(len(found.logs), 'log', 'logs')}: too few to judge outliers or drift"
+        return said + f"; {_errors(found)}." if found.failures else said + "."
+    drifting = [look.figure.name for look in found.looks if look.drifts]
+    logs = len({outlier.log for outlier in found.outliers})
+    parts = [
+        f"{', '.join(drifting)} {'drift' if len(drifting) > 1 else 'drifts'}"
+        if drifting
+        else "No drift",
+        f"{_count(logs, 'log stands', 'logs stand')} apart" if logs else "no log stands apart",
+    ]
+    if found.failures:
+        parts.append(_errors(found))
+    return "; ".join(parts) + "."
+
+
+def _errors(found: Summary) -> str:
+    return f"{_count(sum(f.count for f in found.failures), 'log', 'logs')} with an error"
+
+
+def _too_few(found: Summary) -> bool:
+    """Whether no figure has logs enough to be judged."""
+    counts = [look.spread.count for look in found.looks]
+    return max(counts, default=0) < min(outliers.FEWEST, control_chart.FEWEST)
+
+
+def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> str:
+    """Return the page; ``pictures`` PNG by name of figure."""
+    parts = [
+        _head(found, title),
+        _failures(found),
+        _named(found),
+        _overview(found),
+        *(_figure(found, look, pictures[look.figure.name]) for look in _first(found)),
+        _classes(found.shares),
+        _method(found),
+    ]
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        '<meta name="color-scheme" content="light dark">\n'
+        f"<title>{escape(title)}: fleet</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n"
+        + "\n".join(part for part in parts if part)
+        + "\n</main>\n</body>\n</html>\n"
+    )
+
+
+def _first(found: Summary) -> list[Look]:
+    """Figures with something to tell before the quiet ones; those without a value not at all."""
+    seen = [look for look in found.looks if look.values.size]
+    return sorted(seen, key=lambda look: (not look.drifts, not look.outlying.any()))
+
+
+def _head(found: Summary, title: str) -> str:
+    kind = "unknown" if _too_few(found) else "no_gap" if _calm(found) else "ambiguous"
+    shown = "".join(
+        f"<div><dt>{escape(text)}</dt><dd>{value}</dd></div>"
+        for text, value in (("logs", len(found.logs)), *found.status.items())
+    )
+    return (
+        f'<header class="{kind}">\n<p class="kind">Fleet</p>\n'
+        f"<h1>{escape(title)}</h1>\n"
+        f'<p class="verdict">{escape(headline(found))}</p>\n<dl>{shown}</dl>\n</header>'
+    )
+
+
+def _calm(found: Summary) -> bool:
+    return not (any(look.drifts for look in found.looks) or found.outliers or found.failures)
+
+
+def _failures(found: Summary) -> str:
+    if not found.failures:
+        return ""
+    rows = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
+    return _section(
+        "Errors",
+        _p("Logs without a result, by what was wrong. LOG and # stand for names and numbers."),
+        _table("Errors by kind.", ("what was wrong", "logs", "such as"), rows),
+    )
+
+
+def _named(found: Summary) -> str:
+    rows = [
+        (o.log, o.figure, f"{o.value:.4g}", f"{o.z:+.1f}", f"{o.p:.1e}")
+        for o in found.outliers[:NAMES]
+    ]
+    if not rows:
+        return _section(
+            "Logs that stand apart", _p("Too few logs to tell." if _too_few(found) else "None.")
+        )
+    chance = outliers.SHARE * len(found.outliers)
+    more = len(found.outliers) - len(rows)
+    return _section(
+        "Logs that stand apart",
+        _p(
+            f"{_count(len(found.outliers), 'value is', 'values are')} named; at most about "
+            f"{chance:.1f} of them by chance."
+            + (
+                f" The farthest {NAMES} are listed, all {len(found.outliers)} in fleet.json."
+                * (more > 0)
+            )
+        ),
+        _table("Farthest first.", ("log", "figure", "value", "robust z", "p"), rows),
+    )
+
+
+def _overview(found: Summary) -> str:
+    rows = []
+    for look in found.looks:
+        s, unit = look.spread, look.figure.unit
+        if not s.count:
+            rows.append((look.figure.name, unit, "0", *("",) * 6))
+            continue
+        rows.append(
+            (
+                look.figure.name,
+                unit,
+                str(s.count),
+                number(s.median, s),
+                f"{s.scale:.2g}",
+                f"{number(s.quantiles[0], s)} to {number(s.quantiles[3], s)}",
+                f"{s.beyond} / {s.expected:.1f}" if np.isfinite(s.z).any() else "",
+                str(int(look.outlying.sum())) if np.isfinite(s.z).any() else "not judged",
+                _drift(look),
+            )
+        )
+    heads = ("figure", "unit", "logs", "median", "scale", "5 to 95 %", "beyond 3 / by chance")
+    return _section(
+        "All figures",
+        _table("Scale is 1.48 MAD.", (*heads, "outliers", "drift"), rows) if rows else _p("None."),
+    )
+
+
+def _drift(look: Look) -> str:
+    if look.change is None:
+        return "not tested"
+    return f"yes, p {look.change.p:.1e}" if look.drifts else "no"
+
+
+def _figure(found: Summary, look: Look, picture: bytes) -> str:
+    data = base64.b64encode(picture).decode()
+    told = described(found, look)
+    name = escape(look.figure.name)
+    return _section(
+        look.figure.name,
+        f'<figure><img src="data:image/png;base64,{data}" alt="{escape(told)}">'
+        f"<figcaption>Distribution of {name}, and {name} in order.</figcaption></figure>",
+        _p(told),
+    )
+
+
+def described(found: Summary, look: Look) -> str:
+    """One figure in words: where it lies, whether it drifts, how many run rules it breaks."""
+    s, unit = look.spread, "" if look.figure.unit == "1" else f" {look.figure.unit}"
+    low, high = number(s.quantiles[0], s), number(s.quantiles[3], s)
+    said = [f"Median {number(s.median, s)}{unit}, 90 % of the logs from {low} to {high}{unit}."]
+    if look.drifts and look.change is not None:
+        c = look.change
+        said.append(
+            f"The level changes from {number(c.before, s)} to {number(c.after, s)}{unit} about "
+            f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1} of the line "
+            f"(p {c.p:.1e})."
+        )
+    if look.chart is not None:
+        counts = [(int(look.chart.alarms[r].sum()), BY_CHANCE[r] * look.values.size) for r in RULES]
+        told = "; ".join(
+            f"rule {r}: {n} ({chance:.1f} by chance)"
+            for r, (n, chance) in zip(RULES, counts, strict=True)
+        )
+        said.append(f"Run rules broken: {told}.")
+    else:
+        said.append("No control chart: too few logs, or no scatter.")
+    return " ".join(said)
+
+
+def number(value: float, about: Spread) -> str:
+    """``value`` with a digit more than the scatter of its figure has, at least four in all."""
+    width = max(about.quantiles[3] - about.quantiles[0], 1e-300)
+    digits = 4
+    if value:
+        digits = max(4, 3 + int(np.floor(np.log10(abs(value)) - np.log10(width))))
+    return f"{value:.{min(digits, 10)}g}"
+
+
+def _classes(shares: Sequence[Shares]) -> str:
+    rows = [
+        (s.figure.name, ", ".join(f"{text}: {count}" for text, count in s.counts)) for s in shares
+    ]
+    return _section("Other columns", _table("How often.", ("column", "logs"), rows)) if rows else ""
+
+
+def _method(found: Summary) -> str:
+    rules = "; ".join(f"{number}: {text}" for number, text in RULES.items())
+    return _section(
+        "How it was judged",
+        _p(f"The line is in the order of {found.ordered_by}."),
+        _p(
+            "A log stands apart by its robust z, (value less median)/(1.48 MAD), of a skewed or "
+            "long-tailed figure after its bulk is straightened, held against a t law "
+            "for a scale from so many logs, by the rule of Benjamini and Hochberg over all "
+            f"figures and logs: at most {100 * outliers.SHARE:.0f} % of those named are expected "
+            f"to be so by chance. Below {outliers.FEWEST} logs none is named. A figure with "
+            "two humps may name more than that; compare how many lie beyond 3 with chance. One "
+            "that is the same for half of the logs or more has no scale and names none."
+        ),
+        _p(
+            "Drift is Pettitt's rank test for a change of level over the whole order, at most "
+            f"{100 * DRIFT:.0f} % of the figures said to drift by chance. The chart has its "
+            "centre at the median and 3 sigma from the median moving range. Western Electric "
+            f"rules: {rules}. They alarm on a steady line too, rule 1 once in 370 logs, "
+            "all four once in 92: they say where to look and prove nothing. Logs of one line are "
+            "taken as independent; runs of one car one after the other are not."
+        ),
+    )
+
+
+def document(found: Summary) -> dict[str, Any]:
+    """All of it as one JSON-able document."""
+    return {
+        "schema": 1,
+        "logs": len(found.logs),
+        "ordered_by": found.ordered_by,
+        "status": found.status,
+        "headline": headline(found),
+        "errors": found.failures,
+        "outliers": found.outliers,
+        "outliers_by_chance": outliers.SHARE * len(found.outliers),
+        "figures": {look.figure.name: _entry(found, look) for look in found.looks},
+        "classes": {s.figure.name: dict(s.counts) for s in found.shares},
+    }
+
+
+def _entry(found: Summary, look: Look) -> dict[str, Any]:
+    s, c = look.spread, look.change
+    return {
+        "unit": look.figure.unit,
+        "count": s.count,
+        "median": s.median,
+        "scale": s.scale,
+        "quantiles": dict(zip(("5", "25", "75", "95"), s.quantiles, strict=True)),
+        "beyond_3": {"count": s.beyond, "by_chance": s.expected},
+        "outliers": int(look.outlying.sum()),
+        "chart": look.chart
+        and {
+            "centre": look.chart.centre,
+            "limits": look.chart.limits,
+            "rules": {
+                str(rule): {
+                    "broken": int(look.chart.alarms[rule].sum()),
+                    "by_chance": BY_CHANCE[rule] * look.values.size,
+                }
+                for rule in RULES
+            },
+        },
+        "change": c
+        and {
+            "drifts": look.drifts,
+            "p": c.p,
+            "first_log": found.logs[look.rows[c.first]],
+            "number": int(look.rows[c.first]) + 1,
+            "before": c.before,
+            "after": c.after,
+        },
+    }
+
+
+def _count(number: int, one: str, many: str) -> str:
+    return f"{number} {one if number == 1 else many}"
+
+
+def _section(heading: str, *parts: str) -> str:
+    inside = "\n".join(part for part in parts if part)
+    return f"<section>\n<h2>{escape(heading)}</h2>\n{inside}\n</section>"
+
+
+def _p(text: str) -> str:
+    return f"<p>{escape(text)}</p>"
+
+
+def _table(caption: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in heads)
+    body = "".join(
+        f'<tr><th scope="row">{escape(first)}</th>'
+        + "".join(f"<td>{escape(cell)}</td>" for cell in cells)
+        + "</tr>"
+        for first, *cells in rows
+    )
+    return (
+        f'<div class="wide"><table><caption>{escape(caption)}</caption>'
+        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
+    )

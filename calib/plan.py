@@ -1,0 +1,124 @@
+"""Which car and which station a log is of: from a plan file, or from the folders it lies in.
+
+log,car,station,vehicle              plan.csv; station and vehicle may be left out
+a/ramp1.csv,VIN 7,line 2,cars/7.toml    paths are from the plan's own folder
+
+car/station/ramp.csv                 folders, as many levels as the layout names
+"""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+from calib.errors import InputError
+from calib.toml import did_you_mean
+
+COLUMNS = ("log", "car", "station", "vehicle")
+LAYOUTS = ("car", "car/station", "station/car")
+"""What the folders of a log may name, from the outside in."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A log of a study: ``station`` is "" where stations are not told apart."""
+
+    log: Path
+    car: str
+    station: str = ""
+    vehicle: Path | None = None
+
+
+def read_plan(path: Path) -> tuple[Place, ...]:
+    """Read a plan, one log a row. Raises InputError for what is unreadable or there twice."""
+    if not path.is_file():
+        raise InputError("no such file", where=path, expected="a CSV file with log,car,station")
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError as cause:
+        raise InputError(f"not text: {cause}", where=path, expected="a CSV file") from cause
+    table = csv.DictReader(line for line in lines if line.strip())
+    heads = [str(head).strip() for head in table.fieldnames or ()]
+    _check_heads(path, heads)
+    table.fieldnames = heads
+    places = tuple(_place(path, i, row) for i, row in enumerate(table, 2))
+    if not places:
+        raise InputError("no log in it", where=path, expected="a row for each log")
+    _check_once(path, places)
+    if len({bool(place.station) for place in places}) > 1:
+        raise InputError("some logs have a station and some have none", where=path)
+    return places
+
+
+def _check_heads(path: Path, heads: list[str]) -> None:
+    for head in heads:
+        if head not in COLUMNS:
+            raise InputError(
+                f"unknown column {head!r}",
+                where=path,
+                expected=f"columns {', '.join(COLUMNS)}",
+                do=did_you_mean(head, COLUMNS),
+            )
+    for head in ("log", "car"):
+        if head not in heads:
+            raise InputError(f"no column {head!r}", where=path, expected=f"{','.join(COLUMNS)}")
+
+
+def _place(path: Path, line: int, row: dict[str, str | None]) -> Place:
+    cells = {key: (row.get(key) or "").strip() for key in COLUMNS}
+    if None in row:
+        raise InputError(f"line {line} has more cells than columns", where=path)
+    for key in ("log", "car"):
+        if not cells[key]:
+            raise InputError(f"line {line} names no {key}", where=path)
+    vehicle = path.parent / cells["vehicle"] if cells["vehicle"] else None
+    return Place(path.parent / cells["log"], cells["car"], cells["station"], vehicle)
+
+
+def _check_once(where: Path, places: tuple[Place, ...]) -> None:
+    seen: set[Path] = set()
+    for place in places:
+        if place.log.resolve() in seen:
+            raise InputError(f"{place.log.name} is there twice", where=where)
+        seen.add(place.log.resolve())
+
+
+def chosen(places: tuple[Place, ...], logs: list[Path], plan: Path) -> tuple[Place, ...]:
+    """The places of ``logs``, or all where none is named. Raises InputError for one not in it."""
+    known = {place.log.resolve(): place for place in places}
+    for log in logs:
+        if log.resolve() not in known:
+            raise InputError(f"{log} is not in the plan", where=plan, do="add a row for it")
+    return tuple(known[log.resolve()] for log in logs) if logs else places
+
+
+def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:
+    """Car and station from the folders around each log, as ``layout`` (one of `LAYOUTS`) says."""
+    levels = layout.split("/")
+    out = []
+    for log in logs:
+        folders = log.resolve().parts[-1 - len(levels) : -1]
+        named = dict(zip(levels, folders, strict=True))
+        out.append(Place(log, named["car"], named.get("station", "")))
+    return tuple(out)
+
+
+def certain_layout(logs: list[Path]) -> str:
+    """``car/station`` where the folders can mean nothing else by the convention above.
+
+    All logs must lie two folders below one, and every inner name must come under two outer ones or
+    more. Raises InputError otherwise, and says what to give.
+    """
+    pairs = {log.resolve().parts[-3:-1] for log in logs}
+    roots = {log.resolve().parts[:-3] for log in logs}
+    under: dict[str, set[str]] = {}
+    for pair in pairs:
+        under.setdefault(pair[-1], set()).add(pair[0])
+    if len(roots) == 1 and under and min(map(len, under.values())) > 1:
+        return "car/station"
+    raise InputError(
+        "which car and which station each log is of cannot be told from its folders",
+        where=f"{len(logs)} logs",
+        expected="folders car/station/*.csv with each station under two cars or more",
+        do="give --plan plan.csv with columns log,car,station, or --folders car | car/station | "
+        "station/car",
+    )

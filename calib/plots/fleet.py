@@ -1,0 +1,114 @@
+"""One figure of a fleet: how it is distributed, and how it went along the line.
+
+distribution   bars of cars, median, 5 to 95 %, outliers as marks below
+in order       cars as points, centre and 3 sigma, alarms of the run rules, change of level
+"""
+
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from calib.control_chart import FEWEST, RULES
+from calib.fleet_summary import Look, Summary
+from calib.plots.sheet import Panel, Sheet
+from calib.plots.style import BODY, DASHED, FRONT, IDENTIFIED, NOMINAL, REAR, SHADE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+DOTS = 2000
+"""More cars than this are drawn as a picture of points, not as lines of a drawing."""
+
+TAIL = 6.0
+"""How many scales about the median the axes reach; what lies beyond is a mark at the edge."""
+
+
+def sheet(found: Summary, look: Look) -> Sheet:
+    """Return the sheet of one figure."""
+    return Sheet(
+        kind="fleet",
+        name=look.figure.name,
+        title="",
+        note="",
+        panels=(
+            Panel("distribution", "Distribution", lambda ax: distribution(ax, look), 2),
+            Panel("order", "In the order of the line", lambda ax: in_order(ax, found, look), 4),
+        ),
+        rows=(("distribution", "order", "order"),),
+        heights=(1.05,),
+    )
+
+
+def distribution(ax: "Axes", look: Look) -> None:
+    """Draw bars of the bulk, median and quantiles, and outliers as marks on the axis."""
+    low, high = window(look)
+    inside = look.values[(look.values >= low) & (look.values <= high)]
+    bins = int(np.clip(2.0 * np.sqrt(inside.size), 5, 60))
+    ax.hist(inside, bins=bins, range=(low, high), color="#8DB9DA", linewidth=0.0)
+    five, _, _, ninety = look.spread.quantiles
+    ax.axvspan(five, ninety, color=SHADE, linewidth=0.0, zorder=0, label="5 to 95 %")
+    ax.axvline(look.spread.median, color=FRONT["color"], label="median")
+    far = np.clip(look.values[look.outlying], low, high)
+    if far.size:
+        # in axes coordinates across, and not cut at the edge: a mark for what lies beyond it
+        marks = ax.plot(far, np.full(far.size, 0.02), "v", color=REAR["color"], ms=5)[0]
+        marks.set(transform=ax.get_xaxis_transform(), clip_on=False, zorder=5, label="outlier")
+    ax.set_xlim(*_room(low, high))
+    ax.locator_params(axis="x", nbins=4)
+    ax.locator_params(axis="y", integer=True)
+    ax.set(xlabel=_axis(look), ylabel="logs")
+
+
+def in_order(ax: "Axes", found: Summary, look: Look) -> None:
+    """Draw the individuals chart along the line."""
+    low, high = window(look)
+    x, y = look.rows + 1, np.clip(look.values, low, high)
+    many = x.size > DOTS
+    ax.plot(x, y, ".", color=NOMINAL["color"], ms=2.0 if many else 4.0, alpha=0.5, rasterized=many)
+    if look.chart is not None:
+        ax.axhline(look.chart.centre, color=BODY["color"], linewidth=0.8)
+        shown = [end for end in look.chart.limits if low <= end <= high]
+        for end, label in zip(shown, ("3 sigma", None), strict=False):
+            ax.axhline(end, color=BODY["color"], linestyle=DASHED, linewidth=0.8, label=label)
+        alarm = np.logical_or.reduce([look.chart.alarms[rule] for rule in RULES])
+        if alarm.any():
+            label = "run rule broken"
+            ax.plot(x[alarm], y[alarm], ".", color="#E69F00", ms=3.0 if many else 5.0, label=label)
+    if look.drifts and look.change is not None:
+        k, c = look.change.first, look.change
+        for part, level, label in ((x[:k], c.before, "level"), (x[k:], c.after, None)):
+            ends = [part[0], part[-1]]
+            ax.plot(ends, [level, level], color=IDENTIFIED["color"], linewidth=2.0, label=label)
+    if look.outlying.any():
+        ax.plot(x[look.outlying], y[look.outlying], "v", color=REAR["color"], ms=5, label="outlier")
+    ax.set_ylim(*_room(low, high))
+    ax.set_xlim(0.0, len(found.logs) + 1.0)
+    ax.locator_params(axis="x", integer=True)
+    told = found.ordered_by.replace("$", r"\$")
+    ax.set(xlabel=f"log, ordered by {told}", ylabel=_axis(look))
+
+
+def window(look: Look) -> tuple[float, float]:
+    """What the axes show: all values, but no farther than `TAIL` scales from the median."""
+    low, high = float(np.min(look.values)), float(np.max(look.values))
+    reach = TAIL * look.spread.scale
+    if look.chart is not None:
+        reach = max(reach, 3.5 * look.chart.sigma)
+    if reach > 0.0 and look.values.size >= FEWEST:
+        low, high = max(low, look.spread.median - reach), min(high, look.spread.median + reach)
+    return (low, high) if high > low else (low - 0.5, high + 0.5)
+
+
+def _room(low: float, high: float) -> tuple[float, float]:
+    return low - 0.06 * (high - low), high + 0.06 * (high - low)
+
+
+def _axis(look: Look) -> str:
+    name = look.figure.name.replace("$", r"\$")  # a name is no formula
+    return f"{name} [{look.figure.unit}]"
+
+
+def picture_name(figure: str) -> str:
+    """File name of the picture of a figure, whatever the column is called."""
+    return re.sub(r"[^\w.-]", "_", figure) + ".png"

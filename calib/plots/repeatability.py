@@ -1,0 +1,130 @@
+"""A gauge study: every figure by car and station, and what its scatter is made of.
+
+values   |  .  o       one column a car, one mark a station, a line at the car's mean
+bars     |  [==]--|    standard deviation of each cause over the total, 95 % interval
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from calib.anova import BOTH, CAR, REPEAT, STATION
+from calib.components import GAUGE, TOTAL
+from calib.plots.sheet import Panel, Sheet
+from calib.plots.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR
+from calib.repeatability import GOOD, Result, Study
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+LABELS = {
+    REPEAT: "repeatability",
+    STATION: "station",
+    BOTH: "car by station",
+    GAUGE: "gauge",
+    CAR: "cars",
+}
+MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
+COLOURS = tuple(s["color"] for s in (FRONT, REAR, IDENTIFIED, LAW, BODY, NOMINAL))
+NAMED = 12
+"""More cars than this are numbered, not named."""
+
+
+def sheet(found: Study) -> Sheet:
+    """Return the sheet of a gauge study: two panels for every figure."""
+    pairs = [_panels(found, result) for result in found.results]
+    stations = f", {len(found.stations)} stations" if found.stations else ""
+    told = (
+        "Points are single ramps, a bar is the mean of a car",
+        "Components are standard deviations over the total one, with 95 % intervals; shaded: "
+        "gauge up to 10 and 30 %",
+        f"D, f1, f2 where eta - 1 is {100.0 * found.reference:g} %",
+        *found.notes,
+    )
+    return Sheet(
+        kind="repeatability",
+        name="repeatability",
+        title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
+        note=". ".join(told) + ".",
+        panels=tuple(panel for pair in pairs for panel in pair),
+        rows=tuple((values.name, values.name, parts.name) for values, parts in pairs),
+        heights=(0.8,) * len(pairs),
+    )
+
+
+def _panels(found: Study, result: Result) -> tuple[Panel, Panel]:
+    return (
+        Panel(f"{result.name}-values", result.name, lambda ax: by_car(ax, found, result), 4),
+        Panel(f"{result.name}-parts", _verdict(result), lambda ax: components(ax, result)),
+    )
+
+
+def _verdict(result: Result) -> str:
+    if result.gauge is None:
+        return result.verdict
+    return f"{result.verdict}, {100.0 * result.gauge.grr:.0f} %, ndc {result.gauge.categories}"
+
+
+def by_car(ax: "Axes", found: Study, result: Result) -> None:
+    """Draw the values, a column for each car, stations side by side in it."""
+    cars, stations = found.cars, found.stations or ("",)
+    x = np.array([float(cars.index(r.car)) for r in found.readings])
+    for k, station in enumerate(stations):
+        here = np.array([r.station == station for r in found.readings])
+        aside = 0.5 * ((k + 0.5) / len(stations) - 0.5)
+        ax.plot(
+            x[here] + aside,
+            result.values[here],
+            MARKS[k % len(MARKS)],
+            color=COLOURS[k % len(COLOURS)],
+            ms=3.2,
+            alpha=0.8,
+            label=_plain(station) or None,
+        )
+    for i in range(len(cars)):
+        mean = float(np.mean(result.values[x == i]))
+        ax.plot([i - 0.35, i + 0.35], [mean, mean], color=BODY["color"], linewidth=1.4)
+    ax.axhline(float(np.mean(result.values)), color=NOMINAL["color"], linewidth=0.7)
+    names = len(cars) <= NAMED
+    if names:
+        turn = 0.0 if max(map(len, cars)) * len(cars) < 60 else 35.0
+        shown = [_plain(car) for car in cars]
+        ax.set_xticks(range(len(cars)), shown, rotation=turn, ha="right" if turn else "center")
+    ax.set(ylabel=f"{result.name} [1]", xlabel="" if names else "car, in order of its name")
+    ax.set_xlim(-0.6, len(cars) - 0.4)
+
+
+def _plain(name: str) -> str:
+    """A name as it is: no formula, and none that the legend would hide."""
+    shown = name.replace("$", r"\$")
+    return f" {shown}" if shown.startswith("_") else shown
+
+
+def components(ax: "Axes", result: Result) -> None:
+    """Draw every cause's standard deviation over the total with its 95 % interval [%]."""
+    if result.gauge is None:
+        ax.text(0.5, 0.5, "repeats do not scatter", transform=ax.transAxes, ha="center")
+        ax.set_axis_off()
+        return
+    parts = result.gauge.components
+    total = parts[TOTAL].sd
+    names = [name for name in LABELS if name in parts]
+    for low, high, colour in ((0.0, GOOD, "#DDEFE6"), (GOOD, 0.3, "#F6EBD0")):
+        ax.axvspan(100.0 * low, 100.0 * high, color=colour, linewidth=0.0, zorder=0)
+    top = 110.0
+    for i, name in enumerate(names):
+        sd, low, high = (100.0 * v / total for v in (parts[name].sd, *parts[name].sd95))
+        strong = name in (GAUGE, CAR)
+        ax.barh(i, sd, height=0.55, color=COLOURS[0] if strong else "#8DB9DA", zorder=2)
+        ax.plot([low, high], [i, i], color=BODY["color"], linewidth=1.0, zorder=3)
+        ax.plot(low, i, "|", color=BODY["color"], ms=5.0, zorder=3)
+        ax.plot(high, i, "|" if high <= top else ">", color=BODY["color"], ms=5.0, zorder=3)
+        if high > top:  # the interval goes on beyond the picture, and says so
+            ax.plot(top, i, ">", color=BODY["color"], ms=4.5, zorder=4, clip_on=False)
+        if name in result.gauge.negative:
+            where = 3.0 + min(high, 60.0)
+            ax.text(where, i, "came out negative", va="center", fontsize=6.5, zorder=4)
+    ax.set_yticks(range(len(names)), [LABELS[name] for name in names])
+    ax.invert_yaxis()
+    ax.grid(axis="y", visible=False)
+    ax.set(xlabel="of the total standard deviation [%]", xlim=(0.0, top))

@@ -1,0 +1,122 @@
+"""`brake-cal fleet`: what the results of a batch say of a fleet and its line."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, progress, say
+from cli.options import Json, example
+
+if TYPE_CHECKING:
+    from calib.fleet_summary import Summary
+
+SHOWN = 10
+"""Outliers printed; fleet.json has all."""
+
+app = typer.Typer(
+    rich_markup_mode=None,
+    no_args_is_help=True,
+    epilog=example("brake-cal fleet report results.parquet --out fleet"),
+)
+
+
+@app.callback()
+def fleet() -> None:
+    """Look at many cars at once."""
+
+
+@app.command(
+    epilog=example(
+        "brake-cal fleet report results.parquet --out fleet",
+        "brake-cal fleet report results.parquet --order pad_scale --figure eta_peak --json",
+    )
+)
+def report(
+    results: Annotated[
+        Path, typer.Argument(metavar="RESULTS.parquet", help="What `brake-cal batch` wrote.")
+    ],
+    *,
+    order: Annotated[
+        str | None, typer.Option(metavar="COLUMN", help="Column that orders the line, else names.")
+    ] = None,
+    figure: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Only this figure; repeatable.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write report.html, fleet.json, PNGs here.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Show distributions, outliers, drift of the line and errors of a batch of logs."""
+    from calib.fleet_columns import open_fleet
+    from calib.fleet_report import document
+    from calib.fleet_summary import summarise
+
+    if out is not None and out.exists() and not out.is_dir():
+        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
+    opened = open_fleet(results, order)
+    say(f"reading {len(opened.logs)} rows, in the order of {opened.ordered_by}")
+    found = summarise(opened, tuple(figure or ()))
+    if out is not None:
+        _write(found, results, out)
+    if json:
+        emit_json(document(found))
+    else:
+        _report(found)
+
+
+def _write(found: "Summary", results: Path, out: Path) -> None:
+    """Draw everything first, then write it."""
+    import json
+
+    from calib.files import write_whole
+    from calib.fleet_report import document, report_html
+    from calib.plots.fleet import picture_name
+    from cli.console import plain
+
+    pictures = _pictures(found)
+    title = f"{results.absolute().parent.name}/{results.name}"
+    text = json.dumps(plain(document(found)), indent=2, allow_nan=False) + "\n"
+    contents = {out / picture_name(name): picture for name, picture in pictures.items()} | {
+        out / "fleet.json": text.encode(),
+        out / "report.html": report_html(found, title, pictures).encode(),
+    }
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        for path, content in contents.items():
+            write_whole(path, content)
+    except OSError as error:
+        raise typer.BadParameter(
+            f"{out} cannot be written ({error.strerror})", param_hint="--out"
+        ) from error
+    say(f"wrote {out}: report.html, fleet.json, {len(pictures)} pictures")
+
+
+def _pictures(found: "Summary") -> dict[str, bytes]:
+    from calib.plots.fleet import sheet
+    from calib.plots.save import render
+
+    looks = [look for look in found.looks if look.values.size]
+    pictures = {}
+    with progress(f"drawing {len(looks)} figures", len(looks)) as done:
+        for look in looks:
+            pictures[look.figure.name] = render(sheet(found, look).overview(), ".png")
+            done()
+    return pictures
+
+
+def _report(found: "Summary") -> None:
+    from calib.fleet_report import described, headline
+
+    emit(headline(found))
+    emit(", ".join(f"{count} {name}" for name, count in found.status.items()))
+    for failure in found.failures:
+        emit(f"{failure.count} x {failure.message} (such as {', '.join(failure.logs)})")
+    for look in found.looks:
+        if look.drifts:
+            emit(f"{look.figure.name} drifts: {described(found, look)}")
+    for outlier in found.outliers[:SHOWN]:
+        emit(f"{outlier.log}: {outlier.figure} {outlier.value:.4g} is {outlier.z:+.1f} scales off")
+    if len(found.outliers) > SHOWN:
+        emit(f"and {len(found.outliers) - SHOWN} more, see --json or fleet.json")

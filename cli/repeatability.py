@@ -1,0 +1,244 @@
+"""`brake-cal repeatability`: how good a gauge the calibration is, from repeated ramps of cars."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, progress, say
+from cli.options import Json, Map, example
+
+if TYPE_CHECKING:
+    from rich.table import Table as Grid
+
+    from calib.logs.channel_map import ChannelMap
+    from calib.plan import Place
+    from calib.repeatability import Reading, Result, Study
+    from calib.vehicle import Vehicle
+
+EPILOG = example(
+    "brake-cal repeatability --plan plan.csv --vehicle car.toml --out gauge",
+    "brake-cal repeatability ramps/*/*/*.csv --folders car/station --vehicle car.toml",
+)
+FAILED = 1
+
+
+def repeatability(
+    logs: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="LOG", help="Ramps; all of the plan if none."),
+    ] = None,
+    *,
+    vehicle: Annotated[
+        Path | None,
+        typer.Option(metavar="V.toml", help="Vehicle, unless the plan names one a log."),
+    ] = None,
+    plan: Annotated[
+        Path | None, typer.Option(metavar="P.csv", help="Columns log, car, station, vehicle.")
+    ] = None,
+    folders: Annotated[
+        str | None,
+        typer.Option(metavar="LAYOUT", help="Folders name car, car/station or station/car."),
+    ] = None,
+    quantity: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Judge only this figure; repeatable.")
+    ] = None,
+    eta: Annotated[
+        float, typer.Option(metavar="PERCENT", help="eta - 1 where D, f1 and f2 are compared [%].")
+    ] = 0.15,
+    limits: Annotated[
+        Path | None, typer.Option(metavar="L.toml", help="Limits of grr and ndc.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write repeatability.json and .png here.")
+    ] = None,
+    channel_map: Map = None,
+    json: Json = False,
+) -> None:
+    """Judge the calibration as a gauge, from repeated ramps of several cars.
+
+    Every ramp is fitted by itself; analysis of variance then parts the scatter of each figure into
+    repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
+    """
+    from calib.limits import read_limits
+    from calib.logs.channel_map import read_channel_map
+    from calib.repeatability import DEFAULTS, QUANTITIES, known_limits, study
+
+    _check_names(quantity or [], list(QUANTITIES))
+    _check_out(out)
+    held = read_limits(limits, known_limits()) if limits else DEFAULTS
+    places = _places(logs or [], plan, folders)
+    mapping = read_channel_map(channel_map) if channel_map else None
+    readings = _readings(places, vehicle, mapping, eta / 100.0, quantity or list(QUANTITIES))
+    found = study(readings, held, eta / 100.0)
+    document = _document(found)
+    if out is not None:
+        _write(found, document, out)
+    if json:
+        emit_json(document)
+    else:
+        _report(found)
+    if not found.passed:
+        raise typer.Exit(FAILED)
+
+
+def _check_names(wanted: list[str], known: list[str]) -> None:
+    from calib.toml import did_you_mean
+
+    for name in wanted:
+        if name not in known:
+            hint = did_you_mean(name, known) or f"one of {', '.join(known)}"
+            raise typer.BadParameter(f"no figure {name!r}; {hint}", param_hint="--quantity")
+
+
+def _check_out(out: Path | None) -> None:
+    if out is not None and out.exists() and not out.is_dir():
+        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
+
+
+def _places(logs: list[Path], plan: Path | None, folders: str | None) -> "tuple[Place, ...]":
+    from calib.plan import LAYOUTS, certain_layout, chosen, places_from_folders, read_plan
+
+    if plan is not None and folders is not None:
+        raise typer.BadParameter("not together with --plan", param_hint="--folders")
+    if plan is not None:
+        return chosen(read_plan(plan), logs, plan)
+    if not logs:
+        raise typer.BadParameter("name the ramps, or a --plan that does", param_hint="LOG...")
+    if folders is not None and folders not in LAYOUTS:
+        raise typer.BadParameter(f"one of {', '.join(LAYOUTS)}", param_hint="--folders")
+    layout = folders or certain_layout(logs)
+    places = places_from_folders(logs, layout)
+    cars, stations = sorted({p.car for p in places}), sorted({p.station for p in places} - {""})
+    told = f"; stations {', '.join(stations)}" if stations else ""
+    say(f"folders as {layout}: cars {', '.join(cars)}{told}")
+    return places
+
+
+def _readings(
+    places: "tuple[Place, ...]",
+    vehicle: Path | None,
+    mapping: "ChannelMap | None",
+    reference: float,
+    names: list[str],
+) -> "tuple[Reading, ...]":
+    from calib.fit import fit
+    from calib.logs.read import read_log
+    from calib.repeatability import Reading, figures_of
+
+    cars = _vehicles(places, vehicle)
+    readings = []
+    with progress(f"fitting {len(places)} ramps one by one", len(places)) as done:
+        for place in places:
+            log = read_log(place.log, mapping)
+            figures = figures_of(fit(cars[place.vehicle or vehicle], [log]), log, reference)
+            kept = {name: figures[name] for name in names}
+            readings.append(Reading(str(place.log), place.car, place.station, kept, log.digest))
+            done()
+    return tuple(readings)
+
+
+def _vehicles(places: "tuple[Place, ...]", vehicle: Path | None) -> "dict[Path | None, Vehicle]":
+    from calib.vehicle import read_vehicle
+
+    files = {place.vehicle or vehicle for place in places}
+    if None in files:
+        raise typer.BadParameter(
+            "needed, as not every log has one in a plan", param_hint="--vehicle"
+        )
+    return {file: read_vehicle(file) for file in files if file is not None}
+
+
+def _document(found: "Study") -> dict[str, object]:
+    return {
+        "schema": 1,
+        "passed": found.passed,
+        "cars": found.cars,
+        "stations": found.stations,
+        "reference_eta_rise": found.reference,
+        "notes": found.notes,
+        "ramps": found.readings,
+        "quantities": {result.name: _entry(result) for result in found.results},
+    }
+
+
+def _entry(result: "Result") -> dict[str, object]:
+    told: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": result.judgements}
+    if result.analysis is None or result.gauge is None:
+        return told | {"components": None, "grr": None, "ndc": None}
+    g = result.gauge
+    return told | {
+        "mean": float(result.values.mean()),
+        "anova": [
+            {"source": s.name, "df": s.df, "ss": s.ss, "ms": s.ms, "effective_df": s.effective}
+            for s in result.analysis.sources
+        ],
+        "components": {
+            name: {"sd": c.sd, "ci95": c.sd95, "variance": c.variance, "raw_variance": c.raw}
+            for name, c in g.components.items()
+        },
+        "negative": g.negative,
+        "grr": {"value": g.grr, "ci95": g.grr95},
+        "ndc": {"value": g.categories, "uncut": g.ndc, "ci95": g.ndc95},
+    }
+
+
+def _write(found: "Study", document: dict[str, object], out: Path) -> None:
+    import json
+
+    from calib.files import write_whole
+    from calib.plots.repeatability import sheet
+    from calib.plots.save import render
+    from cli.console import plain
+
+    text = json.dumps(plain(document), indent=2, allow_nan=False) + "\n"
+    contents = {
+        "repeatability.json": text.encode(),
+        "repeatability.png": render(sheet(found).overview(), ".png"),
+    }
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        for name, content in contents.items():
+            write_whole(out / name, content)
+    except OSError as error:
+        raise typer.BadParameter(
+            f"{out} cannot be written ({error.strerror})", param_hint="--out"
+        ) from error
+    say(f"wrote {out}: {', '.join(contents)}")
+
+
+def _report(found: "Study") -> None:
+    emit(_grid(found))
+    for result in found.results:
+        if result.gauge and result.gauge.negative:
+            names = ", ".join(result.gauge.negative)
+            emit(f"{result.name}: variances that came out negative count as nought: {names}")
+        if result.gauge is None:
+            emit(f"{result.name}: not judged, repeats do not scatter")
+    for note in found.notes:
+        emit(f"note: {note}")
+
+
+def _grid(found: "Study") -> "Grid":
+    from rich.table import Table
+
+    grid = Table(box=None, header_style="bold", pad_edge=False)
+    grid.add_column("figure")
+    for title in ("repeatability", "reproducibility", "cars", "%GRR", "95 %", "ndc"):
+        grid.add_column(title, justify="right")
+    grid.add_column("verdict")
+    for result in found.results:
+        grid.add_row(result.name, *_cells(result), result.verdict)
+    return grid
+
+
+def _cells(result: "Result") -> tuple[str, ...]:
+    if result.gauge is None:
+        return ("none",) * 6
+    g = result.gauge
+    sds = [
+        f"{g.components[name].sd:.3g}" if name in g.components else "none"
+        for name in ("repeatability", "reproducibility", "car")
+    ]
+    low, high = (100.0 * end for end in g.grr95)
+    return *sds, f"{100.0 * g.grr:.1f}", f"{low:.0f} to {high:.0f}", str(g.categories)

@@ -1,0 +1,51 @@
+"""`brake-cal fleet report` as the shell runs it."""
+
+import json
+
+import pytest
+
+from tests.fleet_made import results
+
+
+def test_a_report_is_written_and_told(brake_cal, tmp_path):
+    path, out = results(tmp_path / "r.parquet"), tmp_path / "out"
+    ran = brake_cal("fleet", "report", path, "--figure", "pad_friction_f", "--out", out)
+    assert ran.code == 0, ran.err
+    assert ran.out.startswith("pad_friction_f drifts; ")
+    assert "line/car134.csv: pad_friction_f 0.55" in ran.out
+    assert "3 x LOG: <b>ends</b> at # s" in ran.out
+    assert sorted(p.name for p in out.iterdir()) == [
+        "fleet.json",
+        "pad_friction_f.png",
+        "report.html",
+    ]
+    assert json.loads((out / "fleet.json").read_text())["logs"] == 400
+
+
+def test_json_is_one_document_and_says_the_order(brake_cal, tmp_path):
+    path = results(tmp_path / "r.parquet", 12)
+    ran = brake_cal("fleet", "report", path, "--order", "built", "--json")
+    told = json.loads(ran.out)
+    assert told["ordered_by"] == "built"
+    assert set(told["figures"]) == {"pad_friction_f", "settling", "built"}
+
+
+@pytest.mark.parametrize(
+    ("more", "code", "says"),
+    [
+        (("--figure", "pad_fricton_f"), 3, "did you mean 'pad_friction_f'"),
+        (("--order", "biult"), 3, "did you mean 'built'"),
+        (("--ordre", "built"), 2, "No such option"),
+    ],
+)
+def test_mistakes(brake_cal, tmp_path, more, code, says):
+    ran = brake_cal("fleet", "report", results(tmp_path / "r.parquet", 5), *more)
+    assert (ran.code, ran.out) == (code, "")
+    assert says in ran.err
+
+
+def test_bad_files_and_places(brake_cal, tmp_path):
+    assert brake_cal("fleet", "report", tmp_path / "none.parquet").code == 3
+    path = results(tmp_path / "r.parquet", 5)
+    ran = brake_cal("fleet", "report", path, "--out", path)
+    assert (ran.code, ran.out) == (2, "")

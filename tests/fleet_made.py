@@ -1,0 +1,37 @@
+"""Results of a batch with a known fleet: a drift, an outlier, errors, and a quiet figure."""
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+DRIFT_AT, OUTLIER, LOST = 240, 133, (13, 57, 185)
+
+
+def results(path, n=400, shift=0.01, extra=None):
+    """Write results of ``n`` logs; the pads step by ``shift`` at `DRIFT_AT`."""
+    rng = np.random.default_rng(1)
+    pads = 0.38 + 0.01 * rng.normal(size=n)
+    pads[DRIFT_AT:] += shift
+    if n > OUTLIER:
+        pads[OUTLIER] = 0.55
+    lost = np.isin(np.arange(n), LOST) & (n > 20)
+    logs = [f"line/car{i + 1}.csv" for i in range(n)]
+    columns = {
+        "log": (logs, pa.string(), None),
+        "digest": (["0" * 64] * n, pa.string(), None),
+        "status": (["error" if x else "passed" for x in lost], pa.string(), None),
+        "error": (
+            [f"{log}: <b>ends</b> at {i}.5 s" if x else None
+             for i, (log, x) in enumerate(zip(logs, lost, strict=True))], pa.string(), None),
+        "pad_friction_f": (np.where(lost, np.nan, pads), pa.float64(), "1"),
+        "settling": (0.3 + 0.02 * rng.normal(size=n), pa.float64(), "s"),
+        "built": ([float(n - i) for i in range(n)], pa.float64(), "s"),
+        "usable": ([bool(i % 4) for i in range(n)], pa.bool_(), "1"),
+        "verdict": (["no_gap" if i % 3 else "named" for i in range(n)], pa.string(), "1"),
+    } | (extra or {})  # fmt: skip
+    fields = [
+        pa.field(k, t, metadata={"unit": u} if u else None) for k, (_, t, u) in columns.items()
+    ]
+    arrays = [pa.array(v, type=t, from_pandas=True) for v, t, _ in columns.values()]
+    pq.write_table(pa.Table.from_arrays(arrays, schema=pa.schema(fields)), path)
+    return path

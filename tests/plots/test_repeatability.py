@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+
+from calib.plots.repeatability import by_car, components, sheet
+from calib.plots.save import render
+from calib.repeatability import study
+from tests.plots.lines import axes, drawn, labels
+from tests.test_repeatability import readings
+
+
+@pytest.fixture(scope="module")
+def found():
+    return study(readings(cars=4, stations=2, repeats=2))
+
+
+def test_every_ramp_and_the_mean_of_every_car_is_drawn(found):
+    ax = axes()
+    by_car(ax, found, found.results[0])
+    assert labels(ax) == ["line 0", "line 1"]
+    values = found.results[0].values
+    points = np.concatenate(
+        [one.get_ydata() for one in ax.get_lines() if len(one.get_xdata()) == 8]
+    )
+    assert sorted(points) == sorted(values)
+    mean = float(np.mean(values[:4]))
+    assert drawn(ax, np.array([-0.35, 0.35]), np.array([mean, mean]))
+
+
+def test_bars_are_shares_of_the_total_with_their_intervals(found):
+    ax = axes()
+    components(ax, found.results[0])
+    parts = found.results[0].gauge.components
+    names = [label.get_text() for label in ax.get_yticklabels()]
+    assert names == ["repeatability", "station", "car by station", "gauge", "cars"]
+    widths = [bar.get_width() for bar in ax.patches if bar.get_height() == pytest.approx(0.55)]
+    assert widths[-1] == pytest.approx(100.0 * parts["car"].sd / parts["total"].sd)
+    low, high = (100.0 * end / parts["total"].sd for end in parts["repeatability"].sd95)
+    assert drawn(ax, np.array([low, high]), np.array([0, 0]))
+
+
+def test_a_negative_variance_says_so():
+    made = (study(readings(cars=4, stations=2, repeats=2, seed=s)) for s in range(20))
+    found = next(f for f in made if f.results[0].gauge.negative)
+    ax = axes()
+    components(ax, found.results[0])
+    assert "came out negative" in [text.get_text() for text in ax.texts]
+
+
+def test_the_page_has_a_row_for_every_figure(found):
+    page = sheet(found)
+    assert len(page.rows) == len(found.results) == 2
+    assert render(page.overview(), ".png").startswith(b"\x89PNG")
