@@ -9,7 +9,7 @@ from typer.core import TyperGroup
 
 from calib import __version__
 from calib.errors import BrakeCalError
-from cli import check, demo, diagnose, effects, fit, plot, simulate, tables, validate
+from cli import batch, check, demo, diagnose, effects, fit, plot, simulate, tables, validate
 from cli.console import complain
 from cli.options import example
 
@@ -50,6 +50,7 @@ app.command(epilog=plot.EPILOG)(plot.plot)
 app.command(epilog=simulate.EPILOG)(simulate.simulate)
 app.command(epilog=diagnose.EPILOG, cls=diagnose.Greedy)(diagnose.diagnose)
 app.command(epilog=effects.EPILOG)(effects.effects)
+app.command(epilog=batch.EPILOG)(batch.batch)
 app.command(epilog=demo.EPILOG)(demo.demo)
 app.add_typer(tables.app, name="tables")
 

@@ -48,7 +48,17 @@ def read_log(
     driven: that is `calib.check`.
     """
     path = Path(path)
-    data = _bytes(path)
+    return log_of(log_bytes(path), path, channel_map, require=require)
+
+
+def log_of(
+    data: bytes,
+    path: Path,
+    channel_map: ChannelMap | Path | None = None,
+    *,
+    require: tuple[str, ...] = REQUIRED,
+) -> Log:
+    """Read one run whose bytes are at hand; ``path`` names it. Else as `read_log`."""
     where = str(path)
     source = FORMATS[path.suffix.lower()](data, where)
     if isinstance(channel_map, str | Path):
@@ -70,17 +80,21 @@ def read_log(
     )
 
 
-def _bytes(path: Path) -> bytes:
-    """The file's bytes. Raises LogError if it is not a readable file of a known format."""
+def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> bytes:
+    """The file's bytes; ``where`` names it in messages.
+
+    Raises LogError if it is not a readable file of a known format.
+    """
+    where = path if where is None else where
     if path.is_dir():
-        raise LogError("a directory", where=path, expected="a log file", do="name the files in it")
+        raise LogError("a directory", where=where, expected="a log file", do="name the files in it")
     if not path.exists():
-        raise LogError("no such file", where=path, expected="a log", do="check the path")
-    if path.suffix.lower() not in FORMATS:
+        raise LogError("no such file", where=where, expected="a log", do="check the path")
+    if path.suffix.lower() not in FORMATS and not any_format:
         raise LogError(
-            f"unknown format {path.suffix!r}", where=path, expected=f"one of {', '.join(FORMATS)}"
+            f"unknown format {path.suffix!r}", where=where, expected=f"one of {', '.join(FORMATS)}"
         )
     try:
         return path.read_bytes()
     except OSError as cause:
-        raise LogError(f"not readable: {cause.strerror}", where=path) from cause
+        raise LogError(f"not readable: {cause.strerror}", where=where) from cause

@@ -1,0 +1,60 @@
+"""Workers of a Dask cluster, as the same executor. Needs the extra `dist`."""
+
+from concurrent.futures import Future
+from typing import Any
+
+from calib.errors import BatchError
+from calib.fleet.pool import Rows
+from calib.fleet.work import Item, run_items
+
+PATIENCE = "10s"
+"""How long to wait for the scheduler to answer."""
+
+
+class Cluster:
+    """The workers behind a scheduler at ``address``, "tcp://host:port".
+
+    Each must have this version of the program and see the logs under the same absolute paths. Dask
+    gives the logs of a worker that died to another. Raises BatchError if nobody answers.
+    """
+
+    worn = False
+
+    def __init__(self, address: str):
+        try:
+            from distributed import Client
+        except ImportError as cause:
+            raise BatchError(
+                "dask[distributed] is not installed",
+                where="--scheduler",
+                do="pip install 'brake-cal[dist]'",
+            ) from cause
+        try:
+            self._client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError) as cause:
+            raise BatchError(
+                f"no scheduler answers: {cause or type(cause).__name__}",
+                where=address,
+                expected="the address of a Dask scheduler, like tcp://host:8786",
+                do="start one with `dask scheduler`",
+            ) from cause
+        self._pool: Any = self._client.get_executor(pure=False)
+
+    @property
+    def workers(self) -> int:
+        """Threads of all workers now; one may be under way although none is there yet."""
+        found = self._client.scheduler_info(n_workers=-1)["workers"]
+        return max(1, sum(int(worker["nthreads"]) for worker in found.values()))
+
+    def submit(self, packed: bytes, items: tuple[Item, ...]) -> "Future[Rows]":
+        """Hand logs to the scheduler."""
+        future: Future[Rows] = self._pool.submit(run_items, packed, items)
+        return future
+
+    def renew(self) -> None:
+        """Do nothing: the cluster replaces its workers itself."""
+
+    def close(self) -> None:
+        """Leave the cluster; what is under way is dropped."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        self._client.close()
