@@ -10,6 +10,7 @@ four wheel speeds with ``a_x`` are looked at, and the reference speed where ther
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,12 +60,12 @@ class Course:
     braked: Mask
     lead_in: Mask
 
-    @property
+    @cached_property
     def moving(self) -> Mask:
         """Where the car moves fast enough to be judged."""
         return self.speed > MOVING
 
-    @property
+    @cached_property
     def unbraked(self) -> Mask:
         """The steady part of the lead-in; all steady unbraked motion where that is too short."""
         steady = ~self.braked & self.moving & (np.abs(self.z) < STEADY)
