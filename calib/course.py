@@ -106,14 +106,16 @@ def centred_mean(x: Array, width: int) -> Array:
     return np.asarray((total[high] - total[low]) / (high - low))
 
 
-def runs(mask: Mask) -> list[tuple[int, int]]:
-    """First and one-past-last sample of each stretch where ``mask`` holds.
+def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
+    """First and one-past-last sample of each stretch of ``least`` samples where ``mask`` holds.
 
     >>> runs(np.array([False, True, True, False, True]))
     [(1, 3), (4, 5)]
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+    first, last = edges[::2], edges[1::2]
+    long = last - first >= least
+    return list(zip(first[long].tolist(), last[long].tolist(), strict=True))
 
 
 def course_of(log: Log) -> Course:

