@@ -346,7 +346,7 @@ def _update(x: Array, P: Array, row: Array, error: float, variance: float) -> fl
     along = P.dot(row)
     total = float(row.dot(along)) + variance
     x += along * (error / total)
-    # a matrix product of a column and a row: the same as their outer product, in a third of its time
+    # column times row: the same as their outer product, in a third of its time
     P -= along[:, None].dot((along / total)[None, :])
     return error / math.sqrt(total)
 

@@ -1,5 +1,7 @@
 """Workers of a Dask cluster, as the same executor. Needs the extra `dist`."""
 
+import math
+import time
 from concurrent.futures import Future
 from typing import Any
 
@@ -38,13 +40,25 @@ class Cluster:
                 expected="the address of a Dask scheduler, like tcp://host:8786",
                 do="start one with `dask scheduler`",
             ) from cause
+        try:
+            self._client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError as cause:
+            self._client.close()
+            raise BatchError(
+                "the scheduler has no workers",
+                where=address,
+                do=f"start some with `dask worker {address}`",
+            ) from cause
         self._pool: Any = self._client.get_executor(pure=False)
+        self._asked, self._threads = -math.inf, 1
 
     @property
     def workers(self) -> int:
-        """Threads of all workers now; one may be under way although none is there yet."""
-        found = self._client.scheduler_info(n_workers=-1)["workers"]
-        return max(1, sum(int(worker["nthreads"]) for worker in found.values()))
+        """Threads of all workers, asked for once a second: workers come and go."""
+        if time.monotonic() - self._asked > 1.0:
+            self._threads = max(1, sum(self._client.nthreads().values()))
+            self._asked = time.monotonic()
+        return self._threads
 
     def submit(self, packed: bytes, items: tuple[Item, ...]) -> "Future[Rows]":
         """Hand logs to the scheduler."""
@@ -56,5 +70,5 @@ class Cluster:
 
     def close(self) -> None:
         """Leave the cluster; what is under way is dropped."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        self._pool.shutdown(wait=False)
         self._client.close()

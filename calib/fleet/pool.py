@@ -70,11 +70,13 @@ class Pool:
 
     def renew(self) -> None:
         """End the workers and start others."""
-        self.close()
+        self._pool.shutdown(wait=True, cancel_futures=True)
         self._pool, self._given = self._new(), 0
 
     def close(self) -> None:
-        """End the workers."""
+        """End the workers, in the middle of a log if need be: it has no row and is done again."""
+        for process in list((self._pool._processes or {}).values()):
+            process.terminate()
         self._pool.shutdown(wait=True, cancel_futures=True)
 
     def _new(self) -> ProcessPoolExecutor:

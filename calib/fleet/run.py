@@ -22,7 +22,7 @@ from calib.fleet.results import write_results
 from calib.fleet.row import STATUSES, Row, printable
 from calib.fleet.work import Item
 
-CHUNK = 8
+CHUNK = {"fit": 2, "validate": 8, "check": 8, "diagnose": 1}
 """Most logs in one hand-over: enough that handing over costs nothing beside 10 ms a log."""
 
 AHEAD = 3
@@ -92,7 +92,7 @@ class _Run:
 
     def __init__(self, job: Job, journal: Journal, executor: Executor, report: Report, total: int):
         self.packed, self.journal, self.executor = job.packed(), journal, executor
-        self.report, self.total = report, total
+        self.command, self.report, self.total = job.command, report, total
         self.wanted: set[str] = set()
         self.pending: dict[Future[Rows], tuple[Item, ...]] = {}
         self.done = self.fresh = self.errors = 0
@@ -132,7 +132,7 @@ class _Run:
                 continue
             self.wanted.add(name)
             chunk.append(Item(name, os.path.abspath(path), self._known(name)))
-            if len(chunk) >= min(CHUNK, 1 + begun // (8 * self.executor.workers)):
+            if len(chunk) >= min(CHUNK[self.command], 1 + begun // (8 * self.executor.workers)):
                 begun += len(chunk)
                 yield tuple(chunk)
                 chunk = []
