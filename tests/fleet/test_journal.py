@@ -78,7 +78,7 @@ def test_a_damaged_line_in_the_middle_is_told(tmp_path):
     journal.close()
     lines = (tmp_path / NAME).read_bytes().splitlines(keepends=True)
     (tmp_path / NAME).write_bytes(lines[0] + b"rubbish\n" + lines[2])
-    with pytest.raises(BatchError, match="no row.*--fresh"):
+    with pytest.raises(BatchError, match=r"no row.*--fresh"):
         open_journal(tmp_path, SETTINGS)
 
 

@@ -1,4 +1,4 @@
-"""Real processes: the same bytes for any number of them, and after kill -9 of a worker or of all."""
+"""Real processes: the same bytes for any number of them, after kill -9 of one or of all."""
 
 import os
 import signal
