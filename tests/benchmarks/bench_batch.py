@@ -21,7 +21,7 @@ import pandas as pd
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from calib import adaptive, estimator, kalman  # noqa: E402
+from calib import adaptive, estimator  # noqa: E402
 from calib.fleet.job import Job  # noqa: E402
 from calib.fleet.pool import Pool  # noqa: E402
 from calib.fleet.run import run_batch  # noqa: E402
@@ -37,13 +37,17 @@ from tests.studies.fleet_logs import linked, table_of, write_logs  # noqa: E402
 REPEAT = 3
 
 
-def best(call: Callable[[], object], repeat: int = REPEAT) -> float:
-    """Least wall time of several calls [s]: the one the machine disturbed least."""
+def best(
+    call: Callable[[], object],
+    repeat: int = REPEAT,
+    clock: Callable[[], float] = time.perf_counter,
+) -> float:
+    """Least time of several calls [s]: the one the machine disturbed least."""
     times = []
     for _ in range(repeat):
-        start = time.perf_counter()
+        start = clock()
         call()
-        times.append(time.perf_counter() - start)
+        times.append(clock() - start)
     return min(times)
 
 
@@ -147,6 +151,9 @@ def one_core(job: Job, paths: list[Path]) -> None:
     print("status of the rows:", *sorted({row.status for row in rows if row}))
     ours = best(lambda: run_items(packed, items), 5) / len(items)
     print(f"{'batch validate, one core':<52}{1e3 * ours:8.2f} ms a log {1 / ours:8.1f} logs/s")
+    cpu = best(lambda: run_items(packed, items), 5, time.process_time) / len(items)
+    said = "  by the clock of this process alone"
+    print(f"{said:<52}{1e3 * cpu:8.2f} ms a log {1 / cpu:8.1f} logs/s")
     for name, way in (
         ("pandas, iterrows, the paper's law", rows_by_pandas),
         ("pandas, tuples, the paper's law", rows_by_lists),
@@ -155,19 +162,16 @@ def one_core(job: Job, paths: list[Path]) -> None:
         seconds = best(lambda way=way: [way(job.table, p) for p in paths[:3]], 3) / 3
         print(f"{name:<52}{1e3 * seconds:8.2f} ms a log {seconds / ours:8.1f} x")
     log = read_log(paths[0])
-    parts = {
-        "read": lambda: read_log(paths[0]),
-        "estimate": lambda: estimator.estimate(job.table, log, rival_laws=False),
-    }
-    for name, call in parts.items():
-        print(f"  of it {name:<46}{1e3 * best(call, 20):8.2f} ms")
-    assert kalman.STATES == 13
+    print(f"  of it reading {'':<36}{1e3 * best(lambda: read_log(paths[0]), 20):8.2f} ms")
+    alone = best(lambda: estimator.estimate(job.table, log, rival_laws=False), 20)
+    print(f"  of it estimating {'':<33}{1e3 * alone:8.2f} ms")
 
 
 def whole_batches(job: Job, folder: Path, work: Path, count: int) -> None:
     """Batches with journal and results on one and two worker processes, turn by turn."""
     pools = {n: Pool(n) for n in (1, 2)}
     times: dict[int, list[float]] = {1: [], 2: []}
+    own = time.process_time()
     for n, pool in pools.items():  # the workers' imports are no part of it
         run_batch(job, [str(folder / "car_00000[0-9].csv")], work / f"warm_{n}", pool)
     for turn in range(REPEAT):
@@ -176,11 +180,11 @@ def whole_batches(job: Job, folder: Path, work: Path, count: int) -> None:
             run_batch(job, [str(folder)], work / f"out_{n}_{turn}", pool)
             times[n].append(time.perf_counter() - start)
     for n, pool in pools.items():
-        rate = count / min(times[n])
-        print(
-            f"batch of {count} on {n} worker{'s' * (n > 1)}, journal and results{'':<8}{rate:14.1f} logs/s"
-        )
+        said = f"batch of {count} with journal, {n} worker{'s' * (n > 1)}"
+        print(f"{said:<52}{'':<18}{count / min(times[n]):8.1f} logs/s")
         pool.close()
+    own = (time.process_time() - own) / (2 * REPEAT * count + 20)
+    print(f"{'this process itself':<52}{1e3 * own:8.2f} ms a log")
     print(
         f"scaling on two cores {min(times[1]) / min(times[2]):.2f} (load of the machine "
         f"{os.getloadavg()[0]:.1f} on {os.cpu_count()} cores)"

@@ -1,7 +1,6 @@
 """`brake-cal batch` as the shell runs it."""
 
 import json
-from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
@@ -11,7 +10,6 @@ from calib.fleet.columns import COLUMNS, HEAD
 from calib.scores import FIGURES
 from calib.store import save
 from calib.table import Table
-from cli.batch import EPILOG
 from tests.fleet.made import many
 from tests.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, with_pads
 
@@ -39,18 +37,6 @@ def batch(brake_cal, home, monkeypatch):
 
 def rows(out):
     return pq.read_table(out / "results.parquet").to_pylist()
-
-
-def test_the_examples_of_the_help_work_as_printed(brake_cal, tmp_path, monkeypatch):
-    (tmp_path / "sample_logs").symlink_to(SEDAN.parent)
-    (tmp_path / "tables").symlink_to(SEDAN.parents[1] / "tables")
-    monkeypatch.chdir(tmp_path)
-    commands = [line.split() for line in EPILOG.splitlines() if "brake-cal" in line]
-    assert len(commands) == 2
-    for words in commands:
-        ran = brake_cal(*(word.strip("'") for word in words[1:]))
-        assert ran.code == 0, ran.err
-        assert rows(Path(words[-1]))
 
 
 def test_validate_says_what_it_did_and_the_columns_have_units(batch, tmp_path):
