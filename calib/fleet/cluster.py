@@ -50,6 +50,7 @@ class Cluster:
                 do=f"start some with `dask worker {address}`",
             ) from cause
         self._pool: Any = self._client.get_executor(pure=False)
+        self._address = address
         self._asked, self._threads = -math.inf, 1
 
     @property
@@ -66,7 +67,13 @@ class Cluster:
         return future
 
     def renew(self) -> None:
-        """Do nothing: the cluster replaces its workers itself."""
+        """Leave the workers to the cluster. Raises BatchError if the scheduler itself is gone."""
+        if self._client.status != "running":
+            raise BatchError(
+                "the scheduler is gone",
+                where=self._address,
+                do="start it and type the same line again: what is done is kept",
+            )
 
     def close(self) -> None:
         """Leave the cluster; what is under way is dropped."""

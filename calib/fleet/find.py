@@ -54,7 +54,7 @@ def _of(argument: str, command: str, own: str) -> Iterator[str]:
 
 
 def _below(folder: str, command: str, own: str) -> Iterator[str]:
-    for home, folders, files in os.walk(folder):
+    for home, folders, files in os.walk(folder, onerror=_refuse):
         folders[:] = sorted(f for f in folders if not f.startswith("."))
         if _within(home, own):
             folders.clear()
@@ -64,6 +64,10 @@ def _below(folder: str, command: str, own: str) -> Iterator[str]:
                 yield home
         else:
             yield from (os.path.join(home, f) for f in sorted(files) if _is_log(f))
+
+
+def _refuse(error: OSError) -> None:
+    raise LogError(f"cannot be read ({error.strerror})", where=error.filename) from error
 
 
 def _within(path: str, own: str) -> bool:

@@ -53,16 +53,20 @@ def started(*arguments):
 
 
 @pytest.fixture
-def address(tmp_path):
-    """Address of a scheduler that was just started."""
-    file = tmp_path / "scheduler.json"
+def scheduler(tmp_path):
+    """A scheduler that was just started."""
     module = "distributed.cli.dask_scheduler"
+    file = tmp_path / "scheduler.json"
     process = started(module, *LOCAL, "--port", 0, "--scheduler-file", file)
-    try:
-        yield waited_for(lambda: file.exists() and address_in(file.read_text()))
-    finally:
-        process.kill()
-        process.wait()
+    yield process
+    process.kill()
+    process.wait()
+
+
+@pytest.fixture
+def address(scheduler, tmp_path):
+    file = tmp_path / "scheduler.json"
+    return waited_for(lambda: file.exists() and address_in(file.read_text()))
 
 
 @pytest.fixture
@@ -120,3 +124,23 @@ def test_the_command_says_that_nobody_answers(tmp_path, sixty):
     assert "tcp://127.0.0.1:9: no scheduler answers" in ran.stderr
     assert "Traceback" not in ran.stderr
     assert not (tmp_path / "out").exists()
+
+
+# The scheduler is killed when ten logs are done.
+GONE = DRIVE.replace("cluster.close()", "").replace("assert cluster.workers == 2", "")
+
+
+def test_a_scheduler_that_dies_ends_the_run_and_keeps_what_is_done(
+    fitted, sixty, address, workers, tmp_path, scheduler
+):
+    out = tmp_path / "out"
+    said = pickle.dumps((validating(fitted), str(sixty), str(out), address, scheduler.pid))
+    ran = subprocess.run(
+        [sys.executable, "-c", GONE], cwd=ROOT, input=said, capture_output=True, timeout=120
+    )
+    assert ran.returncode == 1
+    assert b"BatchError" in ran.stderr, ran.stderr.decode()
+    assert b"the scheduler is gone" in ran.stderr
+    rows = (out / NAME).read_bytes().splitlines()[1:]
+    assert 10 <= len(rows) < 60
+    assert not any(b"died on it" in row for row in rows)

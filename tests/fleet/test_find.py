@@ -60,3 +60,12 @@ def test_for_a_diagnosis_a_log_is_a_folder():
     assert found("cars", command="diagnose") == ["cars/1", "cars/more/2"]
     assert found("cars/*", command="diagnose") == ["cars/1", "cars/more/2"]
     assert found("cars/1", command="diagnose") == ["cars/1"]
+
+
+def test_a_folder_that_cannot_be_read_is_told(monkeypatch):
+    def scandir(path):
+        raise PermissionError(13, "Permission denied", path)
+
+    monkeypatch.setattr("os.scandir", scandir)
+    with pytest.raises(LogError, match="logs: cannot be read"):
+        found("logs")

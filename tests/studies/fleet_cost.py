@@ -36,7 +36,8 @@ def peak(pid: int) -> float:
 def measured(command: list[str]) -> tuple[float, float, float]:
     """Wall time [s], peak of the parent and of its largest worker [MB]."""
     start = time.perf_counter()
-    process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.DEVNULL)
+    silent = subprocess.DEVNULL
+    process = subprocess.Popen(command, cwd=ROOT, stdout=silent, stderr=silent)
     parent = worker = 0.0
     while process.poll() is None:
         parent = max(parent, peak(process.pid))
