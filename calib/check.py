@@ -132,7 +132,7 @@ def problems_for(log: Log, purpose: str) -> list[str]:
 
     For "fit" a log must hold a ramp itself: a coast or a stop beside it is judged as "diagnose".
     """
-    return problems(observe(log), purpose)
+    return problems(observe(log, noise=False), purpose)
 
 
 def to_dict(findings: Findings) -> dict[str, Any]:

@@ -10,6 +10,7 @@ four wheel speeds with ``a_x`` are looked at, and the reference speed where ther
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,12 +60,12 @@ class Course:
     braked: Mask
     lead_in: Mask
 
-    @property
+    @cached_property
     def moving(self) -> Mask:
         """Where the car moves fast enough to be judged."""
         return self.speed > MOVING
 
-    @property
+    @cached_property
     def unbraked(self) -> Mask:
         """The steady part of the lead-in; all steady unbraked motion where that is too short."""
         steady = ~self.braked & self.moving & (np.abs(self.z) < STEADY)
@@ -105,14 +106,16 @@ def centred_mean(x: Array, width: int) -> Array:
     return np.asarray((total[high] - total[low]) / (high - low))
 
 
-def runs(mask: Mask) -> list[tuple[int, int]]:
-    """First and one-past-last sample of each stretch where ``mask`` holds.
+def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
+    """First and one-past-last sample of each stretch of ``least`` samples where ``mask`` holds.
 
     >>> runs(np.array([False, True, True, False, True]))
     [(1, 3), (4, 5)]
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+    first, last = edges[::2], edges[1::2]
+    long = last - first >= least
+    return list(zip(first[long].tolist(), last[long].tolist(), strict=True))
 
 
 def course_of(log: Log) -> Course:

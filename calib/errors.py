@@ -8,6 +8,7 @@
     │   ├── LimitsError       a limits file
     │   ├── ModelError        a model file
     │   └── ExchangeError     a calibration file: DCM, CDF; the summary that goes with one
+    ├── BatchError            exit code 2: the folder or the workers of a batch
     └── StoreError            exit code 4: the table store, or a table in it
         ├── TableNotFound     no table of that name or version
         └── DamagedTable      the content is not what its digest says
@@ -66,6 +67,12 @@ class ModelError(InputError):
 
 class ExchangeError(InputError):
     """A calibration file (DCM, CDF) or a validation summary cannot be used."""
+
+
+class BatchError(BrakeCalError):
+    """A batch cannot begin there: other settings, in use, no such scheduler, other workers."""
+
+    exit_code = 2
 
 
 class StoreError(BrakeCalError):

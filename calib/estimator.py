@@ -111,12 +111,15 @@ def estimate(
     vehicle: Vehicle | None = None,
     priors: Priors | None = None,
     gates: Gates | None = None,
+    *,
+    rival_laws: bool = True,
 ) -> Estimate:
     """Run the estimator with a table on a log.
 
     ``vehicle`` gives the nominal pads if they are not the table's, and known effects beside or
-    instead of the table's. Known effects are taken out first, see `calib.account`. Raises LogError
-    when the log has no unbraked lead-in to zero eta on.
+    instead of the table's. Known effects are taken out first, see `calib.account`. Without
+    ``rival_laws`` the rivals are only nominal pads and the mean gain. Raises LogError when the log
+    has no unbraked lead-in to zero eta on.
     """
     ran = account(_with_effects(table, vehicle), log, table.empirical)
     used = replace(table, vehicle=ran.vehicle)
@@ -131,7 +134,7 @@ def estimate(
     front, rear = _axles(plan, s, forces, level, answer, b)
     zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
     eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
-    others = rivals(used, plan.nominal, s, forces, eta, level)
+    others = rivals(used, plan.nominal, s, forces, eta, level, laws=rival_laws)
     slips = _slips(s)
     return Estimate(
         time=s.time,

@@ -165,35 +165,53 @@ def split(
     """Run the filter over the blocks of a stop."""
     x, P = initial(mean, covariance, priors)
     steps = _steps(vehicle, b, demand, noise, priors)
+    decay = math.exp(-b.length / priors.pitch_memory)
+    grown = _growth(steps, 1.0 - decay * decay)
     count = b.end.size
-    states, variances = np.empty((count, STATES)), np.empty((count, 5))
+    states, variances = np.empty((count, STATES)), np.empty((count, len(KEPT)))
     innovation = np.full((count, 2), np.nan)
     changes: list[float] = []
-    decay = math.exp(-b.length / priors.pitch_memory)
-    fresh = 1.0 - decay * decay
+    # views of P, taken once: the loop changes P in place and never replaces it
+    row_xi, column_xi, flat = P[XI], P[:, XI], P.reshape(-1)
+    diagonal = flat[:: STATES + 1]
+    before_x, before_P = np.empty_like(x), np.empty_like(P)
     pause = 0
     for k, step in enumerate(steps):
         x[XI] *= decay
-        P[XI, :] *= decay
-        P[:, XI] *= decay
-        P[XI, XI] += fresh * step.pitch_variance
-        P[RHO, RHO] += step.drift_ratio
-        P[S, S] += step.drift_surface
-        P[W, W] += step.drift_surface
-        if step.moving and _carried(x, step):
+        row_xi *= decay
+        column_xi *= decay
+        diagonal += grown[k]
+        if step.moving and _carried(now := x.tolist(), step):
             pause = max(pause - 1, 0)
-            before = x.copy(), P.copy()
-            surprise = _measure(x, P, step, innovation[k])
-            if surprise > priors.change_gate and step.calm and pause == 0:
+            alert = step.calm and pause == 0
+            if alert:
+                before_x[:], before_P[:] = x, P
+            surprise = _measure(x, P, now, step, innovation[k])
+            if alert and surprise > priors.change_gate:
                 # the road has changed: what was learnt of the pads must not take the blame
-                x[:], P[:] = before
+                x[:], P[:] = before_x, before_P
                 _widen_surface(P, priors, priors.change_stiffness, priors.change_peak)
-                _measure(x, P, step, innovation[k])
+                _measure(x, P, now, step, innovation[k])
                 changes.append(float(b.end[k]))
                 pause = priors.change_pause
         states[k] = x
-        variances[k] = P[RHO, RHO], P[RHO0, RHO0], P[RHO, RHO0], P[S, S], P[XI, XI]
+        variances[k] = flat[KEPT]
     return _answer(states, variances, innovation, tuple(changes), priors)
+
+
+KEPT = np.array(
+    [i * STATES + j for i, j in ((RHO, RHO), (RHO0, RHO0), (RHO, RHO0), (S, S), (XI, XI))]
+)
+"""The variances that the answer needs, as places in the flat covariance."""
+
+
+def _growth(steps: "list[_Step]", fresh: float) -> Array:
+    """What every block adds to the diagonal of the covariance, shape (k, STATES)."""
+    out = np.zeros((len(steps), STATES))
+    out[:, XI] = [fresh * step.pitch_variance for step in steps]
+    out[:, RHO] = [step.drift_ratio for step in steps]
+    out[:, S] = out[:, W] = [step.drift_surface for step in steps]
+    return out
 
 
 @dataclass(slots=True)
@@ -297,24 +315,27 @@ def _lagged(x: Array, gain: float) -> Array:
     return np.asarray(lfilter([gain], [1.0, gain - 1.0], x, zi=start)[0])
 
 
-def _carried(x: Array, step: _Step) -> bool:
+def _carried(x: list[float], step: _Step) -> bool:
     """Both axles are on the road; with one lifted, a_x had a glitch and no load is known."""
-    moved = float(x[XI] + x[KAPPA] * step.psi) * step.weight
+    moved = (x[XI] + x[KAPPA] * step.psi) * step.weight
     return -step.load_r < moved < step.load_f
 
 
-def _measure(x: Array, P: Array, step: _Step, innovation: Array) -> float:
-    """Take in eta and, where there is one, the slip; return the mean squared innovation."""
-    eta, row_eta, slip, row_slip = _predict(x, step)
-    signal_eta = step.relative * (eta - 1.0 - float(x[ETA0]))
-    signal_slip = step.relative * (slip - float(x[SLIP0]))
+def _measure(x: Array, P: Array, now: list[float], step: _Step, innovation: Array) -> float:
+    """Take in eta and, where there is one, the slip; return the mean squared innovation.
+
+    ``now`` is x as plain floats.
+    """
+    eta, row_eta, slip, row_slip = _predict(now, step)
+    signal_eta = step.relative * (eta - 1.0 - now[ETA0])
+    signal_slip = step.relative * (slip - now[SLIP0])
     before = x.copy()
     first = _update(x, P, row_eta, step.eta - eta, step.var_eta + signal_eta**2)
     innovation[0] = first
     if math.isnan(step.slip):
         return first * first
     # the slip as predicted along its gradient from where eta has moved the state
-    error = step.slip - slip - float(row_slip @ (x - before))
+    error = step.slip - slip - float(row_slip.dot(x - before))
     second = _update(x, P, row_slip, error, step.var_slip + signal_slip**2)
     innovation[1] = second
     return 0.5 * (first * first + second * second)
@@ -322,21 +343,22 @@ def _measure(x: Array, P: Array, step: _Step, innovation: Array) -> float:
 
 def _update(x: Array, P: Array, row: Array, error: float, variance: float) -> float:
     """Scalar Kalman update in place; returns the innovation over its sigma."""
-    along = P @ row
-    total = float(row @ along) + variance
+    along = P.dot(row)
+    total = float(row.dot(along)) + variance
     x += along * (error / total)
-    P -= np.outer(along, along / total)
+    # column times row: the same as their outer product, in a third of its time
+    P -= along[:, None].dot((along / total)[None, :])
     return error / math.sqrt(total)
 
 
-def _predict(x: Array, step: _Step) -> tuple[float, Array, float, Array]:
+def _predict(x: list[float], step: _Step) -> tuple[float, Array, float, Array]:
     """Eta and mean slip with their gradients.
 
     F_f = (phi B + moment)/(F_zf - (xi + kappa psi) W), slip by `calib.tyre`, eta by (22).
     """
-    rho, s, w, xi, kappa, eta0, slip0, lag, q, c, b2, b3, _ = x.tolist()
-    W_ = step.weight
-    moved = (xi + kappa * step.psi) * W_
+    rho, s, w, xi, kappa, eta0, slip0, lag, q, c, b2, b3, _ = x
+    W_, psi, lag_gain = step.weight, step.psi, step.lag_gain
+    moved = (xi + kappa * psi) * W_
     load_f, load_r = step.load_f - moved, step.load_r + moved
     half = math.exp(0.5 * rho)
     B_f, B_r = step.brake_f * half, step.brake_r / half
@@ -349,39 +371,52 @@ def _predict(x: Array, step: _Step) -> tuple[float, Array, float, Array]:
         F_r = ((1.0 - phi) * total + step.moment_r) / load_r
     else:
         turn, F_f, F_r = 0.0, step.free, step.free
-    out = []
-    for F, load, sign in ((F_f, load_f, 1.0), (F_r, load_r, -1.0)):
-        relative = 2.0 * load / W_
-        E = math.exp(c - s) * relative**q
-        u = F * w
-        slip = E * F * (1.0 + b2 * u + b3 * u * u)
-        slope = E * (1.0 + 2.0 * b2 * u + 3.0 * b3 * u * u)
-        out.append(
-            (
-                slip,
-                slope * sign * turn / load,
-                -slip,
-                E * F * F * (b2 + 2.0 * b3 * u),
-                sign * W_ / load * (slope * F * carried - slip * q),
-                slip * math.log(relative),
-                slip,
-                E * F * u,
-                E * F * u * u,
-            )
-        )
-    front, rear = out
-    slip_f, slip_r = front[0], rear[0]
+    curve = (math.exp(c - s), w, q, b2, b3, W_, carried)
+    slip_f, f0, f1, f2, f3, f4, f5, f6, f7 = _axle(F_f, load_f, 1.0, turn, curve)
+    slip_r, r0, r1, r2, r3, r4, r5, r6, r7 = _axle(F_r, load_r, -1.0, turn, curve)
     ratio = (1.0 - slip_r) / (1.0 - slip_f)
     a, r = (1.0 + eta0) * ratio / (1.0 - slip_f), (1.0 + eta0) / (1.0 - slip_f)
     share = step.load_f / W_
-    g_eta = [a * f - r * g for f, g in zip(front[1:], rear[1:], strict=True)]
-    g_slip = [share * f + (1.0 - share) * g for f, g in zip(front[1:], rear[1:], strict=True)]
-    lag_gain = step.lag_gain
-    psi = step.psi
-    row_eta = np.array([*g_eta[:4], psi * g_eta[3], ratio, 0.0, 0.0, *g_eta[4:], 0.0])
-    row_slip = np.array([*g_slip[:4], psi * g_slip[3], 0.0, 1.0, lag_gain, *g_slip[4:], 0.0])
-    mean = share * slip_f + (1.0 - share) * slip_r + slip0 + lag_gain * lag
+    rest = 1.0 - share
+    e3, p3 = a * f3 - r * r3, share * f3 + rest * r3
+    row_eta = np.array(
+        [
+            *(a * f0 - r * r0, a * f1 - r * r1, a * f2 - r * r2, e3, psi * e3, ratio, 0.0, 0.0),
+            *(a * f4 - r * r4, a * f5 - r * r5, a * f6 - r * r6, a * f7 - r * r7, 0.0),
+        ]
+    )
+    row_slip = np.array(
+        [
+            *(share * f0 + rest * r0, share * f1 + rest * r1, share * f2 + rest * r2),
+            *(p3, psi * p3, 0.0, 1.0, lag_gain, share * f4 + rest * r4),
+            *(share * f5 + rest * r5, share * f6 + rest * r6, share * f7 + rest * r7, 0.0),
+        ]
+    )
+    mean = share * slip_f + rest * slip_r + slip0 + lag_gain * lag
     return (1.0 + eta0) * ratio, row_eta, mean, row_slip
+
+
+def _axle(
+    F: float, load: float, sign: float, turn: float, curve: tuple[float, ...]
+) -> tuple[float, ...]:
+    """Slip of an axle by `calib.tyre`, and its gradient over rho, s, w, xi, q, c, b2, b3."""
+    stiffness, w, q, b2, b3, W_, carried = curve
+    relative = 2.0 * load / W_
+    E = stiffness * relative**q
+    u = F * w
+    slip = E * F * (1.0 + b2 * u + b3 * u * u)
+    slope = E * (1.0 + 2.0 * b2 * u + 3.0 * b3 * u * u)
+    return (
+        slip,
+        slope * sign * turn / load,
+        -slip,
+        E * F * F * (b2 + 2.0 * b3 * u),
+        sign * W_ / load * (slope * F * carried - slip * q),
+        slip * math.log(relative),
+        slip,
+        E * F * u,
+        E * F * u * u,
+    )
 
 
 def _answer(

@@ -61,15 +61,15 @@ def tyre(table: Table, z: Array, eta: Array, level: Array) -> Reading:
     curve = Tyre(*table.posterior.mean[:4])
     load_f, load_r = axle_loads(vehicle, z)
     half = 0.5 * vehicle.weight
+    gain_f, gain_r = curve.gain(load_f / half), curve.gain(load_r / half)
     D, step = np.zeros_like(z), np.full_like(z, np.inf)
     for _ in range(STEPS):
         F_f, F_r = split(vehicle, z, D, level)
-        slip_f, slip_r = curve.slip(F_f, load_f / half), curve.slip(F_r, load_r / half)
+        slip_f, slip_r = curve.slip_at(F_f, gain_f), curve.slip_at(F_r, gain_r)
         # (22): (1 - slip_r) - eta (1 - slip_f) = 0, and its slope in D
         rest = (1.0 - slip_r) - eta * (1.0 - slip_f)
         slope = (
-            curve.slope(F_r, load_r / half) * load_f
-            + eta * curve.slope(F_f, load_f / half) * load_r
+            curve.slope_at(F_r, gain_r) * load_f + eta * curve.slope_at(F_f, gain_f) * load_r
         ) / (load_f + load_r)
         step = rest / slope
         D = D - step

@@ -54,13 +54,16 @@ class Observation:
         return next((s for s in self.sensors if s.channel == channel), None)
 
 
-def observe(log: Log) -> Observation:
-    """Look at a log; without ``a_x`` and all wheel speeds only at its clock and sensors."""
+def observe(log: Log, *, noise: bool = True) -> Observation:
+    """Look at a log; without ``a_x`` and all wheel speeds only at its clock and sensors.
+
+    Without ``noise`` the sensors' noise and steps, which no purpose hangs on, stay unknown (NaN).
+    """
     present = tuple(name for name in CHANNELS if name in log)
     missing = tuple(name for name in REQUIRED if name not in log)
     clock = clock_of(log.time)
     if set(missing) - {"p_mc"}:
-        return Observation(present, missing, clock, sensors_of(log, None))
+        return Observation(present, missing, clock, sensors_of(log, None, noise=noise))
     course = course_of(log)
     events = brake_events(course)
     rolling = course.lead_in & course.moving
@@ -70,7 +73,7 @@ def observe(log: Log) -> Observation:
         present=present,
         missing=missing,
         clock=clock,
-        sensors=sensors_of(log, course),
+        sensors=sensors_of(log, course, noise=noise),
         events=events,
         lead_in=float(steady.sum() * course.step),
         coasting=float(course.unbraked.sum() * course.step),

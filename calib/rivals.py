@@ -33,8 +33,20 @@ class Rivals(NamedTuple):
     covered: Mask
 
 
-def rivals(table: Table, car: Vehicle, s: Signals, b: Balance, eta: Array, level: Level) -> Rivals:
-    """All methods on one run; ``eta`` is zeroed (22) [1], ``car`` has the nominal pads."""
+def rivals(
+    table: Table,
+    car: Vehicle,
+    s: Signals,
+    b: Balance,
+    eta: Array,
+    level: Level,
+    *,
+    laws: bool = True,
+) -> Rivals:
+    """All methods on one run; ``eta`` is zeroed (22) [1], ``car`` has the nominal pads.
+
+    Without ``laws`` only those that need no look-up.
+    """
     pads: dict[str, Pair] = {
         "nominal": (
             np.full_like(eta, car.front.pad_friction),
@@ -43,9 +55,9 @@ def rivals(table: Table, car: Vehicle, s: Signals, b: Balance, eta: Array, level
         "mean_gain": (car.front.pad_friction * level.value, car.rear.pad_friction * level.value),
     }
     covered = np.ones(eta.size, bool)
-    for name in LOOKUPS:
+    for name in LOOKUPS if laws else ("tyre",):
         reading = read(table, car, s, b, eta, name)
-        for law in ("gradient", "rls"):
+        for law in ("gradient", "rls") if laws else ():
             pads[f"{law}_{name}"] = adapt(car, s, b, reading, law)
         if name == "tyre":
             covered = reading.inside

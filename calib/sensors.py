@@ -18,6 +18,8 @@ HELD = 0.1
 HIGH_PASS = 0.2
 """Noise is what is faster than this [s]: a braking takes longer to build up."""
 
+UNKNOWN = (float("nan"),) * 3
+
 
 @dataclass(frozen=True)
 class Sensor:
@@ -48,26 +50,28 @@ class Sensor:
     saturated: float
 
 
-def sensors_of(log: Log, course: Course | None) -> tuple[Sensor, ...]:
-    """Look at every measured channel but time. Without a ``course`` nothing is known to move."""
-    return tuple(
-        _sensor(name, log[name], log, course) for name in CHANNELS if name in log and name != "time"
-    )
+def sensors_of(log: Log, course: Course | None, *, noise: bool = True) -> tuple[Sensor, ...]:
+    """Look at every measured channel but time. Without a ``course`` nothing is known to move.
+
+    Without ``noise`` its figures, ``resolution`` and ``flat`` are NaN: they take most of the time.
+    """
+    names = [name for name in CHANNELS if name in log and name != "time"]
+    return tuple(_sensor(name, log[name], log, course, noise) for name in names)
 
 
-def _sensor(name: str, x: Array, log: Log, course: Course | None) -> Sensor:
+def _sensor(name: str, x: Array, log: Log, course: Course | None, full: bool) -> Sensor:
     step = log.sample_time
     quiet = np.ones(x.size, bool) if course is None else course.unbraked
-    noise, white, colour = noise_of(x, quiet, step)
+    noise, white, colour = noise_of(x, quiet, step) if full else UNKNOWN
     return Sensor(
         channel=name,
         low=float(x.min()),
         high=float(x.max()),
-        resolution=resolution_of(x),
+        resolution=resolution_of(x) if full else UNKNOWN[0],
         noise=noise,
         white=white,
         autocorrelation=colour,
-        flat=flatness(x[quiet]),
+        flat=flatness(x[quiet]) if full else UNKNOWN[0],
         stuck=() if course is None else _stuck(name, x, log, course),
         saturated=saturation(-x if name == "a_x" else x, step),
     )
@@ -143,7 +147,7 @@ def _stuck(name: str, x: Array, log: Log, course: Course) -> tuple[tuple[float, 
     """Stretches of one value, longer than a second, while the car says otherwise."""
     same = np.concatenate([[False], np.diff(x) == 0])
     found = []
-    for start, end in runs(same):
+    for start, end in runs(same, int(HANGING / course.step) - 1):
         part = slice(start - 1, end)
         if (end - start) * course.step >= HANGING and _others_move(name, log, course, part):
             found.append((float(course.time[start - 1]), float(course.time[end - 1])))

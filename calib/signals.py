@@ -119,7 +119,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
         omega_r=omega_r,
         v=v,
         speed=speed,
-        lead_in=lead_in(log.time, np.maximum(p_f, p_r), z, speed),
+        lead_in=lead_in(log.time, np.maximum(p_f, p_r), z, speed, log.sample_time),
         sample_time=log.sample_time,
     )
 
@@ -132,12 +132,12 @@ def _axle_pressure(log: Log, axle: str) -> Array:
     return log["p_mc"]
 
 
-def lead_in(time: Array, pressure: Array, z: Array, speed: Array) -> Mask:
+def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -> Mask:
     """Samples of steady rolling before the first braking, less ``SETTLE``; all if there is none.
 
-    An engine that pulls hard makes the driven wheels slip, so that eta is no zero there.
+    An engine that pulls hard makes the driven wheels slip, so that eta is no zero there. ``step``
+    is the sample time [s].
     """
-    step = float(np.median(np.diff(time)))
     smooth = trailing_mean(pressure, max(1, round(0.05 / step)))
     braked = np.flatnonzero(smooth > BITE)
     first = time[braked[0]] - SETTLE - 0.05 if braked.size else np.inf

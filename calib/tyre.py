@@ -41,15 +41,26 @@ class Tyre:
 
     def slip(self, force: Array, relative_load: Array | float) -> Array:
         """Slip [1] that carries the normalised ``force`` [1]; load is that of the axle over W/2."""
+        return self.slip_at(force, self.gain(relative_load))
+
+    def slope(self, force: Array, relative_load: Array | float) -> Array:
+        """d slip/d force [1]."""
+        return self.slope_at(force, self.gain(relative_load))
+
+    def gain(self, relative_load: Array | float) -> Array:
+        """Slip per normalised force at the origin [1]; what the load does to the compliance."""
+        stiffness = np.exp(self.log_compliance - self.log_stiffness)
+        return np.asarray(stiffness * relative_load**self.load_exponent)
+
+    def slip_at(self, force: Array, gain: Array) -> Array:
+        """`slip` where the `gain` of the load is known."""
         u = force * self.peak_ratio
-        gain = np.exp(self.log_compliance - self.log_stiffness) * relative_load**self.load_exponent
         # (15), (16) solved for lambda
         slip = gain * force * (1.0 + self.curvature_2 * u + self.curvature_3 * u * u)
         return np.asarray(slip)
 
-    def slope(self, force: Array, relative_load: Array | float) -> Array:
-        """d slip/d force [1]."""
+    def slope_at(self, force: Array, gain: Array) -> Array:
+        """`slope` where the `gain` of the load is known."""
         u = force * self.peak_ratio
-        gain = np.exp(self.log_compliance - self.log_stiffness) * relative_load**self.load_exponent
         slope = gain * (1.0 + 2.0 * self.curvature_2 * u + 3.0 * self.curvature_3 * u * u)
         return np.asarray(slope)

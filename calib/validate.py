@@ -69,9 +69,14 @@ def validate(
 
 
 def validate_one(
-    table: Table, log: Log, vehicle: Vehicle | None, limits: tuple[Limit, ...]
+    table: Table,
+    log: Log,
+    vehicle: Vehicle | None,
+    limits: tuple[Limit, ...],
+    *,
+    rivals: bool = True,
 ) -> Validation:
-    """Run, score and judge one log."""
+    """Run, score and judge one log; without ``rivals`` the methods beside it are left out."""
     problems = problems_for(log, "validate")
     if problems:
         raise LogError(
@@ -82,9 +87,10 @@ def validate_one(
     car = as_used(table, vehicle)
     require_same_vehicle(table, vehicle)
     require_same_car(table, log)
-    result = estimate(table, log, vehicle)
-    figures = score(log, car, result)
+    result = estimate(table, log, vehicle, rival_laws=rivals)
     truth = truth_of(log, car, result)
+    figures = score(log, car, result)
+    compared = rivals and bool(result.valid.any())
     parents = {parent.digest for parent in table.provenance.logs}
     return Validation(
         log=log.name,
@@ -93,7 +99,7 @@ def validate_one(
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),
-        rivals={} if truth is None or not result.valid.any() else rival_errors(car, result, truth),
+        rivals=rival_errors(car, result, truth) if compared and truth is not None else {},
     )
 
 

@@ -10,6 +10,7 @@ from typer.core import TyperGroup
 from calib import __version__
 from calib.errors import BrakeCalError
 from cli import (
+    batch,
     check,
     demo,
     diagnose,
@@ -64,6 +65,7 @@ app.command(epilog=simulate.EPILOG)(simulate.simulate)
 app.command(epilog=diagnose.EPILOG, cls=diagnose.Greedy)(diagnose.diagnose)
 app.command(epilog=effects.EPILOG)(effects.effects)
 app.command(epilog=repeatability.EPILOG)(repeatability.repeatability)
+app.command(epilog=batch.EPILOG)(batch.batch)
 app.command(epilog=demo.EPILOG)(demo.demo)
 app.add_typer(maps.app, name="map")
 app.add_typer(tables.app, name="tables")

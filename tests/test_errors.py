@@ -15,6 +15,7 @@ CODES = {
     "LimitsError": 3,
     "ModelError": 3,
     "ExchangeError": 3,
+    "BatchError": 2,
     "StoreError": 4,
     "TableNotFound": 4,
     "DamagedTable": 4,

@@ -27,8 +27,11 @@ from calib.kalman import (
     Q,
     S,
     W,
+    _answer,
     _predict,
     _Step,
+    _steps,
+    _widen_surface,
     initial,
     pitch_deficit,
     split,
@@ -340,3 +343,72 @@ def test_wheels_past_their_peak_are_not_taken_in():
     answer = split(CAR, hit, demand, NOISE, MEAN, COVARIANCE, PRIORS)
     assert np.all(np.isnan(answer.innovation_eta[locking]))
     assert abs(answer.log_ratio[-1]) < 1e-6
+
+
+def textbook(blocks, demand, priors):
+    """The filter as a book writes it: F P F' + Q, then one scalar update after the other."""
+    x, P = initial(MEAN, COVARIANCE, priors)
+    decay = math.exp(-blocks.length / priors.pitch_memory)
+    F = np.eye(STATES)
+    F[XI, XI] = decay
+    states, variances, innovation, changes, pause = [], [], [], [], 0
+
+    def update(x, P, block):
+        eta, H_eta, slip, H_slip = _predict(x, block)
+        first = x, block.eta - eta, H_eta, (eta - 1.0 - x[ETA0], block.var_eta)
+        out = []
+        for from_x, error, H, (signal, variance) in (
+            first,
+            (x, block.slip - slip, H_slip, (slip - x[SLIP0], block.var_slip)),
+        ):
+            if not np.isnan(error):
+                error = error - H @ (x - from_x)
+                total = H @ P @ H + variance + (block.relative * signal) ** 2
+                K = P @ H / total
+                x, P = x + K * error, P - np.outer(K, P @ H)
+            out.append(error / math.sqrt(total) if not np.isnan(error) else np.nan)
+        return x, P, out
+
+    for k, block in enumerate(_steps(CAR, blocks, demand, NOISE, priors)):
+        Q_ = np.zeros((STATES, STATES))
+        Q_[XI, XI] = (1.0 - decay**2) * block.pitch_variance
+        Q_[RHO, RHO], Q_[S, S] = block.drift_ratio, block.drift_surface
+        Q_[W, W] = block.drift_surface
+        x, P = F @ x, F @ P @ F.T + Q_
+        out = [np.nan, np.nan]
+        if block.moving:
+            pause = max(pause - 1, 0)
+            new_x, new_P, out = update(x, P, block)
+            if np.nanmean(np.square(out)) > priors.change_gate and block.calm and pause == 0:
+                P = P.copy()
+                _widen_surface(P, priors, priors.change_stiffness, priors.change_peak)
+                new_x, new_P, out = update(x, P, block)
+                changes.append(float(blocks.end[k]))
+                pause = priors.change_pause
+            x, P = new_x, new_P
+        states.append(x)
+        variances.append([P[RHO, RHO], P[RHO0, RHO0], P[RHO, RHO0], P[S, S], P[XI, XI]])
+        innovation.append(out)
+    as_arrays = (np.array(states), np.array(variances), np.array(innovation))
+    return _answer(*as_arrays, tuple(changes), priors)
+
+
+@pytest.mark.parametrize("v", [True, False])
+def test_the_loop_is_the_filter_of_the_books(v):
+    blocks, demand = stop(STEADY, v=v, ratio=0.1, eta_zero=1e-3)
+    other, there = stop(STEADY, v=v, ratio=0.1, eta_zero=1e-3, stiffness=12.0)
+    random = np.random.default_rng(3)
+    late = np.arange(STEADY.size) > 80  # the road changes
+    jitter = 1.0 + 2e-4 * random.normal(size=STEADY.size)
+    blocks = replace(blocks, omega_r=np.where(late, other.omega_r, blocks.omega_r) * jitter)
+    blocks = replace(blocks, omega_f=np.where(late, other.omega_f, blocks.omega_f))
+    psi = 0.01 * random.normal(size=STEADY.size)
+    slip = np.where(late, there.slip, demand.slip) if v else None
+    demand = replace(demand, psi=psi, slip=slip)
+    found = split(CAR, blocks, demand, NOISE, MEAN, COVARIANCE, PRIORS)
+    book = textbook(blocks, demand, PRIORS)
+    assert found.changes == book.changes
+    assert len(found.changes) >= 1
+    for name in ("log_ratio", "sigma", "stiffness", "xi", "kappa", "innovation_eta"):
+        one, two = getattr(found, name), getattr(book, name)
+        assert np.max(np.abs(one - two)) <= 1e-10 * np.max(np.abs(two)), name

@@ -47,7 +47,10 @@ LAYERS = """
 ROW = {name: i for i, row in enumerate(LAYERS.split("\n")) for name in row.split()}
 FILES = sorted(p.relative_to(CALIB.parent) for p in CALIB.rglob("*.py"))
 
-HEAVY = {"numpy", "pandas", "scipy", "matplotlib", "pyarrow", "asammdf", "can", "cantools"}
+HEAVY = {
+    *("numpy", "pandas", "scipy", "matplotlib", "pyarrow"),
+    *("asammdf", "can", "cantools", "distributed"),
+}
 
 
 def noun(module: str) -> str:

@@ -1,6 +1,7 @@
 """One run as a value: canonical channels in SI, whatever file they came from."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +59,7 @@ class Log:
         """t [s], strictly increasing."""
         return self.channels["time"]
 
-    @property
+    @cached_property
     def sample_time(self) -> float:
         """Median step of the clock [s]."""
         return float(np.median(np.diff(self.time)))

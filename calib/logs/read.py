@@ -39,19 +39,15 @@ def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
     that is none, or not whole.
     """
     path = Path(path)
-    _refuse_no_file(path)
     if ending_of(path) not in RECORDINGS:
-        return _open_table(path, channel_map)
+        return _open_table(log_bytes(path), path, channel_map)
+    refuse_no_log(path)
     digest = _digest(path)
     dbc = channel_map.dbc if channel_map else ()
     return Opened(as_source(RECORDINGS[ending_of(path)](path, dbc), str(path)), digest)
 
 
-def _open_table(path: Path, channel_map: ChannelMap | None) -> Opened:
-    try:
-        data = path.read_bytes()
-    except OSError as cause:
-        raise _unreadable(path, cause) from cause
+def _open_table(data: bytes, path: Path, channel_map: ChannelMap | None) -> Opened:
     told = channel_map.text if channel_map else LOOKED
     return Opened(TABLES[ending_of(path)](data, str(path), told), hashlib.sha256(data).hexdigest())
 
@@ -88,13 +84,44 @@ def read_log(
     driven: that is `calib.check`.
     """
     path = Path(path)
-    _refuse_no_file(path)
+    if ending_of(path) not in RECORDINGS:
+        return log_of(log_bytes(path), path, channel_map, require=require)
+    refuse_no_log(path)
+    return _log(_digest(path), path, path, channel_map, require)
+
+
+def log_of(
+    data: bytes,
+    path: Path,
+    channel_map: ChannelMap | Path | None = None,
+    *,
+    require: tuple[str, ...] = REQUIRED,
+    file: Path | None = None,
+) -> Log:
+    """Read one run whose bytes are at hand; ``path`` names it. Else as `read_log`.
+
+    ``file`` is where the bytes lie, if not at ``path``: a recording is read from there.
+    """
+    return _log(data, Path(path), Path(file or path), channel_map, require)
+
+
+def _log(
+    data: bytes | str,
+    path: Path,
+    file: Path,
+    channel_map: ChannelMap | Path | None,
+    require: tuple[str, ...],
+) -> Log:
+    """Read the bytes of a table, or the recording ``file`` whose bytes or digest are ``data``."""
     where = str(path)
     if isinstance(channel_map, str | Path):
         channel_map = read_channel_map(channel_map)
     require = ("time", *(name for name in require if name != "time"))
-    read = _read_recording if ending_of(path) in RECORDINGS else _read_table
-    taken = read(path, channel_map, require)
+    if isinstance(data, bytes) and ending_of(path) not in RECORDINGS:
+        taken = _read_table(data, path, channel_map, require)
+    else:
+        digest = data if isinstance(data, str) else hashlib.sha256(data).hexdigest()
+        taken = _read_recording(file, digest, where, channel_map, require)
     values, notes = complete_channels(taken.values, require, where)
     check_clock(values["time"], where)
     return Log(
@@ -120,8 +147,10 @@ class _Taken:
     notes: tuple[str, ...]
 
 
-def _read_table(path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]) -> _Taken:
-    opened = _open_table(path, channel_map)
+def _read_table(
+    data: bytes, path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]
+) -> _Taken:
+    opened = _open_table(data, path, channel_map)
     source = opened.source
     taken, ignored = assign(source.columns, channel_map, require, str(path))
     written = source.read([item.index for item in taken])
@@ -133,10 +162,10 @@ def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:
     return tuple(item.origin() for item in taken)
 
 
-def _read_recording(path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]) -> _Taken:
-    digest = _digest(path)
-    where = str(path)
-    opened = RECORDINGS[ending_of(path)](path, channel_map.dbc if channel_map else ())
+def _read_recording(
+    file: Path, digest: str, where: str, channel_map: ChannelMap | None, require: tuple[str, ...]
+) -> _Taken:
+    opened = RECORDINGS[ending_of(file)](file, channel_map.dbc if channel_map else ())
     try:
         taken, ignored = assign(opened.columns, channel_map, require, where)
         clock = next(item for item in taken if item.channel == "time")
@@ -178,19 +207,33 @@ def _nothing_taken(ignored: tuple[str, ...], notes: tuple[str, ...], where: str)
     )
 
 
-def _unreadable(path: Path, cause: OSError) -> LogError:
-    return LogError(f"not readable: {cause.strerror}", where=path)
+def _unreadable(where: object, cause: OSError) -> LogError:
+    return LogError(f"not readable: {cause.strerror}", where=where)
 
 
-def _refuse_no_file(path: Path) -> None:
+def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> bytes:
+    """The file's bytes; ``where`` names it in messages.
+
+    Raises LogError if it is not a readable file of a known format.
+    """
+    where = path if where is None else where
+    refuse_no_log(path, where, any_format=any_format)
+    try:
+        return path.read_bytes()
+    except OSError as cause:
+        raise _unreadable(where, cause) from cause
+
+
+def refuse_no_log(path: Path, where: object = None, *, any_format: bool = False) -> None:
     """Raise LogError if it is not a file of a known format."""
+    where = path if where is None else where
     if path.is_dir():
-        raise LogError("a directory", where=path, expected="a log file", do="name the files in it")
+        raise LogError("a directory", where=where, expected="a log file", do="name the files in it")
     if not path.exists():
-        raise LogError("no such file", where=path, expected="a log", do="check the path")
-    if ending_of(path) not in FORMATS:
+        raise LogError("no such file", where=where, expected="a log", do="check the path")
+    if ending_of(path) not in FORMATS and not any_format:
         raise LogError(
             f"unknown format {ending_of(path)!r}",
-            where=path,
+            where=where,
             expected=f"one of {', '.join(FORMATS)}",
         )

@@ -1,0 +1,81 @@
+"""Workers of a Dask cluster, as the same executor. Needs the extra `dist`."""
+
+import math
+import time
+from concurrent.futures import Future
+from typing import Any
+
+from calib.errors import BatchError
+from calib.fleet.pool import Rows
+from calib.fleet.work import Item, run_items
+
+PATIENCE = "10s"
+"""How long to wait for the scheduler to answer."""
+
+
+class Cluster:
+    """The workers behind a scheduler at ``address``, "tcp://host:port".
+
+    Each must have this version of the program and see the logs under the same absolute paths. Dask
+    gives the logs of a worker that died to another. Raises BatchError if nobody answers.
+    """
+
+    worn = False
+
+    def __init__(self, address: str):
+        try:
+            from distributed import Client
+        except ImportError as cause:
+            raise BatchError(
+                "dask[distributed] is not installed",
+                where="--scheduler",
+                do="pip install 'brake-cal[dist]'",
+            ) from cause
+        try:
+            self._client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError) as cause:
+            raise BatchError(
+                f"no scheduler answers: {cause or type(cause).__name__}",
+                where=address,
+                expected="the address of a Dask scheduler, like tcp://host:8786",
+                do="start one with `dask scheduler`",
+            ) from cause
+        try:
+            self._client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError as cause:
+            self._client.close()
+            raise BatchError(
+                "the scheduler has no workers",
+                where=address,
+                do=f"start some with `dask worker {address}`",
+            ) from cause
+        self._pool: Any = self._client.get_executor(pure=False)
+        self._address = address
+        self._asked, self._threads = -math.inf, 1
+
+    @property
+    def workers(self) -> int:
+        """Threads of all workers, asked for once a second: workers come and go."""
+        if time.monotonic() - self._asked > 1.0:
+            self._threads = max(1, sum(self._client.nthreads().values()))
+            self._asked = time.monotonic()
+        return self._threads
+
+    def submit(self, packed: bytes, items: tuple[Item, ...]) -> "Future[Rows]":
+        """Hand logs to the scheduler."""
+        future: Future[Rows] = self._pool.submit(run_items, packed, items)
+        return future
+
+    def renew(self) -> None:
+        """Leave the workers to the cluster. Raises BatchError if the scheduler itself is gone."""
+        if self._client.status != "running":
+            raise BatchError(
+                "the scheduler is gone",
+                where=self._address,
+                do="start it and type the same line again: what is done is kept",
+            )
+
+    def close(self) -> None:
+        """Leave the cluster; what is under way is dropped."""
+        self._pool.shutdown(wait=False)
+        self._client.close()

@@ -1,0 +1,79 @@
+"""The logs that patterns, folders and paths name, one at a time: a long list is never held."""
+
+import glob
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from calib.errors import LogError
+from calib.fleet.work import CALIBRATION, HOLDOUT, VEHICLE
+from calib.logs.read import FORMATS
+
+
+def find_logs(arguments: Iterable[str], command: str, out: Path) -> Iterator[str]:
+    """Paths of the logs, relative where the argument is; one may come twice.
+
+    A folder stands for all logs in it and below. For "diagnose" a log is a folder with
+    calibration/, holdout/ and vehicle.toml. Hidden files, and whatever lies in ``out``, are no
+    logs. Raises LogError for a pattern or folder that holds none, and for what is not there;
+    a missing file whose name is that of a log is handed on.
+    """
+    own = os.path.realpath(out)
+    for argument in arguments:
+        found = False
+        for path in _of(argument, command, own):
+            found = True
+            yield path
+        if not found:
+            raise LogError(
+                "no log here",
+                where=argument,
+                expected=_expected(command),
+                do="check the path; put a pattern in quotes",
+            )
+
+
+def _expected(command: str) -> str:
+    if command == "diagnose":
+        return f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
+    return f"files that end in {', '.join(FORMATS)}"
+
+
+def _of(argument: str, command: str, own: str) -> Iterator[str]:
+    if os.path.isdir(argument):
+        yield from _below(argument, command, own)
+    elif os.path.exists(argument) or (_is_log(argument) and not glob.has_magic(argument)):
+        yield argument  # a file that is missing gets a row that says so
+    else:
+        for path in sorted(glob.iglob(argument, recursive=True)):
+            if os.path.isdir(path):
+                # `**` names a folder and also what is in it
+                yield from () if "**" in argument else _below(path, command, own)
+            elif command != "diagnose" and _is_log(path) and not _within(path, own):
+                yield path
+
+
+def _below(folder: str, command: str, own: str) -> Iterator[str]:
+    for home, folders, files in os.walk(folder, onerror=_refuse):
+        folders[:] = sorted(f for f in folders if not f.startswith("."))
+        if _within(home, own):
+            folders.clear()
+        elif command == "diagnose":
+            if VEHICLE in files and {CALIBRATION, HOLDOUT} <= set(folders):
+                folders.clear()
+                yield home
+        else:
+            yield from (os.path.join(home, f) for f in sorted(files) if _is_log(f))
+
+
+def _refuse(error: OSError) -> None:
+    raise LogError(f"cannot be read ({error.strerror})", where=error.filename) from error
+
+
+def _within(path: str, own: str) -> bool:
+    return os.path.realpath(path) == own or os.path.dirname(os.path.realpath(path)) == own
+
+
+def _is_log(path: str) -> bool:
+    name = os.path.basename(path)
+    return os.path.splitext(name)[1].lower() in FORMATS and not name.startswith(".")

@@ -1,0 +1,48 @@
+"""What is to be done with every log of a batch: the command and all that it rests on."""
+
+import hashlib
+import json
+import pickle
+from dataclasses import asdict, dataclass
+
+from calib import __version__
+from calib.limits import Limit
+from calib.logs.channel_map import ChannelMap
+from calib.table import Table
+from calib.vehicle import Vehicle
+
+
+@dataclass(frozen=True)
+class Job:
+    """A command of `calib.fleet.columns.COMMANDS` with its table, vehicle, limits and channel map.
+
+    `validate` needs a table and limits, `fit` a vehicle. Logs are read with ``channel_map``.
+    """
+
+    command: str
+    table: Table | None = None
+    vehicle: Vehicle | None = None
+    limits: tuple[Limit, ...] = ()
+    channel_map: ChannelMap | None = None
+    version: str = __version__
+
+    def settings(self) -> dict[str, str]:
+        """What the rows depend on besides the logs, each as a word or a digest."""
+        mapped = self.channel_map
+        return {
+            "command": self.command,
+            "table": self.table.digest if self.table else "none",
+            "vehicle": _digest(asdict(self.vehicle)) if self.vehicle else "none",
+            "limits": _digest([asdict(limit) for limit in self.limits]),
+            "map": _digest(asdict(mapped)["channels"]) if mapped else "none",
+            "program": self.version,
+        }
+
+    def packed(self) -> bytes:
+        """The job as bytes that a worker unpacks once."""
+        return pickle.dumps(self, protocol=pickle.HIGHEST_PROTOCOL)
+
+
+def _digest(value: object) -> str:
+    text = json.dumps(value, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,208 @@
+"""Run a batch: find, skip what is done, do the rest a few at a time, write the results.
+
+find ──> todo ──> [at most a few chunks under way] ──> journal ──> results.parquet
+                           └── a chunk whose worker died: its logs again, one at a time
+"""
+
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from dataclasses import dataclass
+from pathlib import Path
+
+from calib.errors import BrakeCalError
+from calib.fleet.find import find_logs
+from calib.fleet.job import Job
+from calib.fleet.journal import Journal, open_journal
+from calib.fleet.pace import Pace
+from calib.fleet.pool import Executor, Rows
+from calib.fleet.results import write_results
+from calib.fleet.row import STATUSES, Row, printable
+from calib.fleet.work import Item
+
+CHUNK = {"fit": 2, "validate": 8, "check": 8, "diagnose": 1}
+"""Most logs in one hand-over: enough that handing over costs nothing beside 10 ms a log."""
+
+AHEAD = 3
+"""Chunks under way for each worker: one at work and some in hand."""
+
+SYNC = 2.0
+"""Seconds after which finished rows are forced to the disk."""
+
+Report = Callable[[Pace], None]
+
+
+@dataclass(frozen=True)
+class Batch:
+    """The end of a run: ``counts`` of rows by status, where they are, and how fast it went."""
+
+    results: Path
+    counts: dict[str, int]
+    pace: Pace
+
+    @property
+    def total(self) -> int:
+        """Rows."""
+        return sum(self.counts.values())
+
+    def document(self) -> dict[str, object]:
+        """Counts of all statuses, and what this run did, as plain data."""
+        return {
+            "counts": {status: self.counts.get(status, 0) for status in STATUSES},
+            "done_now": self.pace.fresh,
+            "seconds": self.pace.elapsed,
+            "logs_per_second": self.pace.rate,
+        }
+
+
+def run_batch(
+    job: Job,
+    arguments: Sequence[str],
+    out: Path,
+    executor: Executor,
+    report: Report = lambda pace: None,
+    fresh: bool = False,
+) -> Batch:
+    """Do every log that ``arguments`` name and write ``out``/results.parquet.
+
+    Goes on where an earlier run with the same settings stopped; ``fresh`` begins anew. A log that
+    fails is a row. Raises LogError when an argument names no log, BatchError when ``out`` holds
+    another batch or the workers are not of this version, OSError when ``out`` cannot be written.
+    """
+    total = sum(1 for _ in find_logs(arguments, job.command, out))
+    out.mkdir(parents=True, exist_ok=True)
+    settings = job.settings()
+    journal = open_journal(out, settings, fresh)
+    try:
+        run = _Run(job, journal, executor, report, total)
+        run.work(find_logs(arguments, job.command, out))
+        journal.sync()
+        logs = sorted(run.wanted)
+        path = write_results(journal.rows(logs), settings, out)
+        counts = Counter(journal.entries[log].status for log in logs)
+        return Batch(path, dict(sorted(counts.items())), run.pace())
+    finally:
+        journal.close()
+
+
+class _Run:
+    """What is under way."""
+
+    def __init__(self, job: Job, journal: Journal, executor: Executor, report: Report, total: int):
+        self.packed, self.journal, self.executor = job.packed(), journal, executor
+        self.command, self.report, self.total = job.command, report, total
+        self.wanted: set[str] = set()
+        self.pending: dict[Future[Rows], tuple[Item, ...]] = {}
+        self.done = self.fresh = self.errors = 0
+        self.start = self.synced = time.monotonic()
+
+    def pace(self) -> Pace:
+        elapsed = time.monotonic() - self.start
+        return Pace(self.total, self.done, self.fresh, self.errors, elapsed)
+
+    def work(self, paths: Iterator[str]) -> None:
+        """Do all; on the way out drop what is under way."""
+        for chunk in self._chunks(paths):
+            if self.executor.worn:
+                self._drain(0)
+                self.executor.renew()
+            self._drain(AHEAD * self.executor.workers - 1)
+            self.pending[self._submit(chunk)] = chunk
+        self._drain(0)
+
+    def _submit(self, chunk: tuple[Item, ...]) -> Future[Rows]:
+        """Hand over a chunk; a pool that broke a moment ago gives a future that has failed."""
+        try:
+            return self.executor.submit(self.packed, chunk)
+        except BrokenExecutor as error:
+            future: Future[Rows] = Future()
+            future.set_exception(error)
+            return future
+
+    def _chunks(self, paths: Iterator[str]) -> Iterator[tuple[Item, ...]]:
+        """Small chunks first, so that few logs are spread over all workers."""
+        chunk: list[Item] = []
+        begun = 0
+        for path in paths:
+            name = printable(path)
+            if name in self.wanted:  # two patterns named it
+                self.total -= 1
+                continue
+            self.wanted.add(name)
+            chunk.append(Item(name, os.path.abspath(path), self._known(name)))
+            if len(chunk) >= min(CHUNK[self.command], 1 + begun // (8 * self.executor.workers)):
+                begun += len(chunk)
+                yield tuple(chunk)
+                chunk = []
+        if chunk:
+            yield tuple(chunk)
+
+    def _known(self, name: str) -> str | None:
+        """Digest of the row that a log has; one that was lost is done again."""
+        entry = self.journal.entries.get(name)
+        return None if entry is None or entry.lost else entry.digest
+
+    def _drain(self, most: int) -> None:
+        """Wait until at most ``most`` chunks are under way, and keep what is finished."""
+        while len(self.pending) > most:
+            finished, _ = wait(self.pending, return_when=FIRST_COMPLETED)
+            suspects: list[Item] = []
+            for future in finished:
+                items = self.pending.pop(future)
+                try:
+                    self._keep(items, future.result())
+                except BrakeCalError:
+                    raise
+                except Exception:
+                    suspects += items
+            if suspects:
+                self._alone(suspects)
+
+    def _alone(self, suspects: list[Item]) -> None:
+        """Do the logs of dead workers again, one at a time: the one that kills again is guilty."""
+        # a pool that lost one worker loses all that was under way
+        for future in wait(self.pending).done:
+            items = self.pending.pop(future)
+            try:
+                self._keep(items, future.result())
+            except BrakeCalError:
+                raise
+            except Exception:
+                suspects += items
+        self.executor.renew()
+        for item in suspects:
+            try:
+                rows = self.executor.submit(self.packed, (item,)).result()
+            except BrakeCalError:
+                raise
+            except Exception as error:
+                said = f"{item.name}: the worker died on it twice ({type(error).__name__})"
+                hint = "; is there enough memory? the next run tries it again"
+                rows = [Row(item.name, None, "error", said + hint, lost=True)]
+                self.executor.renew()
+            self._keep((item,), rows)
+
+    def _keep(self, items: tuple[Item, ...], rows: Rows) -> None:
+        """Journal the rows of a chunk; an unchanged log has its row there."""
+        new = [row for row in rows if row is not None and not self._same(row)]
+        self.journal.add(new)
+        self.done += len(items)
+        self.fresh += sum(row is not None for row in rows)
+        self.errors += sum(self.journal.entries[item.name].status == "error" for item in items)
+        if time.monotonic() - self.synced > SYNC:
+            self.journal.sync()
+            self.synced = time.monotonic()
+        self.report(self.pace())
+
+    def _same(self, row: Row) -> bool:
+        """A log that could not be read, and still cannot, has its row."""
+        entry = self.journal.entries.get(row.log)
+        return (
+            entry is not None
+            and row.digest is None
+            and entry.digest is None
+            and entry.lost == row.lost
+            and entry.status == row.status
+        )

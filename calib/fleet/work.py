@@ -1,0 +1,179 @@
+"""What a worker does with a log: read it, run the command, give its row. No log stops it."""
+
+import hashlib
+import pickle
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from calib import __version__
+from calib.errors import BatchError, BrakeCalError
+from calib.fleet.columns import FIT
+from calib.fleet.job import Job
+from calib.fleet.row import Cell, Row, number, printable
+from calib.logs.log import Log
+from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
+from calib.logs.tables import ending_of
+
+VEHICLE = "vehicle.toml"
+CALIBRATION, HOLDOUT = "calibration", "holdout"
+
+
+@dataclass(frozen=True)
+class Item:
+    """A log to be done: its name in the results, where it is, and the digest its row has, if any.
+
+    A log that still has the digest ``known`` is not done again.
+    """
+
+    name: str
+    path: str
+    known: str | None = None
+
+
+def run_items(packed: bytes, items: tuple[Item, ...]) -> list[Row | None]:
+    """Rows of some logs in their order; None for one that is unchanged. ``packed``: a `Job`.
+
+    Raises BatchError if the job comes from another version of the program.
+    """
+    job = _unpacked(packed)
+    if job.version != __version__:
+        raise BatchError(
+            f"a worker runs brake-cal {__version__}",
+            expected=f"version {job.version}, as the one that sends the logs",
+            do="install the same version on all workers",
+        )
+    return [run_item(job, item) for item in items]
+
+
+@lru_cache(maxsize=2)
+def _unpacked(packed: bytes) -> Job:
+    job = pickle.loads(packed)
+    assert isinstance(job, Job)
+    return job
+
+
+def run_item(job: Job, item: Item) -> Row | None:
+    """The row of one log; whatever goes wrong is a row too."""
+    digest = None
+    try:
+        files = _contents(job, item)
+        digest = digest_of(files)
+        if digest == item.known:
+            return None
+        status, cells = RUNS[job.command](job, item, files)
+    except BrakeCalError as error:
+        said = printable(str(error).replace(item.path, item.name))
+        return Row(item.name, digest, "error", said)
+    except Exception as error:
+        # a fault of the program on one log must not cost the others theirs
+        said = printable(f"{item.name}: the program failed: {type(error).__name__}: {error}")
+        return Row(item.name, digest, "error", said.replace(item.path, item.name))
+    return Row(item.name, digest, status, None, cells)
+
+
+Files = dict[str, bytes]
+Answer = tuple[str, tuple[Cell, ...]]
+
+
+def digest_of(files: Files) -> str:
+    """SHA-256 of a log's bytes; of names and digests of its files where it is a folder."""
+    if len(files) == 1:
+        return hashlib.sha256(next(iter(files.values()))).hexdigest()
+    lines = [f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in files.items()]
+    return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+
+def _contents(job: Job, item: Item) -> Files:
+    """The bytes of a log by name. Raises LogError for what cannot be read."""
+    if job.command != "diagnose":
+        return {item.name: log_bytes(Path(item.path), item.name)}
+    root = Path(item.path)
+    logs = sorted(p for part in (CALIBRATION, HOLDOUT) for p in (root / part).glob("*"))
+    logs = [p for p in logs if ending_of(p) in FORMATS and not p.name.startswith(".")]
+    files = {VEHICLE: log_bytes(root / VEHICLE, f"{item.name}/{VEHICLE}", any_format=True)}
+    for path in logs:
+        inner = path.relative_to(root).as_posix()
+        files[inner] = log_bytes(path, f"{item.name}/{inner}")
+    return files
+
+
+def _log(job: Job, item: Item, files: Files, require: tuple[str, ...] = REQUIRED) -> Log:
+    (data,) = files.values()
+    name, file = Path(item.name), Path(item.path)
+    return log_of(data, name, job.channel_map, require=require, file=file)
+
+
+def _validate(job: Job, item: Item, files: Files) -> Answer:
+    from calib.scores import FIGURES
+    from calib.validate import validate_one
+
+    assert job.table is not None
+    log = _log(job, item, files)
+    found = validate_one(job.table, log, job.vehicle, job.limits, rivals=False)
+    cells = tuple(number(found.figures[name]) for name in FIGURES)
+    return ("passed" if found.passed else "failed"), cells
+
+
+def _fit(job: Job, item: Item, files: Files) -> Answer:
+    from calib.fit import fit
+
+    assert job.vehicle is not None
+    table = fit(job.vehicle, [_log(job, item, files)])
+    cal, q = table.calibration, table.quality
+    pads = (cal.pad_friction_f, cal.pad_friction_r, cal.pad_scale)
+    quality = [column.name for column in FIT[6:-1]]
+    figures = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in quality)]
+    return "done", (*map(number, figures), table.digest)
+
+
+def _check(job: Job, item: Item, files: Files) -> Answer:
+    from calib.check import check
+
+    found = check(_log(job, item, files, require=()))
+    seen, clock = found.seen, found.seen.clock
+    pressure = seen.sensor("p_mc")
+    zero = seen.axles.front_rear if seen.axles else None
+    figures = (
+        clock.samples,
+        clock.duration,
+        clock.rate,
+        clock.jitter,
+        len(clock.gaps),
+        len(seen.events),
+        seen.lead_in,
+        seen.coasting,
+        seen.speed,
+        seen.z,
+        pressure.high if pressure else None,
+        zero.value if zero else None,
+        len(found.warnings),
+    )
+    usable = tuple(verdict.usable for verdict in found.verdicts)
+    return ("passed" if found.usable else "failed"), (*usable, *map(number, figures))
+
+
+def _diagnose(job: Job, item: Item, files: Files) -> Answer:
+    from calib.diagnose.diagnose import diagnose
+    from calib.vehicle import read_vehicle
+
+    vehicle = read_vehicle(Path(item.path) / VEHICLE)
+    sides: dict[str, list[Log]] = {CALIBRATION: [], HOLDOUT: []}
+    for inner, data in files.items():
+        if inner != VEHICLE:
+            where, file = Path(item.name) / inner, Path(item.path) / inner
+            log = log_of(data, where, job.channel_map, file=file)
+            sides[inner.split("/")[0]].append(log)
+    found = diagnose(sides[CALIBRATION], sides[HOLDOUT], vehicle)
+    gap = (found.gap.before, found.gap.after, found.gap.closed)
+    names = "+".join(effect.name for effect in found.effects)
+    return "done", (found.verdict, names, *map(number, gap))
+
+
+RUNS: dict[str, Callable[[Job, Item, Files], Answer]] = {
+    "fit": _fit,
+    "validate": _validate,
+    "check": _check,
+    "diagnose": _diagnose,
+}

@@ -1,0 +1,226 @@
+"""`brake-cal batch`: one command on many logs, one row a log."""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, say
+from cli.options import STORE, Json, Map, Store, example
+
+if TYPE_CHECKING:
+    from calib.fleet.job import Job
+    from calib.fleet.pace import Pace
+    from calib.fleet.pool import Executor
+    from calib.fleet.run import Batch
+
+EPILOG = example(
+    "brake-cal batch check sample_logs/sedan --out checked",
+    "brake-cal batch validate 'sample_logs/sedan/*pads.csv' --table sedan-2up --out validated",
+)
+FAILED, UNREADABLE = 1, 3
+QUIET = 5.0
+"""Seconds between two lines of progress where no terminal shows a bar."""
+
+
+class Command(StrEnum):
+    """What can be done with many logs."""
+
+    FIT = "fit"
+    VALIDATE = "validate"
+    CHECK = "check"
+    DIAGNOSE = "diagnose"
+
+
+def batch(
+    command: Annotated[Command, typer.Argument(help="What to do with each log.")],
+    logs: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="GLOB|DIR|LOG...", help="Logs; for diagnose, folders of a car's logs."
+        ),
+    ],
+    *,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="Write results.parquet and journal here.")
+    ],
+    workers: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, max=512, help="Processes; else all cores."),
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="tcp://HOST:PORT", help="A Dask scheduler instead.")
+    ] = None,
+    table: Annotated[
+        str | None, typer.Option(metavar="TABLE", help="validate: name, name@version or path.")
+    ] = None,
+    store: Store = STORE,
+    vehicle: Annotated[
+        Path | None, typer.Option(metavar="V.toml", help="fit, validate: vehicle file.")
+    ] = None,
+    limits: Annotated[
+        Path | None, typer.Option(metavar="L.toml", help="validate: limits for pass or fail.")
+    ] = None,
+    channel_map: Map = None,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Throw away what DIR holds and begin anew.")
+    ] = False,
+    json: Json = False,
+) -> None:
+    """Run one command on many logs: one row a log in DIR/results.parquet.
+
+    A log that fails is a row with its error. A run that was stopped goes on where it was when it
+    is started again. `fit` stores no tables. Exit code 0 if all ran, 1 if a log fails its limits,
+    3 if none could be read.
+    """
+    _check_usage(command, out, workers, scheduler, table, vehicle, limits)
+    job = _job(command, table, store, vehicle, limits, channel_map)
+    _check_logs(logs, job, out)
+    executor = _executor(workers, scheduler)
+    say(f"{command.value} on {executor.workers} worker{'s' * (executor.workers > 1)}")
+    try:
+        with _progress() as report:
+            done = _run(job, logs, out, executor, report, fresh)
+    finally:
+        executor.close()
+    _tell(done, json)
+    if done.counts.get("error", 0) == done.total:
+        raise typer.Exit(UNREADABLE)
+    if done.counts.get("failed"):
+        raise typer.Exit(FAILED)
+
+
+def _check_usage(
+    command: Command,
+    out: Path,
+    workers: int | None,
+    scheduler: str | None,
+    table: str | None,
+    vehicle: Path | None,
+    limits: Path | None,
+) -> None:
+    """Refuse what is missing, and what would be left unused."""
+    if command is Command.VALIDATE and table is None:
+        raise typer.BadParameter("validate needs a table", param_hint="--table")
+    if command is Command.FIT and vehicle is None:
+        raise typer.BadParameter("fit needs a vehicle file", param_hint="--vehicle")
+    of = {
+        "--table": (table, (Command.VALIDATE,)),
+        "--limits": (limits, (Command.VALIDATE,)),
+        "--vehicle": (vehicle, (Command.FIT, Command.VALIDATE)),
+    }
+    for name, (value, takes) in of.items():
+        if value is not None and command not in takes:
+            raise typer.BadParameter(f"{command.value} takes none", param_hint=name)
+    if workers is not None and scheduler is not None:
+        raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
+    if out.exists() and not out.is_dir():
+        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
+
+
+def _job(
+    command: Command,
+    table: str | None,
+    store: Path,
+    vehicle: Path | None,
+    limits: Path | None,
+    channel_map: Path | None,
+) -> "Job":
+    """Read once what every log needs."""
+    from calib.fleet.job import Job
+    from calib.limits import DEFAULTS, read_limits
+    from calib.logs.channel_map import read_channel_map
+    from calib.scores import FIGURES
+    from calib.store import load
+    from calib.validate import require_same_vehicle
+    from calib.vehicle import read_vehicle
+
+    known = load(table, store).table if table else None
+    car = read_vehicle(vehicle) if vehicle else None
+    held = read_limits(limits, set(FIGURES)) if limits else DEFAULTS
+    if known is not None:
+        require_same_vehicle(known, car, vehicle)
+    return Job(
+        command=command.value,
+        table=known,
+        vehicle=car,
+        limits=held if command is Command.VALIDATE else (),
+        channel_map=read_channel_map(channel_map) if channel_map else None,
+    )
+
+
+def _check_logs(logs: list[str], job: "Job", out: Path) -> None:
+    """Say what names no log before any worker is started."""
+    from calib.fleet.find import find_logs
+
+    for argument in logs:
+        next(find_logs([argument], job.command, out))
+
+
+def _executor(workers: int | None, scheduler: str | None) -> "Executor":
+    if scheduler is not None:
+        from calib.fleet.cluster import Cluster
+
+        return Cluster(scheduler)
+    from calib.fleet.pool import Pool, cores
+
+    return Pool(workers or cores())
+
+
+def _run(
+    job: "Job",
+    logs: list[str],
+    out: Path,
+    executor: "Executor",
+    report: "Callable[[Pace], None]",
+    fresh: bool,
+) -> "Batch":
+    from calib.fleet.run import run_batch
+
+    try:
+        return run_batch(job, logs, out, executor, report, fresh)
+    except OSError as error:
+        raise typer.BadParameter(
+            f"{out} cannot be written ({error.strerror})", param_hint="--out"
+        ) from error
+
+
+def _tell(done: "Batch", json: bool) -> None:
+    from calib.fleet.pace import words
+
+    counts = ", ".join(f"{n} {status}" for status, n in done.counts.items())
+    say(words(done.pace))
+    if json:
+        emit_json({"schema": 1, "results": done.results, "logs": done.total, **done.document()})
+    else:
+        emit(f"{done.total} log{'s' * (done.total != 1)}: {counts}; {done.results}")
+
+
+@contextmanager
+def _progress() -> "Iterator[Callable[[Pace], None]]":
+    """Show rate and remaining time on stderr: one moving line, or a line now and then."""
+    from calib.fleet.pace import words
+
+    shown = time.monotonic()
+    live = sys.stderr.isatty()
+
+    def report(pace: "Pace") -> None:
+        nonlocal shown
+        if time.monotonic() - shown < (0.1 if live else QUIET):
+            return
+        shown = time.monotonic()
+        if live:
+            print(f"\r{words(pace)}\x1b[K", end="", file=sys.stderr, flush=True)  # noqa: T201
+        else:
+            say(words(pace))
+
+    try:
+        yield report
+    finally:
+        if live:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)  # noqa: T201
