@@ -11,7 +11,7 @@ not depend on how a file format packs it.
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 import numpy as np
@@ -135,11 +135,16 @@ class LogReference:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Parents of a table: logs, settings, program version."""
+    """Parents of a table: logs, settings, program version.
+
+    ``identity`` says which car it was made for at a station: serial number, VIN and the like, see
+    `calib.station.identity`. A table made without one has none in its record either.
+    """
 
     logs: tuple[LogReference, ...]
     settings: dict[str, float]
     program: str
+    identity: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -171,6 +176,8 @@ class Table:
         record = asdict(self)
         if self.empirical is None:
             del record["empirical"]
+        if not self.provenance.identity:
+            del record["provenance"]["identity"]
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
         return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
 
@@ -208,6 +215,7 @@ class Table:
                 logs=tuple(LogReference(**x) for x in provenance["logs"]),
                 settings=provenance["settings"],
                 program=provenance["program"],
+                identity=dict(provenance.get("identity", {})),
             ),
             remarks=tuple(r.pop("remarks")),
             empirical=_term(term),
