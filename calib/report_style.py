@@ -1,4 +1,4 @@
-"""How the report looks: on a light screen, on a dark one, and on A4."""
+"""How a report looks: on a light screen, on a dark one, and on A4."""
 
 STYLE = """
 :root { --ink: #1b1f24; --soft: #4c545e; --paper: #ffffff; --pane: #f4f6f8; --line: #d5dae0;
@@ -7,9 +7,11 @@ STYLE = """
   :root { --ink: #e8ebef; --soft: #b3bac4; --paper: #14181d; --pane: #1f252c; --line: #3b444e;
           --mark: #6cbcf0; }
 }
-.no_gap { --mark: #006b4d; } .ambiguous { --mark: #8a5a00; } .unknown { --mark: #a33c00; }
+.no_gap, .passed { --mark: #006b4d; } .ambiguous, .warning { --mark: #805200; }
+.unknown, .failed { --mark: #a33c00; }
 @media (prefers-color-scheme: dark) {
-  .no_gap { --mark: #4fc9a0; } .ambiguous { --mark: #e8b04a; } .unknown { --mark: #f0935a; }
+  .no_gap, .passed { --mark: #4fc9a0; } .ambiguous, .warning { --mark: #e8b04a; }
+  .unknown, .failed { --mark: #f0935a; }
 }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--paper); color: var(--ink);
@@ -41,17 +43,41 @@ thead th { border-bottom: 2px solid var(--line); font-size: 0.92rem; }
 tbody th { font-weight: 400; }
 figure { margin: 1.2rem 0; }
 img { display: block; width: 100%; height: auto; background: #ffffff; border-radius: 0.3rem; }
+.pan { overflow-x: auto; border-radius: 0.3rem; }
+.zoom { accent-color: var(--mark); }
+.zoom + label { font-size: 0.92rem; color: var(--soft); margin-left: 0.3rem; }
+.zoom:checked ~ .pan img { width: 230%; max-width: none; }
+summary { cursor: pointer; color: var(--mark); }
+h1, td, th, li, p, dd { overflow-wrap: anywhere; }
+.big { font-size: 2rem; line-height: 1.2; }
+tr.failed td:last-child, tr.warning td:last-child { color: var(--mark); font-weight: 700; }
+tr.unjudged td { color: var(--soft); }
+:focus-visible { outline: 3px solid var(--mark); outline-offset: 2px; }
+@media (max-width: 40rem) {
+  main { padding: 0.8rem 0.7rem 3rem; }
+  header { padding: 1rem; }
+  .card { grid-template-columns: 1fr; gap: 0; }
+  .card dd { margin-bottom: 0.6rem; }
+  .pan img { min-width: 38rem; }
+  .wide table { min-width: 30rem; }
+}
 figcaption { color: var(--soft); font-size: 0.92rem; margin-top: 0.4rem; }
 @page { size: A4; margin: 16mm 15mm; }
 @media print {
   :root { --ink: #000000; --soft: #3a3a3a; --paper: #ffffff; --pane: #f4f4f4; --line: #bbbbbb;
           --mark: #00588c; color-scheme: light; }
+  .no_gap, .passed { --mark: #006b4d; } .ambiguous, .warning { --mark: #805200; }
+  .unknown, .failed { --mark: #a33c00; }
   body { font-size: 10pt; }
   main { max-width: none; padding: 0; }
   header { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
   h2, h3, caption { break-after: avoid; }
   figure, table, .card, header { break-inside: avoid; }
   p { orphans: 3; widows: 3; }
+  .zoom, .zoom + label { display: none; }
+  .zoom:checked ~ .pan img { width: 100%; }
+  .wide, .pan { overflow: visible; }
+  details > summary { color: var(--soft); }
 }
 """
 """Style sheet; contrast of text is 4.5 to 1 or better everywhere."""

@@ -9,7 +9,19 @@ from typer.core import TyperGroup
 
 from calib import __version__
 from calib.errors import BrakeCalError
-from cli import check, demo, diagnose, effects, fit, plot, simulate, tables, validate
+from cli import (
+    check,
+    demo,
+    diagnose,
+    effects,
+    fit,
+    limits,
+    plot,
+    simulate,
+    station,
+    tables,
+    validate,
+)
 from cli.console import complain
 from cli.options import example
 
@@ -46,12 +58,14 @@ app = typer.Typer(
 app.command(epilog=check.EPILOG)(check.check)
 app.command(epilog=fit.EPILOG)(fit.fit)
 app.command(epilog=validate.EPILOG)(validate.validate)
+app.command(epilog=station.EPILOG)(station.station)
 app.command(epilog=plot.EPILOG)(plot.plot)
 app.command(epilog=simulate.EPILOG)(simulate.simulate)
 app.command(epilog=diagnose.EPILOG, cls=diagnose.Greedy)(diagnose.diagnose)
 app.command(epilog=effects.EPILOG)(effects.effects)
 app.command(epilog=demo.EPILOG)(demo.demo)
 app.add_typer(tables.app, name="tables")
+app.add_typer(limits.app, name="limits")
 
 
 def _print_version(wanted: bool) -> None:

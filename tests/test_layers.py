@@ -34,7 +34,8 @@ LAYERS = """
     diagnose
     fleet
     plots report_style
-    report demo
+    html
+    report station demo
 """
 """A file imports from rows above its own, or from its own row where that makes no circle."""
 
