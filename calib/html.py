@@ -55,8 +55,9 @@ def table(
     heads: Sequence[str],
     rows: Sequence[Sequence[str]],
     kinds: Sequence[str] = (),
+    of: str = "plain",
 ) -> str:
-    """A table whose first column names its rows; ``kinds`` gives each row a class."""
+    """A table of class ``of`` whose first column names its rows; ``kinds`` gives each a class."""
     head = "".join(f'<th scope="col">{escape(name)}</th>' for name in heads)
     classes = [f' class="{escape(kind)}"' if kind else "" for kind in kinds] or [""] * len(rows)
     body = "".join(
@@ -67,7 +68,7 @@ def table(
     )
     return (
         f'<div class="wide" role="region" tabindex="0" aria-label="{escape(caption)}">'
-        f"<table><caption>{escape(caption)}</caption>"
+        f'<table class="{escape(of)}"><caption>{escape(caption)}</caption>'
         f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
     )
 

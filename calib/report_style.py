@@ -16,7 +16,7 @@ STYLE = """
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--paper); color: var(--ink);
        font: 16px/1.55 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; }
-main { max-width: 52rem; margin: 0 auto; padding: 1.5rem 1.25rem 4rem; }
+main { max-width: 56rem; margin: 0 auto; padding: 1.5rem 1.25rem 4rem; }
 header { background: var(--pane); border-left: 0.4rem solid var(--mark);
          padding: 1.2rem 1.5rem; border-radius: 0.3rem; }
 h1 { font-size: 1.15rem; margin: 0; color: var(--soft); font-weight: 600; }
@@ -48,9 +48,20 @@ img { display: block; width: 100%; height: auto; background: #ffffff; border-rad
 .zoom + label { font-size: 0.92rem; color: var(--soft); margin-left: 0.3rem; }
 .zoom:checked ~ .pan img { width: 230%; max-width: none; }
 summary { cursor: pointer; color: var(--mark); }
-h1, td, th, li, p, dd { overflow-wrap: anywhere; }
+h1, li, p, dd, caption { overflow-wrap: anywhere; }
+.checks td, .stops td { white-space: nowrap; }
+.checks td, .checks th, .stops td, .stops th { padding-right: 0.9rem; }
+.checks tbody th, .stops tbody th { min-width: 11rem; }
+.checks, .stops { width: 100%; font-size: 0.92rem; }
+.steps td { text-align: left; vertical-align: top; }
+.steps th { vertical-align: top; text-align: left; }
+header .card { display: grid; background: none; padding: 0; margin: 0.8rem 0 0; }
+header .card dt { font-size: 1rem; }
+header .card dd { font-size: 1rem; font-weight: 600; }
 .big { font-size: 2rem; line-height: 1.2; }
-tr.failed td:last-child, tr.warning td:last-child { color: var(--mark); font-weight: 700; }
+.checks tr.failed td:last-child, .checks tr.warning td:last-child,
+.stops tr.failed th, .stops tr.warning th,
+.steps tbody th { font-weight: 700; color: var(--mark); }
 tr.unjudged td { color: var(--soft); }
 :focus-visible { outline: 3px solid var(--mark); outline-offset: 2px; }
 @media (max-width: 40rem) {
@@ -59,7 +70,7 @@ tr.unjudged td { color: var(--soft); }
   .card { grid-template-columns: 1fr; gap: 0; }
   .card dd { margin-bottom: 0.6rem; }
   .pan img { min-width: 38rem; }
-  .wide table { min-width: 30rem; }
+  .wide .steps, .wide .checks, .wide .stops { min-width: 34rem; }
 }
 figcaption { color: var(--soft); font-size: 0.92rem; margin-top: 0.4rem; }
 @page { size: A4; margin: 16mm 15mm; }
@@ -77,6 +88,7 @@ figcaption { color: var(--soft); font-size: 0.92rem; margin-top: 0.4rem; }
   .zoom, .zoom + label { display: none; }
   .zoom:checked ~ .pan img { width: 100%; }
   .wide, .pan { overflow: visible; }
+  .checks td, .stops td { white-space: normal; }
   details > summary { color: var(--soft); }
 }
 """

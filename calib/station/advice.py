@@ -67,35 +67,35 @@ ADVICE: tuple[Advice, ...] = (
          f"{_SAME} the rear calipers."),
     _row("golden_distance", (None, 0.25), (None, 0.15), "1",
          "cars of one model on one track lie within their bands of each other",
-         "Compare with `brake-cal tables diff`: other tyres, a wet track or other brakes?"),
+         "Compare with brake-cal tables diff: other tyres, a wet track or other brakes?"),
     _row("golden_bands", (None, 4.0), (None, 2.0), "1",
          "beyond 1 the difference is resolved, which is no harm yet",
-         "Compare with `brake-cal tables diff`: other tyres, a wet track or other brakes?"),
+         "Compare with brake-cal tables diff: other tyres, a wet track or other brakes?"),
     _row("valid_share", (0.70, None), (0.80, None), "1",
          "an estimator that seldom stands behind its answer is of no use",
-         "Look at this stop with `brake-cal check` and `brake-cal plot`, and drive it again.",
+         "Look at this stop with brake-cal check and brake-cal plot, and drive it again.",
          required=True),
     _row("covered_share", (0.50, None), (0.80, None), "1",
          "beyond the table the answer rests on the clamped ends",
          "Drive a ramp that goes as far as the stops do."),
     _row("interval_f", (None, 0.10), (None, 0.08), "1",
          "an answer to 10 % is what a warning of worn pads needs",
-         "Drive a longer stop; check the noise of the wheel speeds with `brake-cal check`."),
+         "Drive a longer stop; check the noise of the wheel speeds with brake-cal check."),
     _row("interval_r", (None, 0.25), (None, 0.20), "1",
          "the rear is seen through a smaller slip",
-         "Drive a longer stop; check the noise of the wheel speeds with `brake-cal check`."),
+         "Drive a longer stop; check the noise of the wheel speeds with brake-cal check."),
     _row("pad_friction_drift_f", (None, 0.10), (None, 0.07), "1",
          "pads do not change within a stop unless they fade, dry up, or the model is wrong",
-         "Find what changes with `brake-cal diagnose`: fade, wet pads, drag."),
+         "Find what changes with brake-cal diagnose: fade, wet pads, drag."),
     _row("pad_friction_drift_r", (None, 0.20), (None, 0.14), "1",
          "as in front",
-         "Find what changes with `brake-cal diagnose`: fade, wet pads, drag."),
+         "Find what changes with brake-cal diagnose: fade, wet pads, drag."),
     _row("innovation_lag1", (-0.60, 0.60), (-0.45, 0.45), "1",
          "white is 0; sample stops on wet basalt reach 0.4; more is a cause outside the model",
-         "Look for the cause with `brake-cal diagnose`."),
+         "Look for the cause with brake-cal diagnose."),
     _row("innovation_rms", (None, 2.0), (None, 1.3), "1",
          "1 is as promised; 2 means that the intervals are half as wide as they should be",
-         "Check the wheel speed sensors; look for the cause with `brake-cal diagnose`."),
+         "Check the wheel speed sensors; look for the cause with brake-cal diagnose."),
     _row("eta_zero", (-0.010, 0.010), (-0.005, 0.005), "1",
          "as in the ramp", "Check tyre pressures and sizes on both axles."),
 )  # fmt: skip
@@ -109,4 +109,10 @@ LIMITS: tuple[Limit, ...] = tuple(row.limit for row in ADVICE)
 def action(figure: str) -> str:
     """What to do where ``figure`` fails; one sentence or two."""
     row = BY_FIGURE.get(figure)
-    return row.action if row else "Look at the log with `brake-cal check` and `brake-cal plot`."
+    return row.action if row else "Look at the log with brake-cal check and brake-cal plot."
+
+
+def reason(figure: str) -> str:
+    """Why the default limit of ``figure`` stands where it stands."""
+    row = BY_FIGURE.get(figure)
+    return row.reason if row else "no limit by default"

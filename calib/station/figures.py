@@ -25,12 +25,12 @@ FIGURES: dict[str, str] = {
     "pad_scale": "pad friction of the car over that of the vehicle file, both axles [1]",
     "pad_ratio": "front over rear pad friction, over the same of the vehicle file [1]",
     "side_difference_f": "brake force left less right over their mean, front axle [1]",
-    "side_difference_r": "the same, rear axle [1]",
+    "side_difference_r": "brake force left less right over their mean, rear axle [1]",
     "front_biased_up_to": "deceleration up to which the front axle locks first, these pads [g]",
     "repeatability_f": "largest departure of a stop's front pad friction from their mean [1]",
-    "repeatability_r": "the same, rear pads [1]",
+    "repeatability_r": "largest departure of a stop's rear pad friction from their mean [1]",
     "golden_distance": "largest departure of D(eta) from the golden table, over its peak [1]",
-    "golden_bands": "the same over the 95 % half widths of both; 1 is just resolved [1]",
+    "golden_bands": "that departure over the 95 % half widths of both; 1: just resolved [1]",
 }
 """Every figure of the car, with its meaning."""
 

@@ -2,13 +2,13 @@
 
 from calib import __version__
 from calib.html import figure, folded, listing, page, paragraph, section, table, terms
-from calib.limits import FAILED, NOT_KNOWN, WARNING
+from calib.limits import FAILED, NOT_KNOWN, PASSED, WARNING
 from calib.plots.sheet import Sheet
 from calib.plots.station import sheet
-from calib.station.advice import BY_FIGURE, action
+from calib.station.advice import action, reason
 from calib.station.identity import TITLES
 from calib.station.station import CAR, Check, Outcome
-from calib.station.words import HEADINGS, bounds, sentence, shown, summary
+from calib.station.words import HEADINGS, bounds, in_full, shown, summary
 from calib.validate import Validation
 from calib.version import Stored
 
@@ -44,33 +44,38 @@ def _next(found: Outcome) -> str:
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
     if not bad:
         return section("What to do next", paragraph("Nothing: every judged figure holds."))
-    rows = [(check.verdict, f"{sentence(check)}.", action(check.figure)) for check in bad]
+    rows = [(check.verdict, in_full(check), action(check.figure)) for check in bad]
     return section(
         "What to do next",
         table(
             "What is not as it should be, and the next step.",
             ("verdict", "found", "next step"),
             rows,
-            [f"said {row[0]}" for row in rows],
+            [check.verdict for check in bad],
+            "steps",
         ),
     )
 
 
 def _limits(found: Outcome) -> str:
     car = [check for check in found.checks if check.scope == CAR]
-    parts = [_check_table("The car as a whole.", car)]
-    for result in found.results:
-        checks = [check for check in found.checks if check.scope == result.log]
-        if checks:
-            parts.append(_check_table(f"Stop {result.log}.", checks))
-    return section("Limits", *parts)
+    meant = {check.figure: check.meaning for check in found.checks}
+    reasons = [(name, f"{meant[name]}: {reason(name)}.") for name in meant]
+    return section(
+        "Limits",
+        _of_car(car) if car else "",
+        _of_stops(found),
+        folded(
+            "The figures by name, and why their limits stand where they stand by default",
+            terms(reasons),
+        ),
+    )
 
 
-def _check_table(caption: str, checks: list[Check]) -> str:
+def _of_car(checks: list[Check]) -> str:
     rows = [
         (
             check.meaning,
-            check.figure,
             shown(check.judgement.value),
             bounds(check.judgement.warn_low, check.judgement.warn_high),
             bounds(check.judgement.low, check.judgement.high),
@@ -79,13 +84,38 @@ def _check_table(caption: str, checks: list[Check]) -> str:
         for check in checks
     ]
     kinds = ["unjudged" if c.verdict == NOT_KNOWN else c.verdict for c in checks]
-    heads = ("figure", "name", "value", "no warning", "limit", "verdict")
-    reasons = [
-        (check.figure, BY_FIGURE[check.figure].reason)
-        for check in checks
-        if check.figure in BY_FIGURE
-    ]
-    return table(caption, heads, rows, kinds) + folded("Why these figures", terms(reasons))
+    heads = ("figure", "value", "no warning", "limit", "verdict")
+    return table("The car as a whole.", heads, rows, kinds, "checks")
+
+
+def _of_stops(found: Outcome) -> str:
+    """One row a figure, one column a stop; what does not pass says so in its cell."""
+    by_figure: dict[str, list[Check]] = {}
+    for check in found.checks:
+        if check.scope != CAR:
+            by_figure.setdefault(check.figure, []).append(check)
+    if not by_figure:
+        return ""
+    rows, kinds = [], []
+    for checks in by_figure.values():
+        j = checks[0].judgement
+        ranges = bounds(j.warn_low, j.warn_high), bounds(j.low, j.high)
+        rows.append((checks[0].meaning, *map(_cell, checks), *ranges))
+        kinds.append(_worst(checks))
+    stops = [f"stop {i}" for i in range(1, len(found.results) + 1)]
+    names = "; ".join(f"{i}: {r.log}" for i, r in enumerate(found.results, 1))
+    heads = ("figure", *stops, "no warning", "limit")
+    return table(f"Each stop. {names}.", heads, rows, kinds, "stops")
+
+
+def _cell(check: Check) -> str:
+    value = shown(check.judgement.value, 3)
+    return value if check.verdict in (PASSED, NOT_KNOWN) else f"{value} {check.verdict}"
+
+
+def _worst(checks: list[Check]) -> str:
+    words = {check.verdict for check in checks}
+    return next(word for word in (FAILED, WARNING, PASSED, NOT_KNOWN) if word in words)
 
 
 def _pads(found: Outcome, drawn: Sheet) -> str:
@@ -174,9 +204,9 @@ def _stops(found: Outcome, drawn: Sheet) -> str:
 
 
 def _provenance(found: Outcome, stored: Stored) -> str:
-    logs = [(log.name, "ramp", log.digest) for log in found.ramps]
-    logs += [(log.name, "coast", log.digest) for log in found.coasts]
-    logs += [(r.log, r.role, r.digest) for r in found.results]
+    logs = [(log.name, "ramp", log.digest[:16]) for log in found.ramps]
+    logs += [(log.name, "coast", log.digest[:16]) for log in found.coasts]
+    logs += [(r.log, r.role, r.digest[:16]) for r in found.results]
     rows = [
         ("Table", f"{stored.id}, SHA-256 {stored.digest}"),
         ("Golden table", found.golden or "none given"),
@@ -186,7 +216,11 @@ def _provenance(found: Outcome, stored: Stored) -> str:
     return section(
         "Where it comes from",
         terms(rows),
-        table("Logs, by the SHA-256 of their bytes.", ("log", "role", "SHA-256"), logs),
+        table(
+            "Logs, by the first 16 digits of the SHA-256 of their bytes.",
+            ("log", "role", "SHA-256"),
+            logs,
+        ),
         folded("Settings of the fit", table("Settings, in SI.", ("setting", "value"), settings)),
         "<h3>Remarks</h3>" if found.table.remarks or found.caveats else "",
         listing([*found.table.remarks, *(f"{name}: {text}" for name, text in found.caveats)]),

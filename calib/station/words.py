@@ -11,9 +11,9 @@ HEADINGS = {
 """The verdict on a car, as a heading."""
 
 
-def shown(value: float | None) -> str:
-    """A figure with four digits."""
-    return "not known" if value is None else f"{value:.4g}"
+def shown(value: float | None, digits: int = 4) -> str:
+    """A figure with so many digits."""
+    return "not known" if value is None else f"{value:.{digits}g}"
 
 
 def bounds(low: float | None, high: float | None) -> str:
@@ -39,6 +39,16 @@ def sentence(check: Check) -> str:
     limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
     kind = "a warning is given outside" if warns else "the limit is"
     return f"{check.figure} {of} is {shown(j.value)}; {kind} {limit}"
+
+
+def in_full(check: Check) -> str:
+    """The same for a reader who does not know the names: what it is, value, limit."""
+    j = check.judgement
+    warns = check.verdict == WARNING
+    limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
+    of = "" if check.scope == CAR else f"stop {check.scope}, "
+    kind = "no warning" if warns else "limit"
+    return f"{of}{check.meaning}: {shown(j.value)}; {kind}: {limit}"
 
 
 def summary(found: Outcome) -> str:
