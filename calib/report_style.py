@@ -59,7 +59,7 @@ header .card { display: grid; background: none; padding: 0; margin: 0.8rem 0 0; 
 header .card dt { font-size: 1rem; }
 header .card dd { font-size: 1rem; font-weight: 600; }
 .big { font-size: 2rem; line-height: 1.2; }
-.checks tr.failed td:last-child, .checks tr.warning td:last-child,
+.checks tr.failed td:nth-child(3), .checks tr.warning td:nth-child(3),
 .stops tr.failed th, .stops tr.warning th,
 .steps tbody th { font-weight: 700; color: var(--mark); }
 tr.unjudged td { color: var(--soft); }
@@ -70,7 +70,12 @@ tr.unjudged td { color: var(--soft); }
   .card { grid-template-columns: 1fr; gap: 0; }
   .card dd { margin-bottom: 0.6rem; }
   .pan img { min-width: 38rem; }
-  .wide .steps, .wide .checks, .wide .stops { min-width: 34rem; }
+  .wide .checks, .wide .stops { min-width: 34rem; }
+  .checks tbody th, .stops tbody th { min-width: 8.5rem; }
+  .steps, .steps caption, .steps tbody, .steps tr, .steps th, .steps td { display: block; }
+  .steps thead { display: none; }
+  .steps th, .steps td { border: 0; padding-bottom: 0; }
+  .steps tr { border-bottom: 1px solid var(--line); padding-bottom: 0.5rem; }
 }
 figcaption { color: var(--soft); font-size: 0.92rem; margin-top: 0.4rem; }
 @page { size: A4; margin: 16mm 15mm; }
@@ -89,6 +94,7 @@ figcaption { color: var(--soft); font-size: 0.92rem; margin-top: 0.4rem; }
   .zoom:checked ~ .pan img { width: 100%; }
   .wide, .pan { overflow: visible; }
   .checks td, .stops td { white-space: normal; }
+  .checks, .stops { font-size: 8.5pt; }
   details > summary { color: var(--soft); }
 }
 """

@@ -83,7 +83,7 @@ def station(
     from calib.validate import require_same_vehicle
     from calib.vehicle import read_vehicle
 
-    forms = exports or []
+    forms, count = exports or [], 1 + len(ramps or [])
     for_fit = [ramp, *(ramps or []), *(coasts or [])]
     identity = _identity(serial, vin, name, rxswin)
     _check_forms(forms, date)
@@ -95,14 +95,13 @@ def station(
     mapping = read_channel_map(channel_map) if channel_map else None
     with progress(f"fitting {car.name}, proving on {len(holdouts)}", len(holdouts) + 1) as done:
         logs = [read_log(path, mapping) for path in for_fit]
-        table = table_of(car, logs, identity)
+        table = table_of(car, logs[:count], logs[count:], identity)
         done()
         stops, results = [read_log(path, mapping) for path in holdouts], []
         refuse_twice(stops)
         for log in stops:
             results.append(validated(table, log, held))
             done()
-    count = 1 + len(ramps or [])
     judged = Car(table, logs[:count], stops, results, reference.table if reference else None)
     found = outcome(judged, logs[count:], held, identity, reference.id if reference else "")
     try:

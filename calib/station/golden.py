@@ -34,7 +34,9 @@ def distance(table: Table, golden: Table) -> Distance | None:
     end = float(min(ours.eta[-1], theirs.eta[-1]))
     if end - 1.0 < OVERLAP * (float(theirs.eta[-1]) - 1.0):
         return None
-    eta = np.linspace(1.0, end, 101)[1:]
+    # both are straight between their rows, so that they are farthest apart at a row of one of them
+    rows = np.union1d(ours.eta, theirs.eta)
+    eta = rows[(rows > 1.0) & (rows <= end)]
     a, b = (np.interp(eta, d.eta, d.D) for d in (ours, theirs))
     widths = [0.5 * np.interp(eta, d.eta, d.upper - d.lower) for d in (ours, theirs)]
     apart: Array = np.abs(a - b)

@@ -77,14 +77,14 @@ def _of_car(checks: list[Check]) -> str:
         (
             check.meaning,
             shown(check.judgement.value),
+            check.verdict,
             bounds(check.judgement.warn_low, check.judgement.warn_high),
             bounds(check.judgement.low, check.judgement.high),
-            check.verdict,
         )
         for check in checks
     ]
     kinds = ["unjudged" if c.verdict == NOT_KNOWN else c.verdict for c in checks]
-    heads = ("figure", "value", "no warning", "limit", "verdict")
+    heads = ("figure", "value", "verdict", "no warning", "limit")
     return table("The car as a whole.", heads, rows, kinds, "checks")
 
 

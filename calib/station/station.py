@@ -85,9 +85,23 @@ class Outcome:
         return {word: len(self.with_verdict(word)) for word in (PASSED, WARNING, FAILED, NOT_KNOWN)}
 
 
-def table_of(vehicle: Vehicle, logs: Sequence[Log], identity: Identity) -> Table:
-    """Fit the table of the car, which says in its provenance which car it is."""
-    table = fit(vehicle, list(logs))
+def table_of(
+    vehicle: Vehicle, ramps: Sequence[Log], coasts: Sequence[Log], identity: Identity
+) -> Table:
+    """Fit the table of the car, which says in its provenance which car it is.
+
+    Raises LogError where a ramp holds no braking or a coast does: it was given in the wrong place.
+    """
+    table = fit(vehicle, [*ramps, *coasts])
+    roles = {log.digest: log.role for log in table.provenance.logs}
+    for told, logs in (("ramp", ramps), ("coast", coasts)):
+        for log in logs:
+            if roles[log.digest] != told:
+                raise LogError(
+                    f"given as a {told}, and it is a {roles[log.digest]}",
+                    where=log.source,
+                    do="the ramp comes first, further ones with --ramp, coasts with --coast",
+                )
     return replace(table, provenance=replace(table.provenance, identity=identity.given()))
 
 

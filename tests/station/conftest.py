@@ -27,7 +27,7 @@ def found() -> Outcome:
     stops = [read_log(SEDAN / f"{n}.csv") for n in ("dry_asphalt_stop", "basalt_wet_pads")]
     stops[0] = replace(stops[0], name=MARKUP, notes=(f"channel {MARKUP} was not taken",))
     identity = Identity(serial=MARKUP, vin="WVWZZZ1JZXW000001")
-    table = table_of(car, [ramp, coast], identity)
+    table = table_of(car, [ramp], [coast], identity)
     results = [validated(table, log, LIMITS) for log in stops]
     return outcome(Car(table, [ramp], stops, results), [coast], LIMITS, identity)
 
