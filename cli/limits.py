@@ -5,27 +5,40 @@ from typing import Annotated
 
 import typer
 
-from cli.console import say
-from cli.options import example
+from cli.console import emit_json, say
+from cli.options import Json, example
 
-app = typer.Typer(no_args_is_help=True, help="Limits of a car and of its stops.")
+EPILOG = example("brake-cal limits init --out line.toml")
+app = typer.Typer(no_args_is_help=True, help="Limits of a car and of its stops.", epilog=EPILOG)
 
 
-@app.command(epilog=example("brake-cal limits init --out line.toml"))
+@app.command(epilog=EPILOG)
 def init(
     out: Annotated[
         Path | None, typer.Option(metavar="L.toml", help="File to write; stdout without.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    json: Json = False,
 ) -> None:
-    """Write every limit with its meaning, unit, default and reason, ready to be edited."""
-    from calib.files import write_whole
+    """Write every limit with its meaning, unit, default and reason, ready to be edited.
+
+    With --json the same as one document, beside the file if there is one.
+    """
+    from calib.station.advice import ADVICE
     from calib.station.limits_file import limits_file
 
     text = limits_file()
-    if out is None:
+    if out is not None:
+        _write(text, out, force)
+    if json:
+        emit_json({"schema": 1, "limits": ADVICE})
+    elif out is None:
         typer.echo(text, nl=False)
-        return
+
+
+def _write(text: str, out: Path, force: bool) -> None:
+    from calib.files import write_whole
+
     if out.exists() and (out.is_dir() or not force):
         what = "is a directory" if out.is_dir() else "exists; --force replaces it"
         raise typer.BadParameter(f"{out} {what}", param_hint="--out")

@@ -1,5 +1,7 @@
 """`brake-cal limits init`."""
 
+import json
+
 
 def test_written_printed_and_used(brake_cal, tmp_path):
     path = tmp_path / "line.toml"
@@ -25,3 +27,10 @@ def test_limits_of_a_car_alone_judge_no_stop(brake_cal, tmp_path):
     ran = brake_cal("validate", "sedan-2up", stop, "--limits", path)
     assert ran.code == 3
     assert "no limit for a stop" in ran.err
+
+
+def test_as_a_document(brake_cal):
+    document = json.loads(brake_cal("limits", "init", "--json").out)
+    rows = {row["limit"]["figure"]: row for row in document["limits"]}
+    assert rows["pad_scale"]["limit"]["high"] == 1.2
+    assert all(row["reason"] and row["action"] and row["unit"] for row in rows.values())

@@ -7,10 +7,11 @@ from xml.etree import ElementTree
 import pytest
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
-RAMP, COAST, DRY, ONTO_BASALT, WET, VEHICLE = (
+RAMP, REPEAT, COAST, DRY, ONTO_BASALT, WET, VEHICLE = (
     SEDAN / name
     for name in (
         "ramp_wet_asphalt.csv",
+        "ramp_wet_asphalt_repeat.csv",
         "coast.csv",
         "dry_asphalt_stop.csv",
         "transition_dry_to_basalt.csv",
