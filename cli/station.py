@@ -45,7 +45,7 @@ def station(
         typer.Option("--ramp", metavar="LOG", help="A further ramp for the fit; repeatable."),
     ] = None,
     golden: Annotated[
-        str | None, typer.Option(metavar="TABLE", help="Golden table of the model.")
+        str | None, typer.Option(metavar="TABLE@N", help="Golden table of the model.")
     ] = None,
     serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None,
     vin: Annotated[str | None, typer.Option(metavar="V", help="Vehicle identification.")] = None,
@@ -87,6 +87,7 @@ def station(
     for_fit = [ramp, *(ramps or []), *(coasts or [])]
     identity = _identity(serial, vin, name, rxswin)
     _check_forms(forms, date)
+    _check_golden(golden)
     _check_out([*for_fit, *holdouts, vehicle, *([limits] if limits else [])], holdouts, out)
     car, held = read_vehicle(vehicle), _limits(limits)
     reference = load(golden, store) if golden else None
@@ -157,6 +158,15 @@ def _check_forms(forms: list[str], date: str | None) -> None:
             raise typer.BadParameter(
                 f"{date!r} is no date such as 2025-03-31", param_hint="--date"
             ) from None
+
+
+def _check_golden(golden: str | None) -> None:
+    """Refuse a table without its version: the next car would be compared with this one."""
+    if golden is not None and "@" not in golden and not Path(golden).is_dir():
+        raise typer.BadParameter(
+            f"{golden!r} names no version, and every car adds one; give {golden}@N or a path",
+            param_hint="--golden",
+        )
 
 
 def _check_out(inputs: list[Path], holdouts: list[Path], out: Path) -> None:
