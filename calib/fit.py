@@ -107,7 +107,7 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
     The order of the command line must not change a bit of the table. Raises LogError for a log
     that will not do, that is not of this vehicle, or that is there twice.
     """
-    _refuse_twice(logs)
+    refuse_twice(logs)
     ramps: list[Prepared] = []
     coasts: list[Prepared] = []
     for log in sorted(logs, key=lambda item: item.digest):
@@ -148,8 +148,8 @@ def _require_tyre(vehicle: Vehicle, found: Identified, z_max: float, ramps: list
         )
 
 
-def _refuse_twice(logs: list[Log]) -> None:
-    """A run given twice would count double and make the intervals too narrow."""
+def refuse_twice(logs: list[Log]) -> None:
+    """Refuse a run given twice: it would count double. Raises LogError."""
     seen: dict[str, str] = {}
     for log in logs:
         if log.digest in seen:

@@ -4,9 +4,6 @@ Nothing in it is fetched: style and figures are inside. Light and dark follow th
 on paper it is A4. Every string that comes from a file is escaped.
 """
 
-import base64
-from collections.abc import Sequence
-from dataclasses import replace
 from html import escape
 
 from calib.diagnose import words
@@ -15,9 +12,9 @@ from calib.diagnose.gap import UNITS
 from calib.diagnose.structure import Structure
 from calib.effects.catalogue import effect_named
 from calib.effects.empirical import DRIVERS
+from calib.html import figure, page, paragraph, section, table
 from calib.plots import diagnosis
 from calib.plots.sheet import Sheet
-from calib.report_style import STYLE
 
 VERDICTS = {
     "no_gap": "No gap",
@@ -39,7 +36,7 @@ def report_html(found: Diagnosis, title: str) -> str:
     drawn = diagnosis.sheet(found, title)
     parts = [
         _head(found, title),
-        _figure(drawn, (("speed",),), _alt_speed(found), "The hold-outs, replayed open loop: speed "
+        figure(drawn, (("speed",),), _alt_speed(found), "The hold-outs, replayed open loop: speed "
                 "of the replay less the measured speed, before and after what was found is added."),
         *(_effect(effect, found) for effect in found.effects),
         _unexplained(found, drawn),
@@ -48,15 +45,7 @@ def report_html(found: Diagnosis, title: str) -> str:
         _base(found),
         _method(found),
     ]  # fmt: skip
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        '<meta name="color-scheme" content="light dark">\n'
-        f"<title>{escape(title)}: {escape(diagnosis.heading(found))}</title>\n"
-        f"<style>{STYLE}</style>\n</head>\n<body>\n<main>\n"
-        + "\n".join(part for part in parts if part)
-        + "\n</main>\n</body>\n</html>\n"
-    )
+    return page(f"{title}: {diagnosis.heading(found)}", parts)
 
 
 def _head(found: Diagnosis, title: str) -> str:
@@ -76,7 +65,7 @@ def _head(found: Diagnosis, title: str) -> str:
         f'<header class="{found.verdict}">\n<p class="kind">{VERDICTS[found.verdict]}</p>\n'
         f"<h1>{escape(title)}</h1>\n"
         f'<p class="verdict">{escape(words.verdict(found))}</p>\n'
-        f"{_p(words.gap(found))}\n<dl>{shown}</dl>\n</header>"
+        f"{paragraph(words.gap(found))}\n<dl>{shown}</dl>\n</header>"
     )
 
 
@@ -94,22 +83,22 @@ def _effect(effect: Named, found: Diagnosis) -> str:
         for name, value in effect.parameters.items()
     ]
     rivals = words.rivals(effect)
-    return _section(
+    return section(
         words.plain(effect.name).capitalize(),
         '<dl class="card">'
         + "".join(f"<dt>{name}</dt><dd>{escape(text)}</dd>" for name, text in told)
         + "</dl>",
-        _table("Parameters that were found.", ("parameter", "value", "95 % interval"), rows),
+        table("Parameters that were found.", ("parameter", "value", "95 % interval"), rows),
         "<h3>Where it bites</h3>",
-        _p(words.where(effect)),
+        paragraph(words.where(effect)),
         "<h3>Evidence and runner-up</h3>",
-        _p(words.evidence(effect, found)),
-        _p(
+        paragraph(words.evidence(effect, found)),
+        paragraph(
             f"On the hold-outs, which took no part in the naming, the mean squared innovation "
             f"falls by {effect.gain_holdout:.2f}."
         ),
         "<h3>What it could be taken for</h3>",
-        _p(rivals or "Nothing else in the catalogue explains these logs as well."),
+        paragraph(rivals or "Nothing else in the catalogue explains these logs as well."),
     )
 
 
@@ -118,10 +107,10 @@ def _unexplained(found: Diagnosis, drawn: Sheet) -> str:
         return ""
     structure = found.unexplained
     driver = structure.term.driver
-    return _section(
+    return section(
         "What is known of the cause",
-        _p(words.unexplained(structure)),
-        _figure(
+        paragraph(words.unexplained(structure)),
+        figure(
             drawn,
             (("term",),),
             f"Line of {len(structure.term.knots)} points: the empirical term over {driver}. The "
@@ -129,7 +118,7 @@ def _unexplained(found: Diagnosis, drawn: Sheet) -> str:
             f"The empirical term that was added on the {words.plain(structure.term.place)}.",
         ),
         _term_table(structure),
-        _table(
+        table(
             "Other places and drivers, by the share of the unexplained that they take.",
             ("place", "depends on", "explained"),
             [
@@ -148,7 +137,7 @@ def _term_table(found: Structure) -> str:
         (f"{words.in_shown(knot, unit):.3g}", f"{100.0 * value:+.2f} %")
         for knot, value in zip(found.term.knots, found.term.values, strict=True)
     ]
-    return _table(
+    return table(
         "The empirical term; linear between its points.",
         (f"{found.term.driver} [{shown}]", f"change of {on}"),
         rows,
@@ -163,11 +152,11 @@ def _evidence(found: Diagnosis, drawn: Sheet) -> str:
     )
     if found.verdict == "no_gap":
         text += " None earned its place."
-    return _section(
+    return section(
         "What was tried",
-        _p(text),
-        _p(words.not_resolved(found)),
-        _figure(
+        paragraph(text),
+        paragraph(words.not_resolved(found)),
+        figure(
             drawn,
             (("evidence",),),
             f"Mean squared innovation by explanation: {'; '.join(tried)}. Noise alone is 1.",
@@ -194,9 +183,9 @@ def _gap(found: Diagnosis, drawn: Sheet) -> str:
     ]
     first = "replay" if same else "before"
     early = "".join(f"<li>{escape(line)}</li>" for line in words.early_ends(found))
-    return _section(
+    return section(
         "The gap on the hold-outs",
-        _figure(
+        figure(
             drawn,
             (("acceleration", "split"), ("gap", "gap")),
             "Three plots: acceleration and difference of wheel speeds, replay less measured, in "
@@ -205,12 +194,12 @@ def _gap(found: Diagnosis, drawn: Sheet) -> str:
             "The log with the largest gap, and the gap of every channel over the noise of its "
             "sensor.",
         ),
-        _table(
+        table(
             "Gap by channel: rms of replay less measurement, noise taken out; and the noise.",
             ("channel", first, *after, "noise"),
             channels,
         ),
-        _table(
+        table(
             "Gap by log, all channels together, in units of the sensors' noise.",
             ("log", first, *after),
             logs,
@@ -229,13 +218,13 @@ def _base(found: Diagnosis) -> str:
         (BASE.get(name, name), *_plain_value(value), nominal.get(name, ""))
         for name, value in found.base.items()
     ]
-    return _section(
+    return section(
         "Base parameters",
-        _p(
+        paragraph(
             "Pads and tyres differ from car to car and from day to day. They were identified anew "
             "beside whatever was found, and are no finding of their own."
         ),
-        _table(
+        table(
             "Base parameters as re-identified.",
             ("parameter", "value", "95 % interval", "vehicle file"),
             rows,
@@ -249,9 +238,9 @@ def _plain_value(found: Estimate) -> tuple[str, str]:
 
 def _method(found: Diagnosis) -> str:
     names = ", ".join(log.name for log in found.measured)
-    return _section(
+    return section(
         "How it was measured",
-        _p(
+        paragraph(
             "The calibration logs were compared with what the vehicle model says its sensors "
             "should read, in six channels: acceleration, drift of the speed, mean slip, front less "
             "rear, and left less right on both axles. The noise of each channel was read from the "
@@ -263,7 +252,7 @@ def _method(found: Diagnosis) -> str:
             "sample, over the sensors' noise. Intervals are 95 %, widened for what the model "
             "itself leaves out."
         ),
-        _p(
+        paragraph(
             "Beside this report lie diagnosis.json (all numbers), model.toml (the model with what "
             "was found, for brake-cal simulate --model), and the replays in sim/before and "
             "sim/after."
@@ -280,41 +269,3 @@ def _alt_speed(found: Diagnosis) -> str:
             ends = f"{after[-1]:+.2f} m/s"
         parts.append(f"{replay.measured.name} {ends}")
     return f"Error of the replayed speed over time. At the end of each log: {'; '.join(parts)}."
-
-
-def _figure(sheet: Sheet, rows: tuple[tuple[str, ...], ...], alt: str, caption: str) -> str:
-    """Panels of the sheet as one picture inside the document."""
-    from calib.plots.save import render
-
-    shown = {name for row in rows for name in row}
-    panels = tuple(p for p in sheet.panels if p.name in shown)
-    part = replace(sheet, title="", note="", panels=panels, rows=rows, heights=())
-    picture = base64.b64encode(render(part.overview(), ".svg")).decode()
-    return (
-        f'<figure><img src="data:image/svg+xml;base64,{picture}" alt="{escape(alt)}">'
-        f"<figcaption>{escape(caption)}</figcaption></figure>"
-    )
-
-
-def _section(heading: str, *parts: str) -> str:
-    inside = "\n".join(part for part in parts if part)
-    return f"<section>\n<h2>{escape(heading)}</h2>\n{inside}\n</section>"
-
-
-def _p(text: str) -> str:
-    return f"<p>{escape(text)}</p>" if text else ""
-
-
-def _table(caption: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table whose first column names its rows."""
-    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in heads)
-    body = "".join(
-        f'<tr><th scope="row">{escape(first)}</th>'
-        + "".join(f"<td>{escape(cell)}</td>" for cell in cells)
-        + "</tr>"
-        for first, *cells in rows
-    )
-    return (
-        f'<div class="wide"><table><caption>{escape(caption)}</caption>'
-        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
-    )

@@ -11,7 +11,7 @@ not depend on how a file format packs it.
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 import numpy as np
@@ -139,11 +139,16 @@ class LogReference:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Parents of a table: logs, settings, program version."""
+    """Parents of a table: logs, settings, program version.
+
+    ``identity`` says which car it was made for at a station: serial number, VIN and the like, see
+    `calib.station.identity`. A table made without one has none in its record either.
+    """
 
     logs: tuple[LogReference, ...]
     settings: dict[str, float]
     program: str
+    identity: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -178,6 +183,8 @@ class Table:
         for log in record["provenance"]["logs"]:
             if not log["notes"]:  # as tables were written before a reader had anything to say
                 del log["notes"]
+        if not self.provenance.identity:
+            del record["provenance"]["identity"]
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
         return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
 
@@ -218,6 +225,7 @@ class Table:
                 ),
                 settings=provenance["settings"],
                 program=provenance["program"],
+                identity=dict(provenance.get("identity", {})),
             ),
             remarks=tuple(r.pop("remarks")),
             empirical=_term(term),

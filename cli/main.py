@@ -17,10 +17,12 @@ from cli import (
     effects,
     fit,
     fleet,
+    limits,
     maps,
     plot,
     repeatability,
     simulate,
+    station,
     tables,
     validate,
 )
@@ -60,6 +62,7 @@ app = typer.Typer(
 app.command(epilog=check.EPILOG)(check.check)
 app.command(epilog=fit.EPILOG)(fit.fit)
 app.command(epilog=validate.EPILOG)(validate.validate)
+app.command(epilog=station.EPILOG)(station.station)
 app.command(epilog=plot.EPILOG)(plot.plot)
 app.command(epilog=simulate.EPILOG)(simulate.simulate)
 app.command(epilog=diagnose.EPILOG, cls=diagnose.Greedy)(diagnose.diagnose)
@@ -70,6 +73,7 @@ app.command(epilog=demo.EPILOG)(demo.demo)
 app.add_typer(maps.app, name="map")
 app.add_typer(tables.app, name="tables")
 app.add_typer(fleet.app, name="fleet")
+app.add_typer(limits.app, name="limits")
 
 
 def _print_version(wanted: bool) -> None:

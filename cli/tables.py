@@ -151,6 +151,7 @@ def _facts(stored: "Stored") -> str:
         ("table", stored.id),
         ("digest", stored.digest),
         ("vehicle", f"{vehicle.name}, {vehicle.mass:g} kg, wheelbase {vehicle.wheelbase:g} m"),
+        *table.provenance.identity.items(),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *(
             (effect, f"{parameter} {_interval(value)} {_unit(effect, parameter)}")

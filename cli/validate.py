@@ -119,10 +119,19 @@ def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -
 
 
 def _limits(path: Path | None) -> "tuple[Limit, ...]":
+    from calib.errors import LimitsError
     from calib.limits import DEFAULTS, read_limits
     from calib.scores import FIGURES
+    from calib.station.figures import FIGURES as OF_CAR
 
-    return read_limits(path, set(FIGURES)) if path else DEFAULTS
+    if path is None:
+        return DEFAULTS
+    limits = tuple(x for x in read_limits(path, {*FIGURES, *OF_CAR}) if x.figure in FIGURES)
+    if not limits:
+        raise LimitsError(
+            "no limit for a stop", where=path, do="judge the car with `brake-cal station`"
+        )
+    return limits
 
 
 def _report(results: "list[Validation]") -> None:

@@ -40,7 +40,8 @@ LAYERS = """
     diagnose
     fleet
     plots report_style
-    report fleet_report demo
+    html
+    report fleet_report station demo
 """
 """A file imports from rows above its own, or from its own row where that makes no circle."""
 

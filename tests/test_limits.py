@@ -115,6 +115,57 @@ def test_ends_belong_to_the_range():
     ]
 
 
+def test_a_warning_lies_between_pass_and_fail(tmp_path):
+    path = write(
+        tmp_path,
+        "schema = 1\n[limits]\neta_zero = { fail = [-2, 2], warn = [-1, inf] }\n"
+        "valid_share = { min = 0.5, warn = [0.8, inf] }\n",
+    )
+    limits = read_limits(path, KNOWN)
+    assert limits == (
+        Limit("eta_zero", -2.0, 2.0, -1.0, None),
+        Limit("valid_share", 0.5, None, 0.8, None),
+    )
+    verdicts = [judge(limits[:1], {"eta_zero": x})[0].verdict for x in (-3, -1.5, -1, 2, 2.1)]
+    assert verdicts == ["failed", "warning", "passed", "passed", "failed"]
+
+
+@given(
+    value=st.floats(-3, 3) | st.none(),
+    fail=st.floats(1, 2),
+    warn=st.floats(0, 1),
+    required=st.booleans(),
+)
+def test_a_wider_range_never_judges_harder(value, fail, warn, required):
+    order = ["passed", "warning", "failed"]
+    (narrow,) = judge((Limit("a", -fail, fail, -warn, warn, required),), {"a": value})
+    (wide,) = judge((Limit("a", -fail - 1, fail + 1, -warn - 1, warn + 1, required),), {"a": value})
+    if value is None:
+        assert narrow.verdict == wide.verdict == ("failed" if required else "not known")
+    else:
+        assert order.index(wide.verdict) <= order.index(narrow.verdict)
+
+
+@pytest.mark.parametrize(
+    ("spec", "says"),
+    [
+        ("{ fail = [0, 1], min = 0 }", "has both fail and min"),
+        ("{ fail = 3 }", "expected [LOW, HIGH]"),
+        ("{ fail = [0] }", "expected [LOW, HIGH]"),
+        ("{ fail = [0, nan] }", "expected [LOW, HIGH]"),
+        ("{ fail = ['0', 1] }", "expected [LOW, HIGH]"),
+        ("{ fail = [2, 1] }", "2 to 1 is no range"),
+        ("{ warn = [inf, inf] }", "is no range"),
+        ("{ fail = [0, 1], warn = [-1, 1] }", "warn -1 lies beyond fail 0"),
+        ("{ fail = [0, 1], warn = [0, 2] }", "warn 2 lies beyond fail 1"),
+        ("{ required = true }", "valid_share ="),
+        ("{ min = 0, required = 1 }", "expected true or false"),
+    ],
+)
+def test_what_is_no_range(tmp_path, spec, says):
+    assert says in refusal(write(tmp_path, f"schema = 1\n[limits]\nvalid_share = {spec}\n"))
+
+
 def test_what_is_not_there_is_not_judged():
     judged = judge((Limit("a", 0.0, None), Limit("b", 0.0, None)), {"a": None})
     assert [j.passed for j in judged] == [None, None]

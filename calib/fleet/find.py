@@ -76,4 +76,4 @@ def _within(path: str, own: str) -> bool:
 
 def _is_log(path: str) -> bool:
     name = os.path.basename(path)
-    return os.path.splitext(name)[1].lower() in FORMATS and not name.startswith(".")
+    return name.lower().endswith(FORMATS) and not name.startswith(".")

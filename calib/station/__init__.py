@@ -1,0 +1,1 @@
+"""The end of the line: one car, one verdict, one report."""

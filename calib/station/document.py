@@ -1,0 +1,66 @@
+"""`station.json`: identifiers, verdict, every check, what it rests on. No clock, no path.
+
+The same logs, limits and identifiers give the same bytes, whenever and wherever they are run.
+"""
+
+import json
+import math
+from typing import Any
+
+from calib import __version__
+from calib.station.advice import action
+from calib.station.station import Check, Outcome
+from calib.validate import to_dict as validation_dict
+from calib.version import Stored
+
+SCHEMA = 1
+
+
+def to_dict(found: Outcome, stored: Stored, files: list[str]) -> dict[str, Any]:
+    """The document as plain data; ``files`` are those that lie beside it."""
+    return {
+        "schema": SCHEMA,
+        "verdict": found.verdict,
+        "identity": found.identity.given(),
+        "vehicle": found.table.vehicle.name,
+        "table": {"id": stored.id, "digest": stored.digest},
+        "golden": found.golden or None,
+        "program": f"brake-cal {__version__}",
+        "counts": found.counts(),
+        "checks": [_check(check) for check in found.checks],
+        "figures": {name: _finite(value) for name, value in found.figures.items()},
+        "logs": [
+            {"log": log.name, "digest": log.digest, "role": role}
+            for role, logs in (("ramp", found.ramps), ("coast", found.coasts))
+            for log in logs
+        ]
+        + [{"log": r.log, "digest": r.digest, "role": r.role} for r in found.results],
+        "validation": validation_dict(stored.id, list(found.results)),
+        "remarks": list(found.table.remarks),
+        "caveats": [{"log": name, "caveat": text} for name, text in found.caveats],
+        "files": files,
+    }
+
+
+def to_text(document: dict[str, Any]) -> str:
+    """The document as it is written."""
+    return json.dumps(document, indent=2, allow_nan=False) + "\n"
+
+
+def _check(check: Check) -> dict[str, Any]:
+    j = check.judgement
+    bad = check.verdict in ("failed", "warning")
+    return {
+        "scope": check.scope,
+        "figure": check.figure,
+        "meaning": check.meaning,
+        "value": _finite(j.value),
+        "fail": [j.low, j.high],
+        "warn": [j.warn_low, j.warn_high],
+        "verdict": check.verdict,
+        "action": action(check.figure) if bad else None,
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)

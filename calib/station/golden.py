@@ -1,0 +1,49 @@
+"""How far a car's table lies from the golden table of its model: D(eta) against D(eta).
+
+Both are compared where both are measured. D = C (eta - 1) depends on the road, so the golden table
+has to be one of the same track.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.table import Table
+
+Array = NDArray[np.float64]
+
+OVERLAP = 0.5
+"""Share of the golden table's range of eta that must be common for a distance to mean anything."""
+
+
+@dataclass(frozen=True)
+class Distance:
+    """``relative``: largest departure of D over the golden peak [1]; ``bands``: the same over the
+    combined 95 % half widths [1], so that at 1 the difference is just resolved; ``at`` its eta [1].
+    """
+
+    relative: float
+    bands: float
+    at: float
+
+
+def distance(table: Table, golden: Table) -> Distance | None:
+    """Largest departure of D(eta); None where less than half of the golden range is common."""
+    ours, theirs = table.difference, golden.difference
+    end = float(min(ours.eta[-1], theirs.eta[-1]))
+    if end - 1.0 < OVERLAP * (float(theirs.eta[-1]) - 1.0):
+        return None
+    # both are straight between their rows, so that they are farthest apart at a row of one of them
+    rows = np.union1d(ours.eta, theirs.eta)
+    eta = rows[(rows > 1.0) & (rows <= end)]
+    a, b = (np.interp(eta, d.eta, d.D) for d in (ours, theirs))
+    widths = [0.5 * np.interp(eta, d.eta, d.upper - d.lower) for d in (ours, theirs)]
+    apart: Array = np.abs(a - b)
+    worst = int(np.argmax(apart))
+    width = np.hypot(*widths)
+    return Distance(
+        relative=float(apart[worst]) / abs(theirs.peak[1]),
+        bands=float(np.max(apart / np.where(width > 0.0, width, np.inf))),
+        at=float(eta[worst]),
+    )

@@ -1,0 +1,49 @@
+"""Which car stood at which station: the words that line systems know it by."""
+
+from dataclasses import dataclass, fields
+
+LONGEST = 64
+"""Characters of an identifier; a VIN has 17."""
+
+
+@dataclass(frozen=True)
+class Identity:
+    """Identifiers of a run at the line, each None where none was given.
+
+    ``serial`` of the car or brake control unit; ``vin``; ``station`` where it ran; ``rxswin`` the
+    software identification of UN R156.
+    """
+
+    serial: str | None = None
+    vin: str | None = None
+    station: str | None = None
+    rxswin: str | None = None
+
+    def given(self) -> dict[str, str]:
+        """The identifiers that were given, by name.
+
+        >>> Identity(vin="WVWZZZ1JZXW000001").given()
+        {'vin': 'WVWZZZ1JZXW000001'}
+        """
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+    def flaw(self) -> tuple[str, str] | None:
+        """Name of the first identifier that is none, and why; None if all will do."""
+        for name, value in self.given().items():
+            if not value.strip():
+                return name, "is empty"
+            if len(value) > LONGEST:
+                return name, f"has {len(value)} characters, at most {LONGEST} are taken"
+            if not value.isprintable():
+                return name, "holds characters that cannot be printed"
+        return None
+
+
+TITLES = {
+    "serial": "Serial number",
+    "vin": "VIN",
+    "station": "Station",
+    "rxswin": "RXSWIN",
+}
+"""What each is called in a report."""

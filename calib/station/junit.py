@@ -1,0 +1,58 @@
+"""JUnit XML of a car, for the line's systems: one test case a check, classes by scope.
+
+A warning passes and says so in `system-out`; a figure that is not known is skipped.
+"""
+
+from xml.etree import ElementTree
+
+from calib.limits import FAILED, NOT_KNOWN, WARNING
+from calib.station.advice import action
+from calib.station.station import Check, Outcome
+from calib.station.words import sentence
+from calib.version import Stored
+
+
+def junit_xml(found: Outcome, stored: Stored) -> bytes:
+    """The document. Times are nought: the same car gives the same bytes."""
+    n = found.counts()
+    totals = {
+        "tests": str(len(found.checks)),
+        "failures": str(n[FAILED]),
+        "errors": "0",
+        "skipped": str(n[NOT_KNOWN]),
+        "time": "0",
+    }
+    root = ElementTree.Element("testsuites", totals)
+    suite = ElementTree.SubElement(root, "testsuite", {"name": "brake-cal station", **totals})
+    properties = ElementTree.SubElement(suite, "properties")
+    told = {
+        "verdict": found.verdict,
+        "table": stored.id,
+        "digest": stored.digest,
+        **found.identity.given(),
+    }
+    for name, value in told.items():
+        ElementTree.SubElement(properties, "property", {"name": name, "value": _clean(value)})
+    for check in found.checks:
+        _case(suite, check)
+    ElementTree.indent(root)
+    text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _case(suite: ElementTree.Element, check: Check) -> None:
+    names = {"classname": _clean(check.scope), "name": check.figure, "time": "0"}
+    case = ElementTree.SubElement(suite, "testcase", names)
+    if check.verdict == FAILED:
+        failure = ElementTree.SubElement(case, "failure", {"message": _clean(sentence(check))})
+        failure.text = action(check.figure)
+    elif check.verdict == NOT_KNOWN:
+        ElementTree.SubElement(case, "skipped", {"message": "the logs cannot give this figure"})
+    elif check.verdict == WARNING:
+        said = ElementTree.SubElement(case, "system-out")
+        said.text = f"warning: {_clean(sentence(check))}. {action(check.figure)}"
+
+
+def _clean(text: str) -> str:
+    """``text`` without what XML 1.0 cannot hold; a log may be named in any bytes."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)

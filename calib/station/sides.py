@@ -1,0 +1,91 @@
+"""Left against right: how much harder one brake of an axle grips than its twin.
+
+slip of each wheel, zeroed on the unbraked part --> (20)
+dF/F = k ds/s with k = s g'(s)/g(s), the steepness of the table's tyre curve
+
+Needs a reference speed. A bend or a crowned road looks the same as a difference of the brakes.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.axles import BLOCK, Estimate
+from calib.course import MOVING, Course, course_of
+from calib.forces import slip
+from calib.logs.log import Log
+from calib.table import Table, TyreCurve
+
+Array = NDArray[np.float64]
+
+LOW, HIGH = 0.10, 0.40
+"""Deceleration [1] between which it is read: below slip is lost in noise, above the tyre bends."""
+
+WIDEST = 0.05
+"""Half width of the 95 % interval [1] beyond which the difference counts as not known."""
+
+FEWEST = 8
+"""Blocks of 0.2 s below which a scatter says nothing."""
+
+
+def side_difference(table: Table, log: Log, axle: str) -> Estimate | None:
+    """Brake force left less right over their mean [1], of ``axle`` "f" or "r".
+
+    Where the log knows both pressures of the axle their difference is taken out, so that what is
+    left is that of the pads. None where the log cannot tell: no reference speed, too little
+    braking between 0.1 and 0.4 g, or an interval wider than +-``WIDEST``.
+    """
+    if "v" not in log:
+        return None
+    course = course_of(log)
+    left, right = (_slip(table, log, course, f"{axle}{side}") for side in "lr")
+    free = _means(left - right, course.unbraked, course)
+    use = course.braked & (course.z > LOW) & (course.z < HIGH) & (course.speed > MOVING)
+    mean, apart = (_means(x, use, course) for x in (0.5 * (left + right), left - right))
+    if free.size < 3 or apart.size < FEWEST:
+        return None
+    mean = mean - np.mean(_means(0.5 * (left + right), course.unbraked, course))
+    found = _slope(mean / _steepness(table.tyre, mean), apart - np.mean(free), free)
+    if found is None or found.half > WIDEST:
+        return None
+    return Estimate(found.value - _pressures(log, axle, use), found.half)
+
+
+def _slip(table: Table, log: Log, course: Course, wheel: str) -> Array:
+    """Slip of one wheel [1] (n,), (19), (20), not zeroed."""
+    of = table.vehicle.front if wheel[0] == "f" else table.vehicle.rear
+    return slip(of, log[f"omega_{wheel}"], np.maximum(log["v"], 1.0))
+
+
+def _means(x: Array, mask: NDArray[np.bool_], course: Course) -> Array:
+    n = max(1, round(BLOCK / course.step))
+    count = int(mask.sum()) // n
+    return np.asarray(x[mask][: count * n].reshape(count, n).mean(axis=1))
+
+
+def _steepness(tyre: TyreCurve, s: Array) -> Array:
+    """k = s g'(s)/g(s) [1] of the tyre curve at slip ``s``; 1 on its straight part."""
+    slope = np.gradient(tyre.force, tyre.slip)
+    force = np.interp(s, tyre.slip, tyre.force)
+    k = s * np.interp(s, tyre.slip, slope) / np.where(force > 0.0, force, np.inf)
+    return np.asarray(np.clip(np.where(k > 0.0, k, 1.0), 0.2, 1.0))
+
+
+def _slope(x: Array, y: Array, free: Array) -> Estimate | None:
+    """Slope of y = d x through nought, its interval with that of the zero of ``free``."""
+    power = float(x @ x)
+    if power == 0.0:
+        return None
+    from scipy.special import stdtrit
+
+    slope = float(x @ y) / power
+    spread = float(np.std(y - slope * x, ddof=1)) / np.sqrt(power)
+    zero = float(np.std(free, ddof=1)) / np.sqrt(free.size) * abs(float(np.sum(x))) / power
+    return Estimate(slope, float(stdtrit(y.size - 1, 0.975)) * float(np.hypot(spread, zero)))
+
+
+def _pressures(log: Log, axle: str, use: NDArray[np.bool_]) -> float:
+    """Left less right over their mean of the wheel pressures [1]; nought where not logged."""
+    if f"p_{axle}l" not in log or f"p_{axle}r" not in log:
+        return 0.0
+    left, right = (float(np.mean(log[f"p_{axle}{side}"][use])) for side in "lr")
+    return 2.0 * (left - right) / (left + right) if left + right > 0.0 else 0.0

@@ -1,0 +1,139 @@
+"""The verdict on one car: fitted, proved on its stops, every figure held against its limit.
+
+ramps, coasts --> table --> stops --> figures --> checks --> passed, warning or failed
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from calib.check import check
+from calib.errors import LogError
+from calib.fit import fit
+from calib.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
+from calib.logs.log import Log
+from calib.scores import FIGURES as OF_STOPS
+from calib.station.figures import FIGURES as OF_CAR
+from calib.station.figures import Car, figures_of
+from calib.station.identity import Identity
+from calib.table import Table
+from calib.validate import Validation, validate_one
+from calib.vehicle import Vehicle
+
+CAR = "car"
+"""Scope of a check on the car as a whole; that of a check on a stop is the name of its log."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One figure held against its limit: ``scope`` is `CAR` or the name of a hold-out."""
+
+    scope: str
+    judgement: Judgement
+
+    @property
+    def figure(self) -> str:
+        """Name of the figure."""
+        return self.judgement.figure
+
+    @property
+    def meaning(self) -> str:
+        """What the figure is, with its unit."""
+        return OF_CAR[self.figure] if self.scope == CAR else OF_STOPS[self.figure]
+
+    @property
+    def verdict(self) -> str:
+        """`passed`, `warning`, `failed` or `not known`."""
+        return self.judgement.verdict
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """All that is known of the car after its run at the station.
+
+    ``logs`` of the ramps and coasts first, as given; ``results`` of the hold-outs in their order;
+    ``caveats`` what `brake-cal check` has to say of a log, by its name; ``golden`` the id of the
+    golden table, "" without one.
+    """
+
+    table: Table
+    identity: Identity
+    ramps: tuple[Log, ...]
+    coasts: tuple[Log, ...]
+    results: tuple[Validation, ...]
+    figures: dict[str, float | None]
+    checks: tuple[Check, ...]
+    caveats: tuple[tuple[str, str], ...] = ()
+    golden: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """`failed` if any check fails, else `warning` if any warns, else `passed`."""
+        found = {check.verdict for check in self.checks}
+        return next((word for word in (FAILED, WARNING) if word in found), PASSED)
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing fails; a warning passes."""
+        return self.verdict != FAILED
+
+    def with_verdict(self, word: str) -> list[Check]:
+        """Checks of one verdict, in order."""
+        return [check for check in self.checks if check.verdict == word]
+
+    def counts(self) -> dict[str, int]:
+        """How many checks came out how."""
+        return {word: len(self.with_verdict(word)) for word in (PASSED, WARNING, FAILED, NOT_KNOWN)}
+
+
+def table_of(
+    vehicle: Vehicle, ramps: Sequence[Log], coasts: Sequence[Log], identity: Identity
+) -> Table:
+    """Fit the table of the car, which says in its provenance which car it is.
+
+    Raises LogError where a ramp holds no braking or a coast does: it was given in the wrong place.
+    """
+    table = fit(vehicle, [*ramps, *coasts])
+    roles = {log.digest: log.role for log in table.provenance.logs}
+    for told, logs in (("ramp", ramps), ("coast", coasts)):
+        for log in logs:
+            if roles[log.digest] != told:
+                raise LogError(
+                    f"given as a {told}, and it is a {roles[log.digest]}",
+                    where=log.source,
+                    do="the ramp comes first, further ones with --ramp, coasts with --coast",
+                )
+    return replace(table, provenance=replace(table.provenance, identity=identity.given()))
+
+
+def validated(table: Table, log: Log, limits: Sequence[Limit]) -> Validation:
+    """Validate one hold-out. Raises LogError where the table was fitted on it: no proof."""
+    result = validate_one(table, log, None, tuple(x for x in limits if x.figure in OF_STOPS))
+    if result.role == "calibration":
+        raise LogError(
+            "the table is fitted on this log, which proves nothing as a hold-out",
+            where=log.source,
+            do="give each run once: the ramp first, then stops that took no part",
+        )
+    return result
+
+
+def outcome(
+    car: Car, coasts: Sequence[Log], limits: Sequence[Limit], identity: Identity, golden: str = ""
+) -> Outcome:
+    """Judge the car and gather everything. ``golden`` is the id of ``car.golden``."""
+    logs = (*car.ramps, *coasts, *car.stops)
+    figures = figures_of(car)
+    of_car = judge(tuple(x for x in limits if x.figure in OF_CAR), figures)
+    checks = [Check(CAR, j) for j in of_car]
+    checks += [Check(r.log, j) for r in car.results for j in r.judgements]
+    return Outcome(
+        table=car.table,
+        identity=identity,
+        ramps=tuple(car.ramps),
+        coasts=tuple(coasts),
+        results=tuple(car.results),
+        figures=figures,
+        checks=tuple(checks),
+        caveats=tuple((log.name, text) for log in logs for text in check(log).warnings),
+        golden=golden,
+    )

@@ -1,0 +1,59 @@
+"""A check in words: value, limit and what became of it, for people and for line systems alike."""
+
+from calib.limits import FAILED, NOT_KNOWN, WARNING
+from calib.station.station import CAR, Check, Outcome
+
+HEADINGS = {
+    "passed": "Passed",
+    "warning": "Passed with warnings",
+    "failed": "Failed",
+}
+"""The verdict on a car, as a heading."""
+
+
+def shown(value: float | None, digits: int = 4) -> str:
+    """A figure with so many digits."""
+    return "not known" if value is None else f"{value:.{digits}g}"
+
+
+def bounds(low: float | None, high: float | None) -> str:
+    """A range in words: `0.8 to 1.2`, `at least 0.7`, `at most 0.1`.
+
+    >>> bounds(None, 0.1)
+    'at most 0.1'
+    """
+    if low is None and high is None:
+        return "none"
+    if low is None or high is None:
+        return f"at most {high:g}" if high is not None else f"at least {low:g}"
+    return f"{low:g} to {high:g}"
+
+
+def sentence(check: Check) -> str:
+    """What a check says: `side_difference_f of the car is 0.31; the limit is -0.2 to 0.2`."""
+    j = check.judgement
+    of = "of the car" if check.scope == CAR else f"of the stop {check.scope}"
+    if j.value is None:
+        return f"{check.figure} {of} is not known, and it is required"
+    warns = check.verdict == WARNING
+    limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
+    kind = "a warning is given outside" if warns else "the limit is"
+    return f"{check.figure} {of} is {shown(j.value)}; {kind} {limit}"
+
+
+def in_full(check: Check) -> str:
+    """The same for a reader who does not know the names: what it is, value, limit."""
+    j = check.judgement
+    warns = check.verdict == WARNING
+    limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
+    of = "" if check.scope == CAR else f"stop {check.scope}, "
+    kind = "no warning" if warns else "limit"
+    return f"{of}{check.meaning}: {shown(j.value)}; {kind}: {limit}"
+
+
+def summary(found: Outcome) -> str:
+    """The verdict in a sentence with its counts."""
+    n = found.counts()
+    parts = [f"{n[FAILED]} failed", f"{n[WARNING]} with a warning", f"{n[NOT_KNOWN]} not known"]
+    named = [part for part in parts if not part.startswith("0 ")]
+    return f"{len(found.checks)} checks: " + (", ".join(named) or "all passed")

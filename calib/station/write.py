@@ -1,0 +1,57 @@
+"""Every file of a run at the station, made in one folder before any is shown to anybody."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from calib.exports.build import build
+from calib.exports.formats import FORMATS, Order
+from calib.exports.quality import read_quality
+from calib.files import write_whole
+from calib.results import SUMMARY, write_results
+from calib.station.document import to_dict, to_text
+from calib.station.folder import DOCUMENT, JUNIT, REPORT
+from calib.station.junit import junit_xml
+from calib.station.report import report_html
+from calib.station.station import Outcome
+from calib.validate import to_dict as validation_dict
+from calib.version import Stored
+
+ENDINGS = {
+    "json": "json",
+    "csv": "csv",
+    "parquet": "parquet",
+    "dcm": "dcm",
+    "cdfx": "cdfx",
+    "c-header": "h",
+    "inca-csv": "inca.csv",
+}
+"""What an export is called: table.ENDING."""
+
+DATED = ("cdfx",)
+"""Formats that hold the date on which they were written."""
+
+
+def write_all(
+    found: Outcome, stored: Stored, forms: Sequence[str], date: str, work: Path
+) -> dict[str, Any]:
+    """Write everything into ``work`` and return the document of `station.json`.
+
+    A car that failed gets no exports: nothing of it must reach an ECU. ``date`` is for `DATED`.
+    Raises OSError, ExchangeError.
+    """
+    write_results(list(found.results), validation_dict(stored.id, list(found.results)), work)
+    if found.passed:
+        _write_exports(stored, forms, date, work)
+    write_whole(work / JUNIT, junit_xml(found, stored))
+    write_whole(work / REPORT, report_html(found, stored).encode())
+    document = to_dict(found, stored, sorted(path.name for path in work.iterdir()))
+    write_whole(work / DOCUMENT, to_text(document).encode())
+    return document
+
+
+def _write_exports(stored: Stored, forms: Sequence[str], date: str, work: Path) -> None:
+    data = build(stored, None, read_quality(work / SUMMARY, stored.id))
+    for form in dict.fromkeys(forms):
+        content = FORMATS[form](Order(data, stored, date))
+        write_whole(work / f"table.{ENDINGS[form]}", content)

@@ -1,0 +1,51 @@
+"""`brake-cal limits`: the documented limits file."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cli.console import emit_json, say
+from cli.options import Json, example
+
+EPILOG = example("brake-cal limits init --out line.toml")
+app = typer.Typer(no_args_is_help=True, help="Limits of a car and of its stops.", epilog=EPILOG)
+
+
+@app.command(epilog=EPILOG)
+def init(
+    out: Annotated[
+        Path | None, typer.Option(metavar="L.toml", help="File to write; stdout without.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    json: Json = False,
+) -> None:
+    """Write every limit with its meaning, unit, default and reason, ready to be edited.
+
+    With --json the same as one document, beside the file if there is one.
+    """
+    from calib.station.advice import ADVICE
+    from calib.station.limits_file import limits_file
+
+    text = limits_file()
+    if out is not None:
+        _write(text, out, force)
+    if json:
+        emit_json({"schema": 1, "limits": ADVICE})
+    elif out is None:
+        typer.echo(text, nl=False)
+
+
+def _write(text: str, out: Path, force: bool) -> None:
+    from calib.files import write_whole
+
+    if out.exists() and (out.is_dir() or not force):
+        what = "is a directory" if out.is_dir() else "exists; --force replaces it"
+        raise typer.BadParameter(f"{out} {what}", param_hint="--out")
+    try:
+        write_whole(out, text.encode())
+    except OSError as error:
+        raise typer.BadParameter(
+            f"{out} cannot be written ({error.strerror})", param_hint="--out"
+        ) from error
+    say(f"wrote {out}")

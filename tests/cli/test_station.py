@@ -1,0 +1,134 @@
+"""`brake-cal station` as the line runs it."""
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
+RAMP, REPEAT, COAST, DRY, ONTO_BASALT, WET, VEHICLE = (
+    SEDAN / name
+    for name in (
+        "ramp_wet_asphalt.csv",
+        "ramp_wet_asphalt_repeat.csv",
+        "coast.csv",
+        "dry_asphalt_stop.csv",
+        "transition_dry_to_basalt.csv",
+        "basalt_wet_pads.csv",
+        "vehicle.toml",
+    )
+)
+
+
+@pytest.fixture
+def station(brake_cal, tmp_path):
+    def run(*words, stops=(DRY, ONTO_BASALT), ramp=RAMP):
+        told = ("--vehicle", VEHICLE, "--out", tmp_path / "car", "--store", tmp_path / "tables")
+        return brake_cal("station", ramp, *stops, *told, *words)
+
+    return run
+
+
+def content(folder):
+    return {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+def test_a_good_car_and_the_same_bytes_again(station, tmp_path):
+    words = ("--coast", COAST, "--serial", "0815", "--vin", "WVW1", "--export", "dcm", "--json")
+    first = station(*words)
+    assert first.code == 0, first.err
+    before = content(tmp_path)
+    again = station(*words)
+    assert (again.code, again.out) == (0, first.out)
+    assert content(tmp_path) == before
+    assert {p.name for p in (tmp_path / "car").iterdir()} == {
+        "station.json", "junit.xml", "report.html", "summary.json", "table.dcm",
+        "dry_asphalt_stop.parquet", "transition_dry_to_basalt.parquet",
+    }  # fmt: skip
+    assert len(list((tmp_path / "tables" / "sedan-2up").iterdir())) == 1
+
+
+def test_the_document_holds_together(station, tmp_path):
+    ran = station("--serial", "0815", "--rxswin", "R79", "--station", "EOL 3", "--json")
+    document = json.loads(ran.out)
+    assert document == json.loads((tmp_path / "car" / "station.json").read_text())
+    assert document["schema"] == 1
+    assert document["identity"] == {"serial": "0815", "station": "EOL 3", "rxswin": "R79"}
+    verdicts = [check["verdict"] for check in document["checks"]]
+    assert {word: verdicts.count(word) for word in document["counts"]} == document["counts"]
+    for check in document["checks"]:
+        assert set(check) == {
+            "scope", "figure", "meaning", "value", "fail", "warn", "verdict", "action"
+        }  # fmt: skip
+        assert (check["action"] is None) == (check["verdict"] in ("passed", "not known"))
+    assert [log["role"] for log in document["logs"]] == ["ramp", "hold-out", "hold-out"]
+    record = json.loads((tmp_path / "tables/sedan-2up/v0001/record.json").read_text())
+    assert record["record"]["provenance"]["identity"] == document["identity"]
+    assert record["digest"] == document["table"]["digest"]
+    suite = ElementTree.parse(tmp_path / "car" / "junit.xml").getroot()[0]
+    assert int(suite.get("tests")) == len(document["checks"])
+
+
+def test_a_car_that_fails_loses_its_exports(station, tmp_path):
+    assert station("--export", "dcm").code == 0
+    assert (tmp_path / "car" / "table.dcm").exists()
+    ran = station("--export", "dcm", stops=(DRY, WET))
+    assert ran.code == 1
+    assert "failed: repeatability_f of the car" in ran.out
+    assert not (tmp_path / "car" / "table.dcm").exists()
+    assert json.loads((tmp_path / "car" / "station.json").read_text())["verdict"] == "failed"
+
+
+def test_warnings_pass(station, tmp_path):
+    limits = tmp_path / "limits.toml"
+    limits.write_text(
+        "schema = 1\n[limits]\npad_scale = { fail = [0.5, 2.0], warn = [1.5, 1.9] }\n"
+        "valid_share = { min = 0.5 }\n"
+    )
+    ran = station("--limits", limits)
+    assert ran.code == 0
+    assert "warning: pad_scale of the car" in ran.out
+    assert "Passed with warnings" in ran.out
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        (("--export", "dmc"), 2, "did you mean 'dcm'"),
+        (("--export", "cdfx"), 2, "give one, so that the same run gives the same bytes"),
+        (("--date", "31.3.2025"), 2, "is no date"),
+        (("--vin", ""), 2, "is empty"),
+        (("--golden", "sedan-2up"), 2, "names no version"),
+        (("--golden", "sedan@1"), 4, "no table store here"),
+        (("--limits", "none.toml"), 3, "no such file"),
+        (("--coast", DRY), 3, "will not do for a fit"),
+        (("--coast", RAMP), 3, "give each run once"),
+        (
+            ("--coast", SEDAN / "ramp_wet_asphalt_repeat.csv"),
+            3,
+            "given as a coast, and it is a ramp",
+        ),
+        (("--ramp", COAST), 3, "given as a ramp, and it is a coast"),
+    ],
+)
+def test_refusals_leave_nothing(station, tmp_path, words, code, says):
+    ran = station(*words)
+    assert ran.code == code, ran.err
+    assert says in " ".join(ran.err.split())
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("ramp", "stops", "code"), [(DRY, (WET,), 3), (RAMP, (RAMP,), 3), (RAMP, (DRY, DRY), 2)]
+)
+def test_logs_in_the_wrong_place(station, tmp_path, ramp, stops, code):
+    assert station(ramp=ramp, stops=stops).code == code
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_damaged_store_is_told(station, tmp_path):
+    assert station().code == 0
+    curve = tmp_path / "tables/sedan-2up/v0001/tyre.parquet"
+    curve.write_bytes(b"x" + curve.read_bytes()[1:])
+    assert station().code == 4

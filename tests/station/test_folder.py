@@ -1,0 +1,60 @@
+"""All or nothing, and nothing stale."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from calib.station.folder import DOCUMENT, publish, workshop
+
+
+def put(work, **files):
+    listed = [name.replace("_", ".") for name in files]
+    for name, text in files.items():
+        (work / name.replace("_", ".")).write_text(text)
+    (work / DOCUMENT).write_text(json.dumps({"files": listed}))
+
+
+def test_exports_of_an_earlier_run_go_and_other_files_stay(tmp_path):
+    out = tmp_path / "car"
+    with workshop(out) as work:
+        put(work, table_dcm="old", report_html="old")
+        publish(work, out)
+    (out / "notes.txt").write_text("mine")
+    with workshop(out) as work:
+        put(work, report_html="new")
+        paths = publish(work, out)
+    assert paths[-1] == out / DOCUMENT
+    assert {p.name for p in out.iterdir()} == {"notes.txt", "report.html", DOCUMENT}
+    assert (out / "report.html").read_text() == "new"
+    assert [p.name for p in tmp_path.iterdir()] == ["car"]
+
+
+@pytest.mark.parametrize("listed", [["../precious"], ["/etc/passwd"], [3], "x", None])
+def test_a_listing_cannot_lead_out_of_the_folder(tmp_path, listed):
+    out = tmp_path / "car"
+    out.mkdir()
+    (tmp_path / "precious").write_text("kept")
+    (out / DOCUMENT).write_text(json.dumps({"files": listed}))
+    with workshop(out) as work:
+        put(work, report_html="new")
+        publish(work, out)
+    assert (tmp_path / "precious").read_text() == "kept"
+
+
+def test_a_move_that_fails_leaves_no_verdict(tmp_path, monkeypatch):
+    out, moved, move = tmp_path / "car", [], os.replace
+
+    def failing(source, target):
+        if len(moved) == 1:
+            raise OSError(28, "no space left")
+        moved.append(Path(target))
+        move(source, target)
+
+    monkeypatch.setattr("calib.station.folder.os.replace", failing)
+    with workshop(out) as work:
+        put(work, a_txt="1", b_txt="2")
+        with pytest.raises(OSError, match="no space"):
+            publish(work, out)
+    assert not out.exists()

@@ -1,0 +1,30 @@
+"""The distance of two tables that are a closed form: D = C (eta - 1)."""
+
+from dataclasses import replace
+
+import pytest
+
+from calib.station.golden import distance
+from tests.tables_made import made_table
+
+
+def test_a_table_lies_on_itself():
+    found = distance(made_table(), made_table())
+    assert (found.relative, found.bands) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("stiffness", [20.0, 30.0])
+def test_the_distance_is_that_of_the_stiffnesses(stiffness):
+    found = distance(made_table(stiffness), made_table(27.0))
+    assert found.relative == pytest.approx(abs(stiffness / 27.0 - 1.0))
+    # both bands are 2 (eta - 1) to either side
+    assert found.bands == pytest.approx(abs(stiffness - 27.0) / (2.0 * 2.0**0.5))
+    assert found.at == pytest.approx(1.005)
+
+
+def test_a_short_table_has_no_distance():
+    golden = made_table()
+    d = golden.difference
+    short = replace(d, **{name: getattr(d, name)[:8] for name in vars(d)})
+    assert distance(replace(golden, difference=short), golden) is None
+    assert distance(golden, replace(golden, difference=short)) is not None

@@ -1,0 +1,96 @@
+"""The verdict on a car: the right check fails, and only that."""
+
+from dataclasses import replace
+
+import pytest
+
+from calib.errors import LogError
+from calib.limits import Limit
+from calib.logs.read import read_log
+from calib.scores import FIGURES as OF_STOPS
+from calib.station.advice import ADVICE, LIMITS, action
+from calib.station.figures import FIGURES as OF_CAR
+from calib.station.figures import Car
+from calib.station.identity import Identity
+from calib.station.station import CAR, outcome, table_of, validated
+from calib.vehicle import read_vehicle
+from tests.station.conftest import SEDAN
+
+GOOD = ("dry_asphalt_stop", "transition_dry_to_basalt")
+
+
+def run(vehicle, limits=LIMITS, golden=None):
+    ramp, coast = (read_log(SEDAN / f"{n}.csv") for n in ("ramp_wet_asphalt", "coast"))
+    stops = [read_log(SEDAN / f"{n}.csv") for n in GOOD]
+    table = table_of(vehicle, [ramp], [coast], Identity())
+    results = [validated(table, log, limits) for log in stops]
+    return outcome(Car(table, [ramp], stops, results, golden), [coast], limits, Identity())
+
+
+def with_pads(front, rear):
+    """The sample car, whose pads are 0.38 all round, with other ones in its file."""
+    car = read_vehicle(SEDAN / "vehicle.toml")
+    return replace(
+        car,
+        front=replace(car.front, pad_friction=front),
+        rear=replace(car.rear, pad_friction=rear),
+    )
+
+
+@pytest.fixture(scope="module")
+def good():
+    return run(with_pads(0.38, 0.38))
+
+
+def test_the_sample_car_passes(good):
+    assert good.verdict == "passed"
+    assert good.counts() == {"passed": len(good.checks) - 2, "warning": 0, "failed": 0,
+                             "not known": 2}  # fmt: skip
+    assert {c.figure for c in good.with_verdict("not known")} == {"golden_distance", "golden_bands"}
+    assert good.figures["pad_scale"] == pytest.approx(1.0, abs=0.02)
+
+
+def test_every_figure_is_one_of_the_car_or_of_a_stop():
+    assert not set(OF_CAR) & set(OF_STOPS)
+    assert {row.limit.figure for row in ADVICE} <= {*OF_CAR, *OF_STOPS}
+    assert set(OF_CAR) <= {row.limit.figure for row in ADVICE}
+
+
+@pytest.mark.parametrize(
+    ("file", "verdict"), [(0.38 / 0.75, "failed"), (0.38 / 0.87, "warning"), (0.38, "passed")]
+)
+def test_weak_pads_fail_the_level_of_the_pads_and_nothing_else_of_the_car(file, verdict):
+    found = run(with_pads(file, file))
+    assert found.figures["pad_scale"] == pytest.approx(0.38 / file, rel=0.02)
+    bad = {c.figure for c in found.checks if c.scope == CAR and c.verdict in ("failed", "warning")}
+    assert bad == ({"pad_scale"} if verdict != "passed" else set())
+    assert found.verdict == verdict
+
+
+def test_weak_front_pads_fail_their_ratio():
+    found = run(with_pads(0.38 / 0.7, 0.38))
+    assert found.figures["pad_ratio"] == pytest.approx(0.7, rel=0.05)
+    assert "pad_ratio" in {c.figure for c in found.with_verdict("failed")}
+    assert "ratio" in OF_CAR["pad_ratio"] or "out of proportion" in action("pad_ratio")
+
+
+def test_a_golden_table_of_its_own_lies_close_and_one_of_another_tyre_does_not(good):
+    same = run(with_pads(0.38, 0.38), golden=good.table)
+    assert same.figures["golden_distance"] == 0.0
+    d = good.table.difference
+    other = replace(good.table, difference=replace(d, D=0.6 * d.D))
+    far = run(with_pads(0.38, 0.38), golden=other)
+    assert far.figures["golden_distance"] == pytest.approx(0.4 / 0.6)
+    assert "golden_distance" in {c.figure for c in far.with_verdict("failed")}
+
+
+def test_a_required_figure_that_is_not_known_fails():
+    limits = (Limit("golden_distance", None, 0.2, required=True),)
+    found = run(with_pads(0.38, 0.38), limits)
+    assert [c.verdict for c in found.checks] == ["failed"]
+
+
+def test_a_hold_out_that_was_fitted_on_proves_nothing(good):
+    with pytest.raises(LogError, match="proves nothing") as error:
+        validated(good.table, read_log(SEDAN / "ramp_wet_asphalt.csv"), LIMITS)
+    assert error.value.exit_code == 3
