@@ -97,8 +97,8 @@ def decide(problem: Problem, base: Candidate) -> Decision:
             return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
         return Decision("unknown", base, pairs[0], tuple(pairs[1:]), faint=faint)
     verdict = standing(problem, base, first, singles[1:])
-    if verdict == "unknown" and base.reduced < STRANGE:
-        # nothing is strange here, so there is no excess to explain; the hold-outs may hold one
+    if verdict == "unknown" and base.reduced < STRANGE and gain(base, first) < SECOND:
+        # hardly felt here, so that there is no excess to explain; the hold-outs may hold one
         shown = "ambiguous" if confusable(first, singles[1:]) else "named"
         faint = faint or Decision(shown, base, first, tuple(singles[1:]), first=base)
     return Decision(verdict, base, first, tuple(singles[1:]), faint=faint)
