@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnose.candidate import Candidate, Problem
+from calib.diagnose.channels import CHANNELS
 from calib.diagnose.search import refine
 
 Array = NDArray[np.float64]
@@ -42,6 +43,10 @@ sigma of the difference of two runs of 450 steps."""
 
 ENOUGH = 0.80
 """Share of the excess over QUIET that an explanation must close to stand."""
+
+FELT_POWER = 50.0
+"""What an effect must do to a channel for the channel to have a say, in squared sigma: where it is
+not there it makes the sum of squares worse by as much, seven sigma of its chance."""
 
 FLOOR = 1.03
 """What the best of models leaves on a plant that is not itself."""
@@ -150,7 +155,28 @@ def standing(problem: Problem, base: Candidate, best: Candidate, rivals: list[Ca
         return "unknown"
     if float(np.max(cells(problem, best) - cells(problem, base))) > HURTS:
         return "unknown"
+    if contradicted(problem, best):
+        return "unknown"
     return "ambiguous" if confusable(best, rivals) else "named"
+
+
+def contradicted(problem: Problem, best: Candidate) -> bool:
+    """Whether a channel says no to an effect that others ask for.
+
+    What an effect does to a channel, it must take away there. Teeth that are not evenly spaced
+    ripple in the wheel speeds as a disc of uneven thickness does, but the car does not feel them.
+    """
+    after = problem.whitened(best.base, best.effects)
+    for name in best.names:
+        rest = {n: p for n, p in best.effects.items() if n != name}
+        before = problem.whitened(best.base, rest)
+        for channel in range(len(CHANNELS)):
+            x = np.concatenate([run[channel] for run in before])
+            y = np.concatenate([run[channel] for run in after])
+            power = float(np.sum((x - y) ** 2))
+            if power > FELT_POWER and float(x @ x - y @ y) < -0.5 * power:
+                return True
+    return False
 
 
 def cells(problem: Problem, candidate: Candidate) -> Array:
