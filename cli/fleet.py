@@ -17,7 +17,7 @@ SHOWN = 10
 app = typer.Typer(
     rich_markup_mode=None,
     no_args_is_help=True,
-    epilog=example("brake-cal fleet report results.parquet --out fleet"),
+    epilog=example("brake-cal fleet report checked/results.parquet --out fleet"),
 )
 
 
@@ -28,8 +28,8 @@ def fleet() -> None:
 
 @app.command(
     epilog=example(
-        "brake-cal fleet report results.parquet --out fleet",
-        "brake-cal fleet report results.parquet --order pad_scale --figure eta_peak --json",
+        "brake-cal fleet report checked/results.parquet --out fleet",
+        "brake-cal fleet report validated/results.parquet --order pad_friction_f --json",
     )
 )
 def report(
