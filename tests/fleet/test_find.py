@@ -11,7 +11,7 @@ from calib.fleet.find import find_logs
 @pytest.fixture(autouse=True)
 def tree(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name in ("a.csv", "deep/er/b.PARQUET", "deep/c.csv", ".hidden.csv", ".git/d.csv", "x.txt"):
+    for name in ("a.csv", "deep/er/b.PARQUET", "deep/c.csv", ".hidden.csv", ".git/d.csv", "x.md"):
         path = Path("logs", name)
         path.parent.mkdir(parents=True, exist_ok=True)
         path.touch()
