@@ -3,6 +3,7 @@
 import math
 import time
 from concurrent.futures import Future
+from functools import partial
 from typing import Any
 
 from calib.errors import BatchError
@@ -49,33 +50,53 @@ class Cluster:
                 where=address,
                 do=f"start some with `dask worker {address}`",
             ) from cause
-        self._pool: Any = self._client.get_executor(pure=False)
         self._address = address
         self._asked, self._threads = -math.inf, 1
 
     @property
     def workers(self) -> int:
-        """Threads of all workers, asked for once a second: workers come and go."""
+        """Threads of all workers, asked for once a second: workers come and go.
+
+        Raises BatchError if the scheduler is gone.
+        """
         if time.monotonic() - self._asked > 1.0:
-            self._threads = max(1, sum(self._client.nthreads().values()))
+            self.renew()
+            try:
+                self._threads = max(1, sum(self._client.nthreads().values()))
+            except OSError as cause:
+                raise self._gone() from cause
             self._asked = time.monotonic()
         return self._threads
 
     def submit(self, packed: bytes, items: tuple[Item, ...]) -> "Future[Rows]":
-        """Hand logs to the scheduler."""
-        future: Future[Rows] = self._pool.submit(run_items, packed, items)
-        return future
+        """Hand logs to the scheduler. Raises BatchError if it is gone."""
+        rows: Future[Rows] = Future()
+        given = self._client.submit(run_items, packed, items, pure=False)
+        given.add_done_callback(partial(_pass_on, rows))
+        # Losing the scheduler fails all that is under way, but not what is handed over later.
+        self.renew()
+        return rows
 
     def renew(self) -> None:
         """Leave the workers to the cluster. Raises BatchError if the scheduler itself is gone."""
         if self._client.status != "running":
-            raise BatchError(
-                "the scheduler is gone",
-                where=self._address,
-                do="start it and type the same line again: what is done is kept",
-            )
+            raise self._gone()
+
+    def _gone(self) -> BatchError:
+        return BatchError(
+            "the scheduler is gone",
+            where=self._address,
+            do="start it and type the same line again: what is done is kept",
+        )
 
     def close(self) -> None:
         """Leave the cluster; what is under way is dropped."""
-        self._pool.shutdown(wait=False)
         self._client.close()
+
+
+def _pass_on(rows: "Future[Rows]", given: Any) -> None:
+    """Give the rows of a Dask future to ours; Dask's own executor loses it if fetching fails."""
+    try:
+        rows.set_result(given.result())
+    except BaseException as error:
+        rows.set_exception(error)

@@ -144,3 +144,33 @@ def test_a_scheduler_that_dies_ends_the_run_and_keeps_what_is_done(
     rows = (out / NAME).read_bytes().splitlines()[1:]
     assert 10 <= len(rows) < 60
     assert not any(b"died on it" in row for row in rows)
+
+
+# The log is handed over when the client has noticed, and before it gives up.
+LATE = """
+import os, pickle, signal, sys, time
+from calib.errors import BatchError
+from calib.fleet.cluster import Cluster
+from calib.fleet.work import Item
+
+job, log, address, victim = pickle.loads(sys.stdin.buffer.read())
+cluster = Cluster(address)
+os.kill(victim, signal.SIGKILL)
+while cluster._client.status == "running":
+    time.sleep(0.01)
+for late in (lambda: cluster.submit(job.packed(), (Item("a", log, None),)), lambda: cluster.workers):
+    try:
+        late()
+    except BatchError as error:
+        print(error)
+os._exit(0)
+"""
+
+
+def test_nothing_is_handed_to_a_scheduler_that_is_gone(fitted, sixty, address, workers, scheduler):
+    log = str(sorted(sixty.iterdir())[0])
+    said = pickle.dumps((validating(fitted), log, address, scheduler.pid))
+    ran = subprocess.run(
+        [sys.executable, "-c", LATE], cwd=ROOT, input=said, capture_output=True, timeout=60
+    )
+    assert ran.stdout.count(b"the scheduler is gone") == 2, ran.stderr.decode()
