@@ -16,14 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.brakes import Brakes, at_rest, brakes_of
-from calib.effects.catalogue import as_driven, as_read, pad_factors
+from calib.effects.catalogue import as_driven, as_read, effect_named, pad_factors
 from calib.effects.effect import (
-    Effect,
     Motion,
     Trace,
-    same_friction,
-    same_pressure,
-    same_wheels,
+    acts_on_brakes,
+    no_force,
+    no_moment,
     true_acceleration,
 )
 from calib.effects.empirical import Empirical
@@ -36,8 +35,6 @@ from calib.response import integral
 from calib.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-
-BRAKES = ("front_brakes", "rear_brakes", "brakes")
 
 SETTLED = 1e-9
 """Largest change of a_x [m/s^2] in the last pass."""
@@ -71,7 +68,7 @@ def account(vehicle: Vehicle, log: Log, empirical: Empirical | None = None) -> A
     _check(empirical)
     told = default_model(vehicle)
     terms = {name: p for name, p in told.effects.items() if not _is_force(name)}
-    on_brakes = empirical if empirical is not None and empirical.place in BRAKES else None
+    on_brakes = empirical if empirical is not None and empirical.on_brakes else None
     car = replace(as_driven(vehicle, told.effects), effects=_forces(told))
     ones = np.ones_like(log.time)
     if not terms and on_brakes is None:
@@ -101,7 +98,7 @@ def motion(time: Array, v: Array, z: Array, p: Array, loads: tuple[Array, Array]
 
 
 def _check(empirical: Empirical | None) -> None:
-    if empirical is None or empirical.place in BRAKES or empirical.driver != "temperature":
+    if empirical is None or empirical.on_brakes or empirical.driver != "temperature":
         return
     raise ModelError(
         f"a term on the {empirical.place} over temperature cannot be taken out of a log",
@@ -112,33 +109,18 @@ def _check(empirical: Empirical | None) -> None:
 
 def _is_force(name: str) -> bool:
     """Whether an effect leaves the log alone: it acts on body or wheels, or is in the vehicle."""
-    from calib.effects.catalogue import effect_named
-
     effect = effect_named(name)
-    return not _on_pressure(effect) and effect.accelerometer is true_acceleration
-
-
-def _on_pressure(effect: Effect) -> bool:
-    return (
-        effect.pressure is not same_pressure
-        or effect.friction is not same_friction
-        or effect.wheels is not same_wheels
-    )
+    return not acts_on_brakes(effect) and effect.accelerometer is true_acceleration
 
 
 def _changes_pressure(model: Model) -> bool:
-    from calib.effects.catalogue import effect_named
-
     return model.empirical is not None or any(
-        _on_pressure(effect_named(name)) for name in model.effects
+        acts_on_brakes(effect_named(name)) for name in model.effects
     )
 
 
 def _forces(model: Model) -> dict[str, dict[str, float]]:
     """The effects that slow body or wheels; one may read on the accelerometer, too."""
-    from calib.effects.catalogue import effect_named
-    from calib.effects.effect import no_force, no_moment
-
     effects = {name: effect_named(name) for name in model.effects}
     return {
         name: dict(model.effects[name])

@@ -13,8 +13,8 @@ import numpy as np
 from calib import control_chart, outliers
 from calib.control_chart import BY_CHANCE, RULES
 from calib.fleet_summary import DRIFT, Look, Shares, Summary
+from calib.html import page, paragraph, section, table
 from calib.outliers import Spread
-from calib.report_style import STYLE
 
 NAMES = 50
 """Outliers listed in the page; fleet.json has all."""
@@ -59,14 +59,7 @@ def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> st
         _classes(found.shares),
         _method(found),
     ]
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        '<meta name="color-scheme" content="light dark">\n'
-        f"<title>{escape(title)}: fleet</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n"
-        + "\n".join(part for part in parts if part)
-        + "\n</main>\n</body>\n</html>\n"
-    )
+    return page(f"{title}: fleet", parts)
 
 
 def _first(found: Summary) -> list[Look]:
@@ -96,10 +89,12 @@ def _failures(found: Summary) -> str:
     if not found.failures:
         return ""
     rows = [(f.message, str(f.count), ", ".join(f.logs)) for f in found.failures]
-    return _section(
+    return section(
         "Errors",
-        _p("Logs without a result, by what was wrong. LOG and # stand for names and numbers."),
-        _table("Errors by kind.", ("what was wrong", "logs", "such as"), rows),
+        paragraph(
+            "Logs without a result, by what was wrong. LOG and # stand for names and numbers."
+        ),
+        table("Errors by kind.", ("what was wrong", "logs", "such as"), rows),
     )
 
 
@@ -109,14 +104,15 @@ def _named(found: Summary) -> str:
         for o in found.outliers[:NAMES]
     ]
     if not rows:
-        return _section(
-            "Logs that stand apart", _p("Too few logs to tell." if _too_few(found) else "None.")
+        return section(
+            "Logs that stand apart",
+            paragraph("Too few logs to tell." if _too_few(found) else "None."),
         )
     chance = outliers.SHARE * len(found.outliers)
     more = len(found.outliers) - len(rows)
-    return _section(
+    return section(
         "Logs that stand apart",
-        _p(
+        paragraph(
             f"{_count(len(found.outliers), 'value is', 'values are')} named; at most about "
             f"{chance:.1f} of them by chance."
             + (
@@ -124,7 +120,7 @@ def _named(found: Summary) -> str:
                 * (more > 0)
             )
         ),
-        _table("Farthest first.", ("log", "figure", "value", "robust z", "p"), rows),
+        table("Farthest first.", ("log", "figure", "value", "robust z", "p"), rows),
     )
 
 
@@ -149,9 +145,11 @@ def _overview(found: Summary) -> str:
             )
         )
     heads = ("figure", "unit", "logs", "median", "scale", "5 to 95 %", "beyond 3 / by chance")
-    return _section(
+    return section(
         "All figures",
-        _table("Scale is 1.48 MAD.", (*heads, "outliers", "drift"), rows) if rows else _p("None."),
+        table("Scale is 1.48 MAD.", (*heads, "outliers", "drift"), rows)
+        if rows
+        else paragraph("None."),
     )
 
 
@@ -165,11 +163,11 @@ def _figure(found: Summary, look: Look, picture: bytes) -> str:
     data = base64.b64encode(picture).decode()
     told = described(found, look)
     name = escape(look.figure.name)
-    return _section(
+    return section(
         look.figure.name,
         f'<figure><img src="data:image/png;base64,{data}" alt="{escape(told)}">'
         f"<figcaption>Distribution of {name}, and {name} in order.</figcaption></figure>",
-        _p(told),
+        paragraph(told),
     )
 
 
@@ -210,15 +208,15 @@ def _classes(shares: Sequence[Shares]) -> str:
     rows = [
         (s.figure.name, ", ".join(f"{text}: {count}" for text, count in s.counts)) for s in shares
     ]
-    return _section("Other columns", _table("How often.", ("column", "logs"), rows)) if rows else ""
+    return section("Other columns", table("How often.", ("column", "logs"), rows)) if rows else ""
 
 
 def _method(found: Summary) -> str:
     rules = "; ".join(f"{number}: {text}" for number, text in RULES.items())
-    return _section(
+    return section(
         "How it was judged",
-        _p(f"The line is in the order of {found.ordered_by}."),
-        _p(
+        paragraph(f"The line is in the order of {found.ordered_by}."),
+        paragraph(
             "A log stands apart by its robust z, (value less median)/(1.48 MAD), of a skewed or "
             "long-tailed figure after its bulk is straightened, held against a t law "
             "for a scale from so many logs, by the rule of Benjamini and Hochberg over all "
@@ -227,7 +225,7 @@ def _method(found: Summary) -> str:
             "two humps may name more than that; compare how many lie beyond 3 with chance. One "
             "that is the same for half of the logs or more has no scale and names none."
         ),
-        _p(
+        paragraph(
             "Drift is Pettitt's rank test for a change of level over the whole order, at most "
             f"{100 * DRIFT:.0f} % of the figures said to drift by chance. The chart has its "
             "centre at the median and 3 sigma from the median moving range. Western Electric "
@@ -290,26 +288,3 @@ def _entry(found: Summary, look: Look) -> dict[str, Any]:
 
 def _count(number: int, one: str, many: str) -> str:
     return f"{number} {one if number == 1 else many}"
-
-
-def _section(heading: str, *parts: str) -> str:
-    inside = "\n".join(part for part in parts if part)
-    return f"<section>\n<h2>{escape(heading)}</h2>\n{inside}\n</section>"
-
-
-def _p(text: str) -> str:
-    return f"<p>{escape(text)}</p>"
-
-
-def _table(caption: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in heads)
-    body = "".join(
-        f'<tr><th scope="row">{escape(first)}</th>'
-        + "".join(f"<td>{escape(cell)}</td>" for cell in cells)
-        + "</tr>"
-        for first, *cells in rows
-    )
-    return (
-        f'<div class="wide"><table><caption>{escape(caption)}</caption>'
-        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
-    )

@@ -132,7 +132,7 @@ def _unexplained(found: Diagnosis, drawn: Sheet) -> str:
 def _term_table(found: Structure) -> str:
     unit = DRIVERS[found.term.driver]
     shown = words.unit_shown(unit) or "1"
-    on = "brake torque" if found.term.place.endswith("brakes") else "force over weight"
+    on = "brake torque" if found.term.on_brakes else "force over weight"
     rows = [
         (f"{words.in_shown(knot, unit):.3g}", f"{100.0 * value:+.2f} %")
         for knot, value in zip(found.term.knots, found.term.values, strict=True)

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.account import BRAKES, motion
+from calib.account import motion
 from calib.effects import aerodynamic_drag, rolling_resistance
 from calib.effects.aerodynamic_drag import AIR_DENSITY
 from calib.effects.catalogue import Effects, total_axle_moment, total_body_force
@@ -72,7 +72,7 @@ def others_of(vehicle: Vehicle, empirical: Empirical | None) -> Effects:
     """What is known to slow body or wheels besides drag and rolling resistance."""
     names = (aerodynamic_drag.EFFECT.card.name, rolling_resistance.EFFECT.card.name)
     others = {n: p for n, p in vehicle.effects.items() if n not in names}
-    if empirical is None or empirical.place in BRAKES:
+    if empirical is None or empirical.on_brakes:
         return others
     return {**others, TERM: empirical}
 

@@ -134,23 +134,23 @@ def diagnose(calibration: list[Log], holdout: list[Log], vehicle: Vehicle) -> Di
         unexplained = locate(problem, decision.base)
     before = model_of(vehicle, decision.base)
     after = after_model(vehicle, decision, unexplained)
-    told = [tuple(replays(model, holdout)) for model in (before, after)]
-    if unexplained is not None and gap_of(told[0], told[1], holdout).closed <= 0.0:
-        after, told[1] = (
-            before,
-            told[0],
-        )  # a term that does not help on the hold-outs is no part of it
+    first = tuple(replays(before, holdout))
+    last = first if after == before else tuple(replays(after, holdout))
+    gap = gap_of(first, last, holdout)
+    if unexplained is not None and gap.closed <= 0.0:
+        # a term that does not help on the hold-outs is no part of the model
+        after, last, gap = before, first, gap_of(first, first, holdout)
     stands = decision.verdict in ("named", "ambiguous")
     return Diagnosis(
         verdict=decision.verdict,
         effects=named(problem, held, decision) if stands else (),
         unexplained=unexplained,
         base=base_estimates(decision.best if stands else decision.base),
-        gap=gap_of(told[0], told[1], holdout),
+        gap=gap,
         model_before=before,
         model_after=after,
-        before=told[0],
-        after=told[1],
+        before=first,
+        after=last,
         measured=tuple(holdout),
         reduced_before=decision.base.reduced,
         not_resolved=unresolved(problem, decision.best, DETECT),

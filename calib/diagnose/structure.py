@@ -74,7 +74,9 @@ def locate(problem: Problem, at: Candidate) -> Structure:
         signals = [driver_along(trace_of(run), driver) for run in problem.runs]
         knots = knots_of(driver, signals)
         for place in PLACES:
-            gain, values = _explain(problem, at, (place, driver), knots, (directions, rest))
+            gain, values = _explain(
+                problem, at, (place, driver), knots, (innovations, directions, rest)
+            )
             found.append((gain / excess, place, driver, knots, values, at))
     found.sort(key=lambda item: -item[0])
     tried = found[:FITTED]
@@ -170,11 +172,10 @@ def _explain(
     at: Candidate,
     where: tuple[str, str],
     knots: Array,
-    present: tuple[Array, Array],
+    present: tuple[Array, Array, Array],
 ) -> tuple[float, Array]:
     """Gain in chi-square and values at the knots of one term."""
-    directions, rest = present
-    innovations = problem.flat(at.base, at.effects)
+    innovations, directions, rest = present
     size = 0.05
     columns = []
     for k in range(knots.size):

@@ -173,13 +173,19 @@ class Effect:
     accelerometer: Callable[[Vehicle, Parameters, Trace, Array], Array] = true_acceleration
 
 
-def acts_on_wheels(effect: Effect) -> bool:
-    """Whether an effect changes brakes or wheels, not only the body and its sensor."""
+def acts_on_brakes(effect: Effect) -> bool:
+    """Whether an effect changes pressures, pads or the torque of single wheels."""
     return not (
         effect.pressure is same_pressure
         and effect.friction is same_friction
         and effect.wheels is same_wheels
-        and effect.axle_moment is no_moment
+    )
+
+
+def acts_on_wheels(effect: Effect) -> bool:
+    """Whether an effect changes brakes or wheels, not only the body and its sensor."""
+    return acts_on_brakes(effect) or not (
+        effect.axle_moment is no_moment
         and effect.inertia is no_inertia
         and effect.radius is same_radius
     )

@@ -48,6 +48,11 @@ class Empirical:
     knots: tuple[float, ...]
     values: tuple[float, ...]
 
+    @property
+    def on_brakes(self) -> bool:
+        """Whether it is a factor on a brake torque, not a force at the road."""
+        return self.place.endswith("brakes")
+
     def at(self, trace: Trace) -> Array:
         """Value of the term along a run (n,)."""
         return np.interp(driver_along(trace, self.driver), self.knots, self.values)
@@ -62,7 +67,7 @@ class Empirical:
             looks_like="what was left of them",
             parameters=(),
         )
-        if self.place.endswith("brakes"):
+        if self.on_brakes:
             return Effect(card, friction=self._friction)
         if self.place == "body":
             return Effect(card, body_force=self._body)

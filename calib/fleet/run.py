@@ -7,7 +7,7 @@ find ──> todo ──> [at most a few chunks under way] ──> journal ─�
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from dataclasses import dataclass
 from pathlib import Path
@@ -148,22 +148,14 @@ class _Run:
         """Wait until at most ``most`` chunks are under way, and keep what is finished."""
         while len(self.pending) > most:
             finished, _ = wait(self.pending, return_when=FIRST_COMPLETED)
-            suspects: list[Item] = []
-            for future in finished:
-                items = self.pending.pop(future)
-                try:
-                    self._keep(items, future.result())
-                except BrakeCalError:
-                    raise
-                except Exception:
-                    suspects += items
+            suspects = self._gather(finished)
             if suspects:
                 self._alone(suspects)
 
-    def _alone(self, suspects: list[Item]) -> None:
-        """Do the logs of dead workers again, one at a time: the one that kills again is guilty."""
-        # a pool that lost one worker loses all that was under way
-        for future in wait(self.pending).done:
+    def _gather(self, finished: Iterable[Future[Rows]]) -> list[Item]:
+        """Keep what came out of finished chunks; return the logs whose worker died."""
+        suspects: list[Item] = []
+        for future in finished:
             items = self.pending.pop(future)
             try:
                 self._keep(items, future.result())
@@ -171,6 +163,12 @@ class _Run:
                 raise
             except Exception:
                 suspects += items
+        return suspects
+
+    def _alone(self, suspects: list[Item]) -> None:
+        """Do the logs of dead workers again, one at a time: the one that kills again is guilty."""
+        # a pool that lost one worker loses all that was under way
+        suspects += self._gather(wait(self.pending).done)
         self.executor.renew()
         for item in suspects:
             try:

@@ -286,7 +286,7 @@ def empirical(ax: "Axes", found: Structure) -> None:
     x = np.array([in_shown(knot, unit) for knot in term.knots])
     ax.plot(x, 100.0 * np.array(term.values), marker="o", markersize=4.0, **AFTER)
     ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
-    on = "brake torque" if term.place.endswith("brakes") else "force over weight"
+    on = "brake torque" if term.on_brakes else "force over weight"
     driver = {"time": "time since the bite", "temperature": "disc temperature"}
     word = driver.get(term.driver, term.driver)
     ax.set(xlabel=f"{word} [{unit_shown(unit) or '1'}]", ylabel=f"change of {on} [%]")
