@@ -158,7 +158,8 @@ cluster = Cluster(address)
 os.kill(victim, signal.SIGKILL)
 while cluster._client.status == "running":
     time.sleep(0.01)
-for late in (lambda: cluster.submit(job.packed(), (Item("a", log, None),)), lambda: cluster.workers):
+hand_over = lambda: cluster.submit(job.packed(), (Item("a", log, None),))
+for late in (hand_over, lambda: cluster.workers):
     try:
         late()
     except BatchError as error:
