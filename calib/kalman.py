@@ -326,33 +326,28 @@ def _measure(x: Array, P: Array, now: list[float], step: _Step, innovation: Arra
 
     ``now`` is x as plain floats.
     """
-    eta, row_eta, slip, row_slip = _predict(now, step)
-    signal_eta = step.relative * (eta - 1.0 - now[ETA0])
-    signal_slip = step.relative * (slip - now[SLIP0])
-    before = x.copy()
-    first = _update(x, P, row_eta, step.eta - eta, step.var_eta + signal_eta**2)
-    innovation[0] = first
-    if math.isnan(step.slip):
-        return first * first
-    # the slip as predicted along its gradient from where eta has moved the state
-    error = step.slip - slip - float(row_slip.dot(x - before))
-    second = _update(x, P, row_slip, error, step.var_slip + signal_slip**2)
-    innovation[1] = second
-    return 0.5 * (first * first + second * second)
+    eta, slip, rows = _predict(now, step)
+    relative = step.relative
+    along = rows.dot(P)
+    (var_eta, both), (_, var_slip) = along.dot(rows.T).tolist()
+    var_eta += step.var_eta + (relative * (eta - 1.0 - now[ETA0])) ** 2
+    root = math.sqrt(var_eta)
+    first = innovation[0] = (step.eta - eta) / root
+    turn = second = scale = 0.0
+    if not math.isnan(step.slip):
+        # what eta has not said of the slip
+        turn = both / var_eta
+        var_slip += step.var_slip + (relative * (slip - now[SLIP0])) ** 2 - both * turn
+        scale = 1.0 / math.sqrt(var_slip)
+        second = innovation[1] = (step.slip - slip - turn * root * first) * scale
+    white = np.array(((1.0 / root, 0.0), (-turn * scale, scale))).dot(along)
+    x += np.array((first, second)).dot(white)
+    P -= white.T.dot(white)
+    return (first * first + second * second) / (2.0 if scale else 1.0)
 
 
-def _update(x: Array, P: Array, row: Array, error: float, variance: float) -> float:
-    """Scalar Kalman update in place; returns the innovation over its sigma."""
-    along = P.dot(row)
-    total = float(row.dot(along)) + variance
-    x += along * (error / total)
-    # column times row: the same as their outer product, in a third of its time
-    P -= along[:, None].dot((along / total)[None, :])
-    return error / math.sqrt(total)
-
-
-def _predict(x: list[float], step: _Step) -> tuple[float, Array, float, Array]:
-    """Eta and mean slip with their gradients.
+def _predict(x: list[float], step: _Step) -> tuple[float, float, Array]:
+    """Eta and mean slip, and their gradients as rows, shape (2, STATES).
 
     F_f = (phi B + moment)/(F_zf - (xi + kappa psi) W), slip by `calib.tyre`, eta by (22).
     """
@@ -379,21 +374,17 @@ def _predict(x: list[float], step: _Step) -> tuple[float, Array, float, Array]:
     share = step.load_f / W_
     rest = 1.0 - share
     e3, p3 = a * f3 - r * r3, share * f3 + rest * r3
-    row_eta = np.array(
+    rows = np.array(
         [
             *(a * f0 - r * r0, a * f1 - r * r1, a * f2 - r * r2, e3, psi * e3, ratio, 0.0, 0.0),
             *(a * f4 - r * r4, a * f5 - r * r5, a * f6 - r * r6, a * f7 - r * r7, 0.0),
-        ]
-    )
-    row_slip = np.array(
-        [
             *(share * f0 + rest * r0, share * f1 + rest * r1, share * f2 + rest * r2),
             *(p3, psi * p3, 0.0, 1.0, lag_gain, share * f4 + rest * r4),
             *(share * f5 + rest * r5, share * f6 + rest * r6, share * f7 + rest * r7, 0.0),
         ]
-    )
+    ).reshape(2, STATES)
     mean = share * slip_f + rest * slip_r + slip0 + lag_gain * lag
-    return (1.0 + eta0) * ratio, row_eta, mean, row_slip
+    return (1.0 + eta0) * ratio, mean, rows
 
 
 def _axle(

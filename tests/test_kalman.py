@@ -110,14 +110,14 @@ def states(draw):
 def test_gradients_are_those_of_central_differences(x, z, level, psi, rear):
     block = step(z, level, psi)
     block = replace(block, brake_r=rear * block.brake_r)
-    _, row_eta, _, row_slip = _predict(x, block)
+    rows = _predict(x, block)[2]
     for i in range(STATES):
         h = 1e-5
         e = h * np.eye(STATES)[i]
         above, below = _predict(x + e, block), _predict(x - e, block)
-        for row, k in ((row_eta, 0), (row_slip, 2)):
+        for k in (0, 1):
             slope = (above[k] - below[k]) / (2.0 * h)
-            assert row[i] == pytest.approx(slope, rel=1e-5, abs=1e-7), (i, k)
+            assert rows[k, i] == pytest.approx(slope, rel=1e-5, abs=1e-7), (i, k)
 
 
 @given(z=st.floats(0.05, 0.5), level=st.floats(0.4, 1.2), rho=st.floats(-0.4, 0.4))
@@ -126,7 +126,7 @@ def test_prediction_is_the_closed_form_of_a_straight_tyre(z, level, rho):
     x = np.zeros(STATES)
     x[[RHO, W, C, ETA0, SLIP0, LAG]] = rho, 1.0, math.log(0.04), 0.002, -0.001, 0.005
     block = step(z, level, psi=0.0)
-    eta, _, slip, _ = _predict(x, block)
+    eta, slip, _ = _predict(x, block)
     total = level * (block.brake_f + block.brake_r)
     odds = block.brake_f / block.brake_r * math.exp(rho)
     brakes = total * odds / (1.0 + odds), total / (1.0 + odds)
@@ -354,7 +354,7 @@ def textbook(blocks, demand, priors):
     states, variances, innovation, changes, pause = [], [], [], [], 0
 
     def update(x, P, block):
-        eta, H_eta, slip, H_slip = _predict(x, block)
+        eta, slip, (H_eta, H_slip) = _predict(x, block)
         first = x, block.eta - eta, H_eta, (eta - 1.0 - x[ETA0], block.var_eta)
         out = []
         for from_x, error, H, (signal, variance) in (
