@@ -4,13 +4,13 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cli.console import emit, emit_json, say
+from cli.jobs import Command, Limits, Out, Table, VehicleFile, Workers, job_of
 from cli.options import STORE, Json, Map, Store, example
 
 if TYPE_CHECKING:
@@ -28,15 +28,6 @@ QUIET = 5.0
 """Seconds between two lines of progress where no terminal shows a bar."""
 
 
-class Command(StrEnum):
-    """What can be done with many logs."""
-
-    FIT = "fit"
-    VALIDATE = "validate"
-    CHECK = "check"
-    DIAGNOSE = "diagnose"
-
-
 def batch(
     command: Annotated[Command, typer.Argument(help="What to do with each log.")],
     logs: Annotated[
@@ -46,26 +37,15 @@ def batch(
         ),
     ],
     *,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Write results.parquet and journal here.")
-    ],
-    workers: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, max=512, help="Processes; else all cores."),
-    ] = None,
+    out: Out,
+    workers: Workers = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="tcp://HOST:PORT", help="A Dask scheduler instead.")
     ] = None,
-    table: Annotated[
-        str | None, typer.Option(metavar="TABLE", help="validate: name, name@version or path.")
-    ] = None,
+    table: Table = None,
     store: Store = STORE,
-    vehicle: Annotated[
-        Path | None, typer.Option(metavar="V.toml", help="fit, validate: vehicle file.")
-    ] = None,
-    limits: Annotated[
-        Path | None, typer.Option(metavar="L.toml", help="validate: limits for pass or fail.")
-    ] = None,
+    vehicle: VehicleFile = None,
+    limits: Limits = None,
     channel_map: Map = None,
     fresh: Annotated[
         bool, typer.Option("--fresh", help="Throw away what DIR holds and begin anew.")
@@ -78,8 +58,9 @@ def batch(
     is started again. `fit` stores no tables. Exit code 0 if all ran, 1 if a log fails its limits,
     3 if none could be read.
     """
-    _check_usage(command, out, workers, scheduler, table, vehicle, limits)
-    job = _job(command, table, store, vehicle, limits, channel_map)
+    if workers is not None and scheduler is not None:
+        raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
+    job = job_of(command, out, table, store, vehicle, limits, channel_map)
     _check_logs(logs, job, out)
     executor = _executor(workers, scheduler)
     say(f"{command.value} on {executor.workers} worker{'s' * (executor.workers > 1)}")
@@ -93,65 +74,6 @@ def batch(
         raise typer.Exit(UNREADABLE)
     if done.counts.get("failed"):
         raise typer.Exit(FAILED)
-
-
-def _check_usage(
-    command: Command,
-    out: Path,
-    workers: int | None,
-    scheduler: str | None,
-    table: str | None,
-    vehicle: Path | None,
-    limits: Path | None,
-) -> None:
-    """Refuse what is missing, and what would be left unused."""
-    if command is Command.VALIDATE and table is None:
-        raise typer.BadParameter("validate needs a table", param_hint="--table")
-    if command is Command.FIT and vehicle is None:
-        raise typer.BadParameter("fit needs a vehicle file", param_hint="--vehicle")
-    of = {
-        "--table": (table, (Command.VALIDATE,)),
-        "--limits": (limits, (Command.VALIDATE,)),
-        "--vehicle": (vehicle, (Command.FIT, Command.VALIDATE)),
-    }
-    for name, (value, takes) in of.items():
-        if value is not None and command not in takes:
-            raise typer.BadParameter(f"{command.value} takes none", param_hint=name)
-    if workers is not None and scheduler is not None:
-        raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
-    if out.exists() and not out.is_dir():
-        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
-
-
-def _job(
-    command: Command,
-    table: str | None,
-    store: Path,
-    vehicle: Path | None,
-    limits: Path | None,
-    channel_map: Path | None,
-) -> "Job":
-    """Read once what every log needs."""
-    from calib.fleet.job import Job
-    from calib.limits import DEFAULTS, read_limits
-    from calib.logs.channel_map import read_channel_map
-    from calib.scores import FIGURES
-    from calib.store import load
-    from calib.validate import require_same_vehicle
-    from calib.vehicle import read_vehicle
-
-    known = load(table, store).table if table else None
-    car = read_vehicle(vehicle) if vehicle else None
-    held = read_limits(limits, set(FIGURES)) if limits else DEFAULTS
-    if known is not None:
-        require_same_vehicle(known, car, vehicle)
-    return Job(
-        command=command.value,
-        table=known,
-        vehicle=car,
-        limits=held if command is Command.VALIDATE else (),
-        channel_map=read_channel_map(channel_map) if channel_map else None,
-    )
 
 
 def _check_logs(logs: list[str], job: "Job", out: Path) -> None:

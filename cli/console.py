@@ -47,6 +47,11 @@ def emit_json(document: object) -> None:
     print(json.dumps(plain(document), indent=2, allow_nan=False), flush=True)  # noqa: T201
 
 
+def emit_line(document: object) -> None:
+    """Print ``document`` as one line of JSON on stdout."""
+    print(json.dumps(plain(document), allow_nan=False), flush=True)  # noqa: T201
+
+
 def plain(value: object) -> Any:
     """Turn ``value`` into what JSON has: dataclasses, mappings, sequences, paths, numpy, numbers.
 

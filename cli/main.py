@@ -25,6 +25,7 @@ from cli import (
     station,
     tables,
     validate,
+    watch,
 )
 from cli.console import complain
 from cli.options import example
@@ -69,6 +70,7 @@ app.command(epilog=diagnose.EPILOG, cls=diagnose.Greedy)(diagnose.diagnose)
 app.command(epilog=effects.EPILOG)(effects.effects)
 app.command(epilog=repeatability.EPILOG)(repeatability.repeatability)
 app.command(epilog=batch.EPILOG)(batch.batch)
+app.command(epilog=watch.EPILOG)(watch.watch)
 app.command(epilog=demo.EPILOG)(demo.demo)
 app.add_typer(maps.app, name="map")
 app.add_typer(tables.app, name="tables")

@@ -33,6 +33,11 @@ def find_logs(arguments: Iterable[str], command: str, out: Path) -> Iterator[str
             )
 
 
+def logs_below(folder: str, command: str, out: Path) -> Iterator[str]:
+    """Paths of the logs in a folder and below, which may be none. Else as `find_logs`."""
+    return _below(folder, command, os.path.realpath(out))
+
+
 def _expected(command: str) -> str:
     if command == "diagnose":
         return f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"

@@ -76,7 +76,7 @@ def run_batch(
     settings = job.settings()
     journal = open_journal(out, settings, fresh)
     try:
-        run = _Run(job, journal, executor, report, total)
+        run = Run(job, journal, executor, report, total)
         run.work(find_logs(arguments, job.command, out))
         journal.sync()
         logs = sorted(run.wanted)
@@ -87,8 +87,8 @@ def run_batch(
         journal.close()
 
 
-class _Run:
-    """What is under way."""
+class Run:
+    """What is under way: logs handed out, rows that come back. See `run_batch` and `watch`."""
 
     def __init__(self, job: Job, journal: Journal, executor: Executor, report: Report, total: int):
         self.packed, self.journal, self.executor = job.packed(), journal, executor
@@ -99,6 +99,7 @@ class _Run:
         self.start = self.synced = time.monotonic()
 
     def pace(self) -> Pace:
+        """How far it is."""
         elapsed = time.monotonic() - self.start
         return Pace(self.total, self.done, self.fresh, self.errors, elapsed)
 

@@ -1,0 +1,88 @@
+"""What is done with each of many logs, as `batch` and `watch` are told it."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from calib.fleet.job import Job
+
+
+class Command(StrEnum):
+    """What can be done with many logs."""
+
+    FIT = "fit"
+    VALIDATE = "validate"
+    CHECK = "check"
+    DIAGNOSE = "diagnose"
+
+
+Out = Annotated[
+    Path, typer.Option("--out", metavar="DIR", help="Write results.parquet and journal here.")
+]
+Workers = Annotated[
+    int | None, typer.Option(metavar="N", min=1, max=512, help="Processes; else all cores.")
+]
+Table = Annotated[
+    str | None, typer.Option(metavar="TABLE", help="validate: name, name@version or path.")
+]
+VehicleFile = Annotated[
+    Path | None, typer.Option(metavar="V.toml", help="fit, validate: vehicle file.")
+]
+Limits = Annotated[
+    Path | None, typer.Option(metavar="L.toml", help="validate: limits for pass or fail.")
+]
+
+
+def job_of(
+    command: Command,
+    out: Path,
+    table: str | None,
+    store: Path,
+    vehicle: Path | None,
+    limits: Path | None,
+    channel_map: Path | None,
+) -> "Job":
+    """Read once what every log needs. Refuse what is missing, and what would be left unused."""
+    _check_usage(command, out, table, vehicle, limits)
+    from calib.fleet.job import Job
+    from calib.limits import DEFAULTS, read_limits
+    from calib.logs.channel_map import read_channel_map
+    from calib.scores import FIGURES
+    from calib.store import load
+    from calib.validate import require_same_vehicle
+    from calib.vehicle import read_vehicle
+
+    known = load(table, store).table if table else None
+    car = read_vehicle(vehicle) if vehicle else None
+    held = read_limits(limits, set(FIGURES)) if limits else DEFAULTS
+    if known is not None:
+        require_same_vehicle(known, car, vehicle)
+    return Job(
+        command=command.value,
+        table=known,
+        vehicle=car,
+        limits=held if command is Command.VALIDATE else (),
+        channel_map=read_channel_map(channel_map) if channel_map else None,
+    )
+
+
+def _check_usage(
+    command: Command, out: Path, table: str | None, vehicle: Path | None, limits: Path | None
+) -> None:
+    if command is Command.VALIDATE and table is None:
+        raise typer.BadParameter("validate needs a table", param_hint="--table")
+    if command is Command.FIT and vehicle is None:
+        raise typer.BadParameter("fit needs a vehicle file", param_hint="--vehicle")
+    of = {
+        "--table": (table, (Command.VALIDATE,)),
+        "--limits": (limits, (Command.VALIDATE,)),
+        "--vehicle": (vehicle, (Command.FIT, Command.VALIDATE)),
+    }
+    for name, (value, takes) in of.items():
+        if value is not None and command not in takes:
+            raise typer.BadParameter(f"{command.value} takes none", param_hint=name)
+    if out.exists() and not out.is_dir():
+        raise typer.BadParameter(f"{out} is a file", param_hint="--out")

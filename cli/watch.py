@@ -1,0 +1,114 @@
+"""`brake-cal watch`: one command on every log that a bench drops into a folder."""
+
+import signal
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Event
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cli.console import complain, emit, emit_line, say
+from cli.jobs import Command, Limits, Out, Table, VehicleFile, Workers, job_of
+from cli.options import STORE, Map, Store, example
+
+if TYPE_CHECKING:
+    from calib.fleet.row import Row
+
+EPILOG = example("brake-cal watch check sample_logs/sedan --out watched")
+
+
+def watch(
+    command: Annotated[Command, typer.Argument(help="What to do with each log.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Where logs appear.", exists=True, file_okay=False)
+    ],
+    *,
+    out: Out,
+    workers: Workers = None,
+    table: Table = None,
+    store: Store = STORE,
+    vehicle: VehicleFile = None,
+    limits: Limits = None,
+    channel_map: Map = None,
+    every: Annotated[float, typer.Option(metavar="S", min=0.05, help="Seconds between looks.")] = 1,
+    settle: Annotated[
+        float, typer.Option(metavar="S", min=0.0, help="A log is whole when unchanged so long.")
+    ] = 2,
+    json: Annotated[bool, typer.Option("--json", help="One JSON document a log and line.")] = False,
+) -> None:
+    """Do every log that appears in DIR, once, until Ctrl-C or SIGTERM.
+
+    Prints a line a log. Rows are kept as by `batch`: a watch that was stopped or killed goes on
+    where it was; a log that changes is done again, one that is taken away keeps its row. Exit
+    code 0.
+    """
+    if command is Command.DIAGNOSE:
+        raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")
+    job = job_of(command, out, table, store, vehicle, limits, channel_map)
+    from calib.fleet.pool import Pool, cores
+    from calib.fleet.watch import watch as watch_folder
+
+    pool = Pool(workers or cores())
+    say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
+    show = _teller(command, json)
+    try:
+        with _stopped() as stop:
+            done = watch_folder(
+                job, folder, out, pool, stop, show, complain, every=every, settle=settle
+            )
+    except OSError as error:
+        raise typer.BadParameter(
+            f"{out} cannot be written ({error.strerror})", param_hint="--out"
+        ) from error
+    finally:
+        pool.close()
+    counts = ", ".join(f"{n} {status}" for status, n in done.counts.items())
+    say(f"{counts}; {done.results}" if done.results else "no log came")
+
+
+@contextmanager
+def _stopped() -> Iterator[Event]:
+    """An event that Ctrl-C and SIGTERM set; what is under way is finished. A second one kills."""
+    stop = Event()
+    handlers: dict[signal.Signals, Any] = {}
+
+    def end(number: int, frame: object) -> None:
+        stop.set()
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        handlers[number] = signal.signal(number, end)
+    try:
+        yield stop
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+
+
+def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
+    """How a row is shown: its status and error, and the pads where it has them."""
+    from calib.fleet.columns import COLUMNS
+
+    names = [column.name for column in COLUMNS[command.value]]
+
+    def show(row: "Row") -> None:
+        figures = dict(zip(names, row.cells, strict=False))
+        if json:
+            told = {"log": row.log, "digest": row.digest, "status": row.status, "error": row.error}
+            emit_line({**told, "figures": figures})
+        elif row.error is not None:
+            emit(f"{row.log}: error: {row.error.removeprefix(f'{row.log}: ')}")
+        else:
+            emit(f"{row.log}: {row.status}{_pads(figures)}")
+
+    return show
+
+
+def _pads(figures: Mapping[str, object]) -> str:
+    front, rear = figures.get("pad_friction_f"), figures.get("pad_friction_r")
+    if isinstance(front, float) and isinstance(rear, float):
+        return f", pads {front:.3f} / {rear:.3f}"
+    return ""
