@@ -28,6 +28,7 @@ FIGURES: dict[str, str] = {
     "interval_r": "median half width of the 95 % interval, rear, relative [1]",
     "innovation_rms": "rms of the innovation of eta over its sigma; 1 or below is as promised",
     "innovation_lag1": "autocorrelation of the innovation from block to block; nought is white",
+    "innovation_colour": "mean product of successive innovations, over their sigmas; white: 0",
     "eta_zero": "radius mismatch that was zeroed [1]",
     "force_sum_error": "rms of the force sum against M a_x, relative: true for any table",
     "torque_error_f": "rms error of the axle torque against truth, front, relative to its rms [1]",
@@ -117,6 +118,7 @@ def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
         out["innovation_rms"] = float(np.sqrt(np.mean(innovation**2)))
         centred = innovation - np.mean(innovation)
         out["innovation_lag1"] = float(centred[1:] @ centred[:-1] / (centred @ centred))
+        out["innovation_colour"] = float(np.mean(innovation[1:] * innovation[:-1]))
     return out
 
 

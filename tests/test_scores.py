@@ -221,8 +221,16 @@ def test_innovation_of_white_noise():
     figures = consistency(CAR, made_estimate(innovation=white))
     assert figures["innovation_rms"] == pytest.approx(np.sqrt(np.mean(white**2)))
     assert abs(figures["innovation_lag1"]) < 0.25  # 2.5 / sqrt(100)
-    slow = np.sin(np.arange(100) / 10.0)
-    assert consistency(CAR, made_estimate(innovation=slow))["innovation_lag1"] > 0.9
+    assert abs(figures["innovation_colour"]) < 0.25 * 0.8**2
+
+
+def test_innovation_that_is_slow():
+    """The mean of sin^2 is a half; the colour knows how large it is, the autocorrelation not."""
+    slow = np.sin(np.arange(100) * 2.0 * np.pi / 50.0)
+    for size in (1.0, 0.1):
+        figures = consistency(CAR, made_estimate(innovation=size * slow))
+        assert figures["innovation_lag1"] > 0.9
+        assert figures["innovation_colour"] == pytest.approx(0.5 * size**2, rel=0.03)
 
 
 def test_innovation_leaves_out_the_lead_in_and_what_was_not_measured():
