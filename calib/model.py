@@ -148,11 +148,16 @@ def write_model(model: Model, path: Path) -> None:
     write_whole(Path(path), "\n".join([*lines, ""]).encode())
 
 
+def with_effects(vehicle: Vehicle, model: Model) -> Vehicle:
+    """Return the vehicle with the effects of a model known beside its own."""
+    return replace(vehicle, effects={**vehicle.effects, **model.effects})
+
+
 def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
     """Return the vehicle with the pads of a model, and with its effects known beside its own."""
     front = replace(vehicle.front, pad_friction=model.pad_friction_f)
     rear = replace(vehicle.rear, pad_friction=model.pad_friction_r)
-    return replace(vehicle, front=front, rear=rear, effects={**vehicle.effects, **model.effects})
+    return with_effects(replace(vehicle, front=front, rear=rear), model)
 
 
 Range = tuple[float, float]

@@ -79,10 +79,10 @@ def _with_known(table: "Table", path: Path) -> "Table":
     """The table with the effects of a model known beside its own; its pads stay the table's."""
     from dataclasses import replace
 
-    from calib.model import read_model
+    from calib.model import read_model, with_effects
 
     model = read_model(path, table.vehicle)
-    car = replace(table.vehicle, effects={**table.vehicle.effects, **model.effects})
+    car = with_effects(table.vehicle, model)
     return replace(table, vehicle=car, empirical=model.empirical or table.empirical)
 
 
