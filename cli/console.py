@@ -47,9 +47,14 @@ def emit_json(document: object) -> None:
     print(json.dumps(plain(document), indent=2, allow_nan=False), flush=True)  # noqa: T201
 
 
-def emit_line(document: object) -> None:
-    """Print ``document`` as one line of JSON on stdout."""
-    print(json.dumps(plain(document), allow_nan=False), flush=True)  # noqa: T201
+def emit_line(text: str) -> None:
+    """Print a line on stdout at once, as it is."""
+    print(text, flush=True)  # noqa: T201
+
+
+def json_line(document: object) -> str:
+    """``document`` as one line of JSON."""
+    return json.dumps(plain(document), allow_nan=False)
 
 
 def plain(value: object) -> Any:

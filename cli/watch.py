@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cli.console import complain, emit, emit_line, say
+from cli.console import complain, emit_line, json_line, say
 from cli.jobs import Command, Limits, Out, Table, VehicleFile, Workers, job_of
 from cli.options import STORE, Map, Store, example
 
@@ -38,11 +38,11 @@ def watch(
     ] = 2,
     json: Annotated[bool, typer.Option("--json", help="One JSON document a log and line.")] = False,
 ) -> None:
-    """Do every log that appears in DIR, once, until Ctrl-C or SIGTERM.
+    """Do every log that appears in DIR, once, until Ctrl-C or SIGTERM; a second one ends it at once.
 
-    Prints a line a log. Rows are kept as by `batch`: a watch that was stopped or killed goes on
-    where it was; a log that changes is done again, one that is taken away keeps its row. Exit
-    code 0.
+    Prints a line a log, after its row is on the disk. Rows are kept as by `batch`, named by their
+    path within DIR: a watch that was stopped or killed goes on where it was; a log that changes is
+    done again, one that is taken away keeps its row. Exit code 0.
     """
     if command is Command.DIAGNOSE:
         raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")
@@ -51,13 +51,15 @@ def watch(
     from calib.fleet.watch import watch as watch_folder
 
     pool = Pool(workers or cores())
-    say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
     show = _teller(command, json)
     try:
         with _stopped() as stop:
+            say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
             done = watch_folder(
                 job, folder, out, pool, stop, show, complain, every=every, settle=settle
             )
+    except BrokenPipeError:
+        raise
     except OSError as error:
         raise typer.BadParameter(
             f"{out} cannot be written ({error.strerror})", param_hint="--out"
@@ -74,18 +76,20 @@ def _stopped() -> Iterator[Event]:
     stop = Event()
     handlers: dict[signal.Signals, Any] = {}
 
+    def restore() -> None:
+        for number, handler in handlers.items():
+            signal.signal(number, handler or signal.SIG_DFL)
+
     def end(number: int, frame: object) -> None:
         stop.set()
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
+        restore()
 
     for number in (signal.SIGINT, signal.SIGTERM):
         handlers[number] = signal.signal(number, end)
     try:
         yield stop
     finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
+        restore()
 
 
 def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
@@ -98,11 +102,11 @@ def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
         figures = dict(zip(names, row.cells, strict=False))
         if json:
             told = {"log": row.log, "digest": row.digest, "status": row.status, "error": row.error}
-            emit_line({**told, "figures": figures})
+            emit_line(json_line({**told, "figures": figures}))
         elif row.error is not None:
-            emit(f"{row.log}: error: {row.error.removeprefix(f'{row.log}: ')}")
+            emit_line(f"{row.log}: error: {row.error.removeprefix(f'{row.log}: ')}")
         else:
-            emit(f"{row.log}: {row.status}{_pads(figures)}")
+            emit_line(f"{row.log}: {row.status}{_pads(figures)}")
 
     return show
 

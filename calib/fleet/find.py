@@ -2,10 +2,11 @@
 
 import glob
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from calib.errors import LogError
+from calib.fleet.results import NAME as RESULTS
 from calib.fleet.work import CALIBRATION, HOLDOUT, VEHICLE
 from calib.logs.read import FORMATS
 
@@ -14,9 +15,10 @@ def find_logs(arguments: Iterable[str], command: str, out: Path) -> Iterator[str
     """Paths of the logs, relative where the argument is; one may come twice.
 
     A folder stands for all logs in it and below. For "diagnose" a log is a folder with
-    calibration/, holdout/ and vehicle.toml. Hidden files, and whatever lies in ``out``, are no
-    logs. Raises LogError for a pattern or folder that holds none, and for what is not there;
-    a missing file whose name is that of a log is handed on.
+    calibration/, holdout/ and vehicle.toml. Hidden files are no logs, nor are the results in
+    ``out`` and, where that is a folder within an argument, whatever else lies in it. Raises
+    LogError for a pattern or folder that holds none, and for what is not there; a missing file
+    whose name is that of a log is handed on.
     """
     own = os.path.realpath(out)
     for argument in arguments:
@@ -33,9 +35,14 @@ def find_logs(arguments: Iterable[str], command: str, out: Path) -> Iterator[str
             )
 
 
-def logs_below(folder: str, command: str, out: Path) -> Iterator[str]:
-    """Paths of the logs in a folder and below, which may be none. Else as `find_logs`."""
-    return _below(folder, command, os.path.realpath(out))
+def logs_below(
+    folder: str, command: str, out: Path, trouble: Callable[[OSError], None]
+) -> Iterator[str]:
+    """Paths of the logs in a folder and below, which may be none. Else as `find_logs`.
+
+    ``trouble`` is told of a folder that cannot be read, which is then passed over.
+    """
+    return _below(folder, command, os.path.realpath(out), trouble)
 
 
 def _expected(command: str) -> str:
@@ -52,31 +59,34 @@ def _of(argument: str, command: str, own: str) -> Iterator[str]:
     else:
         for path in sorted(glob.iglob(argument, recursive=True)):
             if os.path.isdir(path):
-                # `**` names a folder and also what is in it
-                yield from () if "**" in argument else _below(path, command, own)
-            elif command != "diagnose" and _is_log(path) and not _within(path, own):
+                yield from _below(path, command, own)
+            elif command != "diagnose" and _is_log(path) and not _is_result(path, own):
                 yield path
-
-
-def _below(folder: str, command: str, own: str) -> Iterator[str]:
-    for home, folders, files in os.walk(folder, onerror=_refuse):
-        folders[:] = sorted(f for f in folders if not f.startswith("."))
-        if _within(home, own):
-            folders.clear()
-        elif command == "diagnose":
-            if VEHICLE in files and {CALIBRATION, HOLDOUT} <= set(folders):
-                folders.clear()
-                yield home
-        else:
-            yield from (os.path.join(home, f) for f in sorted(files) if _is_log(f))
 
 
 def _refuse(error: OSError) -> None:
     raise LogError(f"cannot be read ({error.strerror})", where=error.filename) from error
 
 
-def _within(path: str, own: str) -> bool:
-    return os.path.realpath(path) == own or os.path.dirname(os.path.realpath(path)) == own
+def _below(
+    folder: str, command: str, own: str, trouble: Callable[[OSError], None] = _refuse
+) -> Iterator[str]:
+    for home, folders, files in os.walk(folder, onerror=trouble):
+        folders[:] = sorted(f for f in folders if not f.startswith("."))
+        here = os.path.realpath(home) == own
+        if here and home != folder:
+            folders.clear()
+        elif command == "diagnose":
+            if VEHICLE in files and {CALIBRATION, HOLDOUT} <= set(folders):
+                folders.clear()
+                yield home
+        else:
+            logs = (f for f in sorted(files) if _is_log(f) and not (here and f == RESULTS))
+            yield from (os.path.join(home, f) for f in logs)
+
+
+def _is_result(path: str, own: str) -> bool:
+    return os.path.realpath(path) == os.path.join(own, RESULTS)
 
 
 def _is_log(path: str) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from calib import __version__
 from calib.limits import Limit
 from calib.logs.channel_map import ChannelMap
+from calib.logs.read import log_bytes
 from calib.table import Table
 from calib.vehicle import Vehicle
 
@@ -28,19 +29,26 @@ class Job:
 
     def settings(self) -> dict[str, str]:
         """What the rows depend on besides the logs, each as a word or a digest."""
-        mapped = self.channel_map
         return {
             "command": self.command,
             "table": self.table.digest if self.table else "none",
             "vehicle": _digest(asdict(self.vehicle)) if self.vehicle else "none",
             "limits": _digest([asdict(limit) for limit in self.limits]),
-            "map": _digest(asdict(mapped)["channels"]) if mapped else "none",
+            "map": _of_map(self.channel_map) if self.channel_map else "none",
             "program": self.version,
         }
 
     def packed(self) -> bytes:
         """The job as bytes that a worker unpacks once."""
         return pickle.dumps(self, protocol=pickle.HIGHEST_PROTOCOL)
+
+
+def _of_map(mapped: ChannelMap) -> str:
+    """Digest of all that a map says, and of what stands in its DBC files."""
+    told = asdict(mapped)
+    del told["where"]
+    told["dbc"] = [hashlib.sha256(log_bytes(p, any_format=True)).hexdigest() for p in mapped.dbc]
+    return _digest(told)
 
 
 def _digest(value: object) -> str:

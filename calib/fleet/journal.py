@@ -10,6 +10,7 @@ one log the later counts. What stays in memory is where each row lies, not the r
 
 import json
 import os
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
@@ -59,8 +60,10 @@ class Journal:
 
     def close(self) -> None:
         """Sync and close; another run may then open it."""
-        self.sync()
-        self._file.close()
+        try:
+            self.sync()
+        finally:
+            self._file.close()
 
 
 def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) -> Journal:
@@ -76,9 +79,10 @@ def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) ->
             file.truncate(0)
         file.seek(0)
         head = file.readline()
-        if not head.endswith(b"\n"):  # new, or its very first line was cut off
+        ours = json.dumps({"schema": SCHEMA, "settings": settings}).encode() + b"\n"
+        if head != ours and ours.startswith(head):  # new, or its very first line was cut off
             file.truncate(0)
-            file.write(json.dumps({"schema": SCHEMA, "settings": settings}).encode() + b"\n")
+            file.write(ours)
             entries: dict[str, Entry] = {}
         else:
             _require_same(head, settings, path)
@@ -121,14 +125,21 @@ def _require_same(head: bytes, settings: dict[str, str], path: Path) -> None:
         found = None
     if not isinstance(found, dict):
         raise BatchError("not the journal of a batch", where=path, do="name another --out")
-    differ = [k for k in settings if found.get(k) != settings[k]]
+    differ = [k for k in {**settings, **found} if found.get(k) != settings.get(k)]
     if differ:
-        said = ", ".join(f"{k} {str(found.get(k))[:12]} for {settings[k][:12]}" for k in differ)
+        pairs = [(k, _short(found.get(k)), _short(settings.get(k))) for k in differ]
+        said = ", ".join(f"{key} {theirs} for {ours}" for key, theirs, ours in pairs)
         raise BatchError(
             f"holds results of other settings: {said}",
             where=path.parent,
             do="name another --out, or start anew with --fresh",
         )
+
+
+def _short(value: object) -> str:
+    """A digest by its first figures, anything else as it is."""
+    text = "none" if value is None else str(value)
+    return text[:12] if re.fullmatch("[0-9a-f]{64}", text) else text
 
 
 def _lock(file: BinaryIO, path: Path) -> None:

@@ -76,23 +76,39 @@ def run_batch(
     settings = job.settings()
     journal = open_journal(out, settings, fresh)
     try:
-        run = Run(job, journal, executor, report, total)
-        run.work(find_logs(arguments, job.command, out))
+        sweep = Sweep(job, journal, executor, report, total)
+        sweep.work((printable(p), p) for p in find_logs(arguments, job.command, out))
         journal.sync()
-        logs = sorted(run.wanted)
+        logs = sorted(sweep.wanted)
         path = write_results(journal.rows(logs), settings, out)
         counts = Counter(journal.entries[log].status for log in logs)
-        return Batch(path, dict(sorted(counts.items())), run.pace())
+        return Batch(path, dict(sorted(counts.items())), sweep.pace())
     finally:
         journal.close()
 
 
-class Run:
-    """What is under way: logs handed out, rows that come back. See `run_batch` and `watch`."""
+def unheard(rows: list[Row]) -> None:
+    """Tell nobody of new rows."""
 
-    def __init__(self, job: Job, journal: Journal, executor: Executor, report: Report, total: int):
+
+class Sweep:
+    """Logs handed out, and their rows as they come back into the journal.
+
+    ``report`` is called with the pace after each chunk, ``tell`` with its new rows once they are in
+    the journal. ``total`` logs are expected.
+    """
+
+    def __init__(
+        self,
+        job: Job,
+        journal: Journal,
+        executor: Executor,
+        report: Report,
+        total: int,
+        tell: Callable[[list[Row]], None] = unheard,
+    ):
         self.packed, self.journal, self.executor = job.packed(), journal, executor
-        self.command, self.report, self.total = job.command, report, total
+        self.command, self.report, self.total, self.tell = job.command, report, total, tell
         self.wanted: set[str] = set()
         self.pending: dict[Future[Rows], tuple[Item, ...]] = {}
         self.done = self.fresh = self.errors = 0
@@ -103,9 +119,9 @@ class Run:
         elapsed = time.monotonic() - self.start
         return Pace(self.total, self.done, self.fresh, self.errors, elapsed)
 
-    def work(self, paths: Iterator[str]) -> None:
-        """Do all; on the way out drop what is under way."""
-        for chunk in self._chunks(paths):
+    def work(self, logs: Iterable[tuple[str, str]]) -> None:
+        """Do all ``logs``, each the name of its row and its path."""
+        for chunk in self._chunks(logs):
             if self.executor.worn:
                 self._drain(0)
                 self.executor.renew()
@@ -122,12 +138,11 @@ class Run:
             future.set_exception(error)
             return future
 
-    def _chunks(self, paths: Iterator[str]) -> Iterator[tuple[Item, ...]]:
+    def _chunks(self, logs: Iterable[tuple[str, str]]) -> Iterator[tuple[Item, ...]]:
         """Small chunks first, so that few logs are spread over all workers."""
         chunk: list[Item] = []
         begun = 0
-        for path in paths:
-            name = printable(path)
+        for name, path in logs:
             if name in self.wanted:  # two patterns named it
                 self.total -= 1
                 continue
@@ -159,11 +174,13 @@ class Run:
         for future in finished:
             items = self.pending.pop(future)
             try:
-                self._keep(items, future.result())
+                rows = future.result()
             except BrakeCalError:
                 raise
             except Exception:
                 suspects += items
+            else:
+                self._keep(items, rows)
         return suspects
 
     def _alone(self, suspects: list[Item]) -> None:
@@ -194,14 +211,12 @@ class Run:
             self.journal.sync()
             self.synced = time.monotonic()
         self.report(self.pace())
+        if new:
+            self.tell(new)
 
     def _same(self, row: Row) -> bool:
         """A log that could not be read, and still cannot, has its row."""
         entry = self.journal.entries.get(row.log)
-        return (
-            entry is not None
-            and row.digest is None
-            and entry.digest is None
-            and entry.lost == row.lost
-            and entry.status == row.status
-        )
+        if entry is None or row.digest is not None or entry.digest is not None:
+            return False
+        return next(self.journal.rows([row.log])) == row

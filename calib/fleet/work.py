@@ -66,6 +66,9 @@ def run_item(job: Job, item: Item) -> Row | None:
     except BrakeCalError as error:
         said = printable(str(error).replace(item.path, item.name))
         return Row(item.name, digest, "error", said)
+    except MemoryError:
+        said = f"{item.name}: not enough memory; the next run tries it again"
+        return Row(item.name, digest, "error", said, lost=True)
     except Exception as error:
         # a fault of the program on one log must not cost the others theirs
         said = printable(f"{item.name}: the program failed: {type(error).__name__}: {error}")

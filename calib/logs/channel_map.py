@@ -93,13 +93,13 @@ def read_channel_map(path: Path) -> ChannelMap:
 
 
 def _dbc(written: object, path: Path) -> tuple[Path, ...]:
-    """The DBC files: one name or a list of them, relative to the map."""
+    """The DBC files, absolute: one name or a list of them, relative to the map."""
     names = [written] if isinstance(written, str) else written
     if not isinstance(names, list) or not all(isinstance(n, str) and n.strip() for n in names):
         raise ChannelMapError(
             f"dbc {written!r}", where=path, expected="the path of a DBC file, or a list of them"
         )
-    return tuple(path.parent / name for name in names)
+    return tuple((path.parent / name).absolute() for name in names)
 
 
 def _ignore(entry: object, where: str) -> tuple[str, ...]:

@@ -231,6 +231,8 @@ def refuse_no_log(path: Path, where: object = None, *, any_format: bool = False)
         raise LogError("a directory", where=where, expected="a log file", do="name the files in it")
     if not path.exists():
         raise LogError("no such file", where=where, expected="a log", do="check the path")
+    if not path.is_file():
+        raise LogError("a device, socket or pipe", where=where, expected="a log file")
     if ending_of(path) not in FORMATS and not any_format:
         raise LogError(
             f"unknown format {ending_of(path)!r}",

@@ -26,7 +26,7 @@ def logs(tmp_path_factory):
 
 @pytest.fixture
 def bench(tmp_path):
-    """Start a watch over tmp_path/in in a process of its own."""
+    """Start a watch over tmp_path/in in processes of its own; it has begun when this returns."""
     (tmp_path / "in").mkdir()
     running = []
 
@@ -39,8 +39,10 @@ def bench(tmp_path):
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
+            start_new_session=True,
         )
         running.append(process)
+        assert process.stderr.readline().startswith("watching in")
         return process
 
     yield start
@@ -68,16 +70,17 @@ def waited_for(question, patience=60.0):
     raise AssertionError("waited in vain")
 
 
+@pytest.mark.parametrize("send", [os.kill, os.killpg], ids=["itself", "with its workers"])
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_it_ends_when_asked_and_says_what_was_done(bench, logs, tmp_path, number):
+def test_it_ends_when_asked_and_says_what_was_done(bench, logs, tmp_path, number, send):
     process = bench("--json")
     drop(logs[:2], tmp_path / "in")
     waited_for(lambda: rows(tmp_path) == 2)
-    process.send_signal(number)
+    send(process.pid, number)
     out, err = process.communicate(timeout=30)
     assert process.returncode == 0, err
     told = [json.loads(line) for line in out.splitlines()]
-    assert [row["log"] for row in told] == ["in/car_00000.csv", "in/car_00001.csv"]
+    assert [row["log"] for row in told] == ["car_00000.csv", "car_00001.csv"]
     assert told[0]["figures"]["usable_validate"] is True
     assert "2 passed; out/results.parquet" in err
     assert pq.read_table(tmp_path / "out" / "results.parquet").num_rows == 2
@@ -95,7 +98,7 @@ def test_killed_and_started_again_each_log_is_done_once(bench, logs, tmp_path):
     process.communicate(timeout=30)
     assert process.returncode == 0
     journal = (tmp_path / "out" / NAME).read_text().splitlines()[1:]
-    assert sorted(json.loads(line)[0] for line in journal) == [f"in/{log.name}" for log in logs]
+    assert sorted(json.loads(line)[0] for line in journal) == [log.name for log in logs]
 
 
 def test_mistakes(brake_cal, tmp_path):

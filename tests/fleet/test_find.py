@@ -62,6 +62,20 @@ def test_for_a_diagnosis_a_log_is_a_folder():
     assert found("cars/1", command="diagnose") == ["cars/1"]
 
 
+def test_a_pattern_may_name_folders_at_any_depth():
+    test_for_a_diagnosis_a_log_is_a_folder()
+    assert {"cars/1", "cars/more/2"} == set(found("cars/**", command="diagnose"))
+    assert {"logs/deep/c.csv", "logs/deep/er/b.PARQUET"} == set(found("logs/**/deep"))
+
+
+@pytest.mark.parametrize("out", ["logs/deep", ".", "logs"])
+def test_results_may_lie_beside_logs(out):
+    Path(out, "results.parquet").touch()
+    inner = [] if out == "logs/deep" else ["logs/deep/c.csv", "logs/deep/er/b.PARQUET"]
+    assert found("logs", out=out) == ["logs/a.csv", *inner]
+    assert found("logs/deep", out=out) == ["logs/deep/c.csv", "logs/deep/er/b.PARQUET"]
+
+
 def test_a_folder_that_cannot_be_read_is_told(monkeypatch):
     def scandir(path):
         raise PermissionError(13, "Permission denied", path)

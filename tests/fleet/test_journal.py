@@ -97,3 +97,21 @@ def test_two_runs_do_not_write_at_once(tmp_path):
         open_journal(tmp_path, SETTINGS)
     journal.close()
     open_journal(tmp_path, SETTINGS).close()
+
+
+def test_a_journal_of_another_folder_that_tells_more_is_refused(tmp_path):
+    open_journal(tmp_path, {**SETTINGS, "folder": "/bench"}).close()
+    with pytest.raises(BatchError, match="folder /bench for none"):
+        open_journal(tmp_path, SETTINGS)
+
+
+def test_a_disk_that_fails_at_the_end_leaves_the_file_closed(tmp_path, monkeypatch):
+    journal = open_journal(tmp_path, SETTINGS)
+
+    def full():
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(journal, "sync", full)
+    with pytest.raises(OSError, match="No space"):
+        journal.close()
+    open_journal(tmp_path, SETTINGS).close()  # the lock is free again

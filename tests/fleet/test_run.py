@@ -8,10 +8,13 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.errors import BatchError, LogError
-from calib.fleet.journal import NAME
+from calib.fleet.job import Job
+from calib.fleet.journal import NAME, Journal
 from calib.fleet.run import AHEAD, run_batch
 from calib.fleet.work import run_items
 from calib.limits import Limit
+from calib.logs.channel_map import ChannelMap, Mapping
+from calib.logs.dialect import TextFormat
 from calib.logs.read import read_log
 from calib.scores import FIGURES
 from calib.validate import validate_one
@@ -149,3 +152,61 @@ def test_a_name_that_is_not_utf8_is_a_row(job, tmp_path, stops):
     done = run_batch(job, [str(tmp_path / "logs")], tmp_path / "out", Here())
     assert done.counts == {"passed": 1}
     assert rows_of(done)[0]["log"].endswith("r\\udcfcck.csv")
+
+
+def test_a_full_disk_is_told_and_no_log_is_done_twice(job, six, monkeypatch):
+    executor = Here()
+
+    def full(self, rows):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Journal, "add", full)
+    with pytest.raises(OSError, match="No space"):
+        run_batch(job, [six], Path("out"), executor)
+    assert executor.renewed == 0
+    assert len(set(executor.done)) == len(executor.done)
+
+
+def test_the_row_of_a_log_says_why_it_cannot_be_read_now(job, six):
+    arguments = [six, "logs/late.csv"]
+    run_batch(job, arguments, Path("out"), Here())
+    os.mkfifo("logs/late.csv")
+    row = rows_of(run_batch(job, arguments, Path("out"), Here()))[-1]
+    assert "a device, socket or pipe" in row["error"]
+
+
+def test_a_log_for_which_memory_is_short_is_tried_again(job, six, monkeypatch):
+    def short(*arguments, **told):
+        raise MemoryError
+
+    with monkeypatch.context() as patched:
+        patched.setattr("calib.fleet.work.log_of", short)
+        done = run_batch(job, ["logs/car_00000.csv"], Path("out"), Here())
+    assert "not enough memory" in rows_of(done)[0]["error"]
+    again = run_batch(job, ["logs/car_00000.csv"], Path("out"), Here())
+    assert (again.pace.fresh, again.counts) == (1, {"passed": 1})
+
+
+MAPS = (
+    {"channels": {"p_mc": Mapping("p")}},
+    {"channels": {"p_mc": Mapping("p", unit="bar")}},
+    {"text": TextFormat(decimal=",")},
+    {"ignore": ("v",)},
+    {"dbc": ("a.dbc",)},
+)
+
+
+def test_all_that_a_channel_map_says_is_a_setting(tmp_path):
+    bus = tmp_path / "a.dbc"
+    bus.write_text("VERSION 1")
+
+    def settings(**told):
+        told = {"channels": {}, **told}
+        if "dbc" in told:
+            told["dbc"] = (bus,)
+        return Job("check", channel_map=ChannelMap("m.toml", **told)).settings()["map"]
+
+    found = [settings(), *(settings(**told) for told in MAPS)]
+    bus.write_text("VERSION 2")
+    found.append(settings(**MAPS[-1]))
+    assert len(set(found)) == len(found) == 7
