@@ -38,9 +38,9 @@ def watch(
     ] = 2,
     json: Annotated[bool, typer.Option("--json", help="One JSON document a log and line.")] = False,
 ) -> None:
-    """Do every log that appears in DIR, once, until Ctrl-C or SIGTERM; a second one ends it at once.
+    """Do every log that appears in DIR, once, until Ctrl-C or SIGTERM.
 
-    Prints a line a log, after its row is on the disk. Rows are kept as by `batch`, named by their
+    A second one ends it at once. Prints a line a log, after its row is on the disk. Rows are kept as by `batch`, named by their
     path within DIR: a watch that was stopped or killed goes on where it was; a log that changes is
     done again, one that is taken away keeps its row. Exit code 0.
     """
