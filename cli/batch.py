@@ -1,5 +1,6 @@
 """`brake-cal batch`: one command on many logs, one row a log."""
 
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, say
-from cli.jobs import Command, Limits, Out, Table, VehicleFile, Workers, job_of
+from cli.jobs import Command, Fresh, Limits, Out, Table, VehicleFile, Workers, job_of
 from cli.options import STORE, Json, Map, Store, example
 
 if TYPE_CHECKING:
@@ -47,26 +48,28 @@ def batch(
     vehicle: VehicleFile = None,
     limits: Limits = None,
     channel_map: Map = None,
-    fresh: Annotated[
-        bool, typer.Option("--fresh", help="Throw away what DIR holds and begin anew.")
-    ] = False,
+    fresh: Fresh = False,
     json: Json = False,
 ) -> None:
     """Run one command on many logs: one row a log in DIR/results.parquet.
 
-    A log that fails is a row with its error. A run that was stopped goes on where it was when it
-    is started again. `fit` stores no tables. Exit code 0 if all ran, 1 if a log fails its limits,
-    3 if none could be read.
+    A log that cannot be read is a row with its error and changes no exit code, unless none can be.
+    A run that was stopped goes on where it was when it is started again. `fit` stores no tables.
+    Exit code 0 if no log fails its limits, 1 if one does, 3 if none could be read, 130 if stopped.
     """
     if workers is not None and scheduler is not None:
         raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
     job = job_of(command, out, table, store, vehicle, limits, channel_map)
     _check_logs(logs, job, out)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: rows are kept
     executor = _executor(workers, scheduler)
     say(f"{command.value} on {executor.workers} worker{'s' * (executor.workers > 1)}")
     try:
         with _progress() as report:
             done = _run(job, logs, out, executor, report, fresh)
+    except KeyboardInterrupt:
+        say("stopped; the same line typed again goes on where it was")
+        raise
     finally:
         executor.close()
     _tell(done, json)

@@ -8,6 +8,7 @@ import typer
 
 if TYPE_CHECKING:
     from calib.fleet.job import Job
+    from calib.limits import Limit
 
 
 class Command(StrEnum):
@@ -34,6 +35,9 @@ VehicleFile = Annotated[
 Limits = Annotated[
     Path | None, typer.Option(metavar="L.toml", help="validate: limits for pass or fail.")
 ]
+Fresh = Annotated[
+    bool, typer.Option("--fresh", help="Throw away what DIR of --out holds and begin anew.")
+]
 
 
 def job_of(
@@ -48,25 +52,39 @@ def job_of(
     """Read once what every log needs. Refuse what is missing, and what would be left unused."""
     _check_usage(command, out, table, vehicle, limits)
     from calib.fleet.job import Job
-    from calib.limits import DEFAULTS, read_limits
     from calib.logs.channel_map import read_channel_map
-    from calib.scores import FIGURES
     from calib.store import load
     from calib.validate import require_same_vehicle
     from calib.vehicle import read_vehicle
 
     known = load(table, store).table if table else None
     car = read_vehicle(vehicle) if vehicle else None
-    held = read_limits(limits, set(FIGURES)) if limits else DEFAULTS
     if known is not None:
         require_same_vehicle(known, car, vehicle)
     return Job(
         command=command.value,
         table=known,
         vehicle=car,
-        limits=held if command is Command.VALIDATE else (),
+        limits=limits_of_stops(limits) if command is Command.VALIDATE else (),
         channel_map=read_channel_map(channel_map) if channel_map else None,
     )
+
+
+def limits_of_stops(path: Path | None) -> "tuple[Limit, ...]":
+    """The limits of a file that hold for single stops; by default where there is no file."""
+    from calib.errors import LimitsError
+    from calib.limits import DEFAULTS, read_limits
+    from calib.scores import FIGURES
+    from calib.station.figures import FIGURES as OF_CAR
+
+    if path is None:
+        return DEFAULTS
+    limits = tuple(x for x in read_limits(path, {*FIGURES, *OF_CAR}) if x.figure in FIGURES)
+    if not limits:
+        raise LimitsError(
+            "no limit for a stop", where=path, do="judge the car with `brake-cal station`"
+        )
+    return limits
 
 
 def _check_usage(

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, progress, say
+from cli.jobs import limits_of_stops
 from cli.options import STORE, Json, KnownModel, Map, Store, example
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.limits import Limit
     from calib.table import Table
     from calib.validate import Validation
 
@@ -56,7 +56,7 @@ def validate(
     car = read_vehicle(vehicle) if vehicle else None
     require_same_vehicle(stored.table, car, vehicle)
     used = _with_known(stored.table, model) if model else stored.table
-    held = _limits(limits)
+    held = limits_of_stops(limits)
     mapping = read_channel_map(channel_map) if channel_map else None
     results = []
     plural = "s" * (len(logs) > 1)
@@ -116,22 +116,6 @@ def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -
         ) from error
     for path in paths:
         say(f"wrote {path}")
-
-
-def _limits(path: Path | None) -> "tuple[Limit, ...]":
-    from calib.errors import LimitsError
-    from calib.limits import DEFAULTS, read_limits
-    from calib.scores import FIGURES
-    from calib.station.figures import FIGURES as OF_CAR
-
-    if path is None:
-        return DEFAULTS
-    limits = tuple(x for x in read_limits(path, {*FIGURES, *OF_CAR}) if x.figure in FIGURES)
-    if not limits:
-        raise LimitsError(
-            "no limit for a stop", where=path, do="judge the car with `brake-cal station`"
-        )
-    return limits
 
 
 def _report(results: "list[Validation]") -> None:

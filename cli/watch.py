@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cli.console import complain, emit_line, json_line, say
-from cli.jobs import Command, Limits, Out, Table, VehicleFile, Workers, job_of
+from cli.jobs import Command, Fresh, Limits, Out, Table, VehicleFile, Workers, job_of
 from cli.options import STORE, Map, Store, example
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ def watch(
     vehicle: VehicleFile = None,
     limits: Limits = None,
     channel_map: Map = None,
+    fresh: Fresh = False,
     every: Annotated[float, typer.Option(metavar="S", min=0.05, help="Seconds between looks.")] = 1,
     settle: Annotated[
         float, typer.Option(metavar="S", min=0.0, help="A log is whole when unchanged so long.")
@@ -40,9 +41,9 @@ def watch(
 ) -> None:
     """Do every log that appears in DIR, once, until Ctrl-C or SIGTERM.
 
-    A second one ends it at once. Prints a line a log, after its row is on the disk. Rows are kept as by `batch`, named by their
-    path within DIR: a watch that was stopped or killed goes on where it was; a log that changes is
-    done again, one that is taken away keeps its row. Exit code 0.
+    A second one ends it at once. Prints a line a log, after its row is on the disk. Rows are kept
+    as by `batch`, named by their path within DIR: a watch that was stopped or killed goes on where
+    it was; a log that changes is done again, one that is taken away keeps its row. Exit code 0.
     """
     if command is Command.DIAGNOSE:
         raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")
@@ -56,7 +57,16 @@ def watch(
         with _stopped() as stop:
             say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
             done = watch_folder(
-                job, folder, out, pool, stop, show, complain, every=every, settle=settle
+                job,
+                folder,
+                out,
+                pool,
+                stop,
+                show,
+                complain,
+                every=every,
+                settle=settle,
+                fresh=fresh,
             )
     except BrokenPipeError:
         raise
@@ -106,7 +116,8 @@ def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
         elif row.error is not None:
             emit_line(f"{row.log}: error: {row.error.removeprefix(f'{row.log}: ')}")
         else:
-            emit_line(f"{row.log}: {row.status}{_pads(figures)}")
+            broken = f" ({figures['not_held']})" if figures.get("not_held") else ""
+            emit_line(f"{row.log}: {row.status}{broken}{_pads(figures)}")
 
     return show
 

@@ -1,6 +1,7 @@
 """Workers of a Dask cluster, as the same executor. Needs the extra `dist`."""
 
 import math
+import socket
 import time
 from concurrent.futures import Future
 from functools import partial
@@ -33,6 +34,7 @@ class Cluster:
                 do="pip install 'brake-cal[dist]'",
             ) from cause
         try:
+            _knock(address)
             self._client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError) as cause:
             raise BatchError(
@@ -92,6 +94,17 @@ class Cluster:
     def close(self) -> None:
         """Leave the cluster; what is under way is dropped."""
         self._client.close()
+
+
+def _knock(address: str) -> None:
+    """Raise OSError or ValueError if nobody listens: a client that never met one is slow to end."""
+    from dask.utils import parse_timedelta
+    from distributed.comm.addressing import parse_address, parse_host_port
+
+    scheme, place = parse_address(address)
+    if scheme in ("tcp", "tls"):
+        where = parse_host_port(place, 8786)
+        socket.create_connection(where, timeout=parse_timedelta(PATIENCE)).close()
 
 
 def _pass_on(rows: "Future[Rows]", given: Any) -> None:

@@ -49,7 +49,10 @@ FIT = (
     Column("table_digest", "text", "1", "digest of the table"),
 )
 
-VALIDATE = tuple(_float(name, "1", meaning) for name, meaning in FIGURES.items())
+VALIDATE = (
+    *(_float(name, "1", meaning) for name, meaning in FIGURES.items()),
+    Column("not_held", "text", "1", "figures that break a limit; null if none does"),
+)
 
 CHECK = (
     Column("usable_fit", "bool", "1", "usable for fit"),

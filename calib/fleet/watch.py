@@ -92,6 +92,7 @@ def watch(
     *,
     every: float = 1.0,
     settle: float = 2.0,
+    fresh: bool = False,
     clock: Callable[[], float] = time.monotonic,
 ) -> Watched:
     """Do every log that appears in ``folder`` or below, until ``stop`` is set.
@@ -106,6 +107,7 @@ def watch(
         telling a crash prevents is not told later.
     trouble : called when a folder cannot be read, once until it can be again.
     every, settle : seconds between two looks; seconds for which a file must not change.
+    fresh : throw away what ``out`` holds.
     clock : monotonic time [s].
 
     A log with the digest of its row is not done again, so a watch that was stopped or killed goes
@@ -117,7 +119,7 @@ def watch(
         raise ValueError("a folder of a car's logs does not say when it is whole")
     out.mkdir(parents=True, exist_ok=True)
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
-    journal = open_journal(out, settings)
+    journal = open_journal(out, settings, fresh)
     try:
         settled = Settled(settle)
         over = _Watch(job, folder, out, executor, stop, tell, journal, settings, settled, clock)

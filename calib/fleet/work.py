@@ -115,7 +115,8 @@ def _validate(job: Job, item: Item, files: Files) -> Answer:
     assert job.table is not None
     log = _log(job, item, files)
     found = validate_one(job.table, log, job.vehicle, job.limits, rivals=False)
-    cells = tuple(number(found.figures[name]) for name in FIGURES)
+    broken = ", ".join(j.figure for j in found.judgements if j.passed is False)
+    cells = (*(number(found.figures[name]) for name in FIGURES), broken or None)
     return ("passed" if found.passed else "failed"), cells
 
 

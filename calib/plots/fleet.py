@@ -1,13 +1,15 @@
 """One figure of a fleet: how it is distributed, and how it went along the line.
 
-distribution   bars of cars, median, 5 to 95 %, outliers as marks below
+distribution   bars of cars, median, 5 to 95 %, outliers as marks below, beyond the axis as arrows
 in order       cars as points, centre and 3 sigma, alarms of the run rules, change of level
 """
 
 import re
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.control_chart import FEWEST, RULES
 from calib.fleet_summary import Look, Summary
@@ -49,11 +51,11 @@ def distribution(ax: "Axes", look: Look) -> None:
     five, _, _, ninety = look.spread.quantiles
     ax.axvspan(five, ninety, color=SHADE, linewidth=0.0, zorder=0, label="5 to 95 %")
     ax.axvline(look.spread.median, color=FRONT["color"], label="median")
-    far = np.clip(look.values[look.outlying], low, high)
-    if far.size:
+    for part, marker, label in _outliers(look, low, high, "<>"):
         # in axes coordinates across, and not cut at the edge: a mark for what lies beyond it
-        marks = ax.plot(far, np.full(far.size, 0.02), "v", color=REAR["color"], ms=5)[0]
-        marks.set(transform=ax.get_xaxis_transform(), clip_on=False, zorder=5, label="outlier")
+        far = np.clip(look.values[part], low, high)
+        marks = ax.plot(far, np.full(far.size, 0.02), marker, color=REAR["color"], ms=5)[0]
+        marks.set(transform=ax.get_xaxis_transform(), clip_on=False, zorder=5, label=label)
     ax.set_xlim(*_room(low, high))
     ax.locator_params(axis="x", nbins=4)
     ax.locator_params(axis="y", integer=True)
@@ -77,16 +79,30 @@ def in_order(ax: "Axes", found: Summary, look: Look) -> None:
             ax.plot(x[alarm], y[alarm], ".", color="#E69F00", ms=3.0 if many else 5.0, label=label)
     if look.drifts and look.change is not None:
         k, c = look.change.first, look.change
-        for part, level, label in ((x[:k], c.before, "level"), (x[k:], c.after, None)):
-            ends = [part[0], part[-1]]
+        for logs, level, label in ((x[:k], c.before, "level"), (x[k:], c.after, None)):
+            ends = [logs[0], logs[-1]]
             ax.plot(ends, [level, level], color=IDENTIFIED["color"], linewidth=2.0, label=label)
-    if look.outlying.any():
-        ax.plot(x[look.outlying], y[look.outlying], "v", color=REAR["color"], ms=5, label="outlier")
+    for part, marker, label in _outliers(look, low, high, "v^"):
+        ax.plot(x[part], y[part], marker, color=REAR["color"], ms=5, label=label)
     ax.set_ylim(*_room(low, high))
     ax.set_xlim(0.0, len(found.logs) + 1.0)
     ax.locator_params(axis="x", integer=True)
     told = found.ordered_by.replace("$", r"\$")
     ax.set(xlabel=f"log, ordered by {told}", ylabel=_axis(look))
+
+
+def _outliers(
+    look: Look, low: float, high: float, arrows: str
+) -> Iterator[tuple[NDArray[np.bool_], str, str]]:
+    """Outliers within the axes, then those below and above: which, their mark, their label."""
+    below, above = look.values < low, look.values > high
+    groups = ((~below & ~above, "D", "outlier"), (below, arrows[0], ""), (above, arrows[1], ""))
+    for where, marker, label in groups:
+        part = look.outlying & where
+        values = np.unique(look.values[part])
+        if values.size:
+            ends = f"{values[0]:.4g}" + (f" to {values[-1]:.4g}" if values.size > 1 else "")
+            yield part, marker, label or f"beyond: {ends}"
 
 
 def window(look: Look) -> tuple[float, float]:
