@@ -99,7 +99,7 @@ def _wrong_pressure(seen: Observation) -> Iterator[str]:
 
 def _not_for_fit(seen: Observation) -> Iterator[str]:
     if not seen.events:
-        yield "no braking: drive a slow pressure ramp of 3 to 8 s"
+        yield "no braking: drive a slow pressure ramp of 3 to 8 s; a coast log goes beside one"
         return
     if seen.lead_in < LEAD_IN_FIT:
         yield (

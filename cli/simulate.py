@@ -32,7 +32,8 @@ def simulate(
         typer.Option(metavar="M.toml", help="Pads, tyre, effects; without it the vehicle's own."),
     ] = None,
     manoeuvre: Annotated[
-        str | None, typer.Option(metavar="NAME", help="ramp, step, stop, wave, staircase or coast.")
+        str | None,
+        typer.Option(metavar="NAME", help="ramp, step, wave, staircase, coast; stop: no lead-in."),
     ] = None,
     speed: Annotated[
         str | None, typer.Option(help=f'First speed of the manoeuvre, "{SPEED}" if not given.')
