@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from calib import control_chart, outliers
+from calib import control_chart, outliers, tails
 from calib.control_chart import BY_CHANCE, RULES
 from calib.fleet_summary import DRIFT, Look, Shares, Summary
 from calib.html import page, paragraph, section, table
@@ -113,8 +113,8 @@ def _named(found: Summary) -> str:
     return section(
         "Logs that stand apart",
         paragraph(
-            f"{_count(len(found.outliers), 'value is', 'values are')} named; at most about "
-            f"{chance:.1f} of them by chance."
+            f"{_count(len(found.outliers), 'value is', 'values are')} named; about "
+            f"{chance:.1f} of them by chance if the bulk of each figure is near normal."
             + (
                 f" The farthest {NAMES} are listed, all {len(found.outliers)} in fleet.json."
                 * (more > 0)
@@ -217,13 +217,16 @@ def _method(found: Summary) -> str:
         "How it was judged",
         paragraph(f"The line is in the order of {found.ordered_by}."),
         paragraph(
-            "A log stands apart by its robust z, (value less median)/(1.48 MAD), of a skewed or "
-            "long-tailed figure after its bulk is straightened, held against a t law "
-            "for a scale from so many logs, by the rule of Benjamini and Hochberg over all "
-            f"figures and logs: at most {100 * outliers.SHARE:.0f} % of those named are expected "
-            f"to be so by chance. Below {outliers.FEWEST} logs none is named. A figure with "
-            "two humps may name more than that; compare how many lie beyond 3 with chance. One "
-            "that is the same for half of the logs or more has no scale and names none."
+            "A log stands apart by its robust z, (value less median)/(1.48 MAD), from "
+            f"{tails.FEWEST} logs on of a plainly skewed or long-tailed figure after its bulk is "
+            "straightened, held against a t law for a scale from so many logs, by the rule of "
+            "Benjamini and Hochberg over all figures and logs: about "
+            f"{100 * outliers.SHARE:.0f} % of those named are expected to be so by chance if the "
+            f"bulk is near normal. Below {outliers.FEWEST} logs none is named. With fewer than "
+            f"{tails.FEWEST} logs a skewed figure names good logs too, and one now and then with "
+            "more; so does one with long tails up to some thousand logs, and one with two humps "
+            "at any number. Compare how many lie beyond 3 with chance. A figure that is the same "
+            "for half of the logs or more has no scale and names none."
         ),
         paragraph(
             "Drift is Pettitt's rank test for a change of level over the whole order, at most "
