@@ -51,6 +51,20 @@ def test_three_rows_and_a_column_of_nothing(tmp_path):
     assert look(found, "never").spread.count == 0
 
 
+def test_drift_is_tested_where_a_plain_step_would_be_found(tmp_path):
+    import pyarrow as pa
+
+    # p of a plain step: 0.011 of 15 logs, 0.0071 of 16; one among five figures needs 0.002
+    for n, figures, tested in ((15, 1, False), (16, 1, True), (16, 5, False), (30, 5, True)):
+        step = np.where(np.arange(n) < n // 2, 0.0, 1.0) + 1e-6 * np.arange(n)
+        noise = np.random.default_rng(n).normal(size=(figures - 1, n))
+        extra = {f"x{i}": (list(x), pa.float64(), "1") for i, x in enumerate([step, *noise])}
+        fleet = open_fleet(results(tmp_path / f"{n}_{figures}.parquet", n, extra=extra))
+        seen = look(summarise(fleet, tuple(extra)), "x0")
+        assert (seen.change is not None) == tested
+        assert seen.drifts == tested
+
+
 def test_only_what_is_wanted(tmp_path):
     fleet = open_fleet(results(tmp_path / "r.parquet", 12))
     assert [one.figure.name for one in summarise(fleet, ("settling",)).looks] == ["settling"]
