@@ -22,6 +22,10 @@ EXAMPLES = 3
 """Logs that are named with a kind of error."""
 
 
+SHORTEST = 3
+"""Characters of a log's name without its ending from which it is looked for in a message."""
+
+
 @dataclass(frozen=True)
 class Outlier:
     """A log that stands apart in one figure: its value, robust z and two-sided p."""
@@ -180,13 +184,17 @@ def failures(logs: tuple[str, ...], errors: tuple[str | None, ...]) -> tuple[Fai
 
 
 def kind_of(error: str, log: str) -> str:
-    """The message less what is of this log alone.
+    """The message less what is of this log alone: its names and all numbers.
+
+    Its name without the ending counts from three characters on that are no number: a shorter one is
+    too easily a word or a unit.
 
     >>> kind_of("a/run7.csv: ends at 3.2 s; expected 5 s", "a/run7.csv")
     'LOG: ends at # s; expected # s'
     """
     name = re.split(r"[/\\]", log)[-1]
-    for own in (log, name, name.rpartition(".")[0]):
-        if own:
-            error = re.sub(rf"\S*{re.escape(own)}(?=\W|$)", "LOG", error)
+    stem = name.rpartition(".")[0]
+    own = [log, name] + [stem] * (len(stem) >= SHORTEST and not stem.isdecimal())
+    for text in filter(None, own):
+        error = re.sub(rf"""([^\s'"]*[/\\])?(?<![\w-]){re.escape(text)}(?![\w-])""", "LOG", error)
     return re.sub(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)", "#", error)

@@ -87,6 +87,22 @@ def test_errors_of_one_kind_meet():
     assert kind_of("omega_fl3 reads -2.5e-3 rad/s", "x.csv") == "omega_fl3 reads # rad/s"
 
 
+@pytest.mark.parametrize(
+    ("error", "log", "kind"),
+    [
+        ("s.csv: ends at 3.2 s", "s.csv", "LOG: ends at # s"),
+        ("/d/s.csv: ends at 3.2 s", "a/s.csv", "LOG: ends at # s"),
+        ("5.csv: ends at 5 s", "5.csv", "LOG: ends at # s"),
+        ("100.csv: ends at 100 s", "100.csv", "LOG: ends at # s"),
+        ("no channel p_mc in 'd/run.csv'", "d/run.csv", "no channel p_mc in 'LOG'"),
+        ("run of run.csv, rerun, runs, run-in", "d/run.csv", "LOG of LOG, rerun, runs, run-in"),
+        ("ends at 3 s", "", "ends at # s"),
+    ],
+)
+def test_only_whole_names_of_the_log_are_left_out(error, log, kind):
+    assert kind_of(error, log) == kind
+
+
 def test_every_row_is_where_its_log_is(found):
     pads = look(found, "pad_friction_f")
     at = int(np.argmax(pads.values))
