@@ -11,7 +11,7 @@ stands for each expected mean square, and the 2.5 and 97.5 % points of what foll
 """
 
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,7 +110,7 @@ def _drawn(found: Anova) -> dict[str, Array]:
     return dict(zip(found.variances, solved, strict=True))
 
 
-@cache
+@lru_cache(maxsize=16)  # 160 kB each, and the degrees of an uneven design seldom come again
 def _chi2(nu: float, stream: int) -> Array:
     """Chi-square numbers (DRAWS,), the same every time: a report must not change by itself."""
     return np.random.default_rng([20, stream]).chisquare(nu, DRAWS)

@@ -1,10 +1,12 @@
 """Does the line drift: individuals chart with run rules, and a test for a change of level.
 
 The chart (Shewhart; Western Electric, Statistical Quality Control Handbook, 1956) shows where to
-look. On a steady line it alarms all the same: rule 1 once in 370 cars, the four rules together
-once in 92 (Champ and Woodall, Technometrics 29, 1987), so on a large fleet an alarm proves nothing.
-What decides is one test over the whole order: Pettitt's (Applied Statistics 28, 1979), on ranks,
-which no outlier and no odd distribution misleads.
+look. On a steady line it alarms all the same, with known limits by rule 1 once in 370 cars, by the
+four together once in 92 (Champ and Woodall, Technometrics 29, 1987), so on a large fleet an alarm
+proves nothing. Limits from the line itself alarm otherwise while it is short: rule 1 of 50 cars
+twice as often, rule 4 less than half as often. What decides is one test over the whole order:
+Pettitt's (Applied Statistics 28, 1979), on ranks, which no outlier and no odd distribution
+misleads.
 
     K = max_k |S_k|,   S_k = sum of (rank - mean rank) up to car k
 
@@ -28,6 +30,9 @@ RULES = {
 
 BY_CHANCE = {1: 0.0027, 2: 0.00205, 3: 0.00447, 4: 0.00781}
 """Share of cars at which each rule is broken on a steady line, see `broken_by_chance`."""
+
+FEWEST_BY_CHANCE = 200
+"""Cars from which `BY_CHANCE`, that of known limits, holds within a quarter for a `Chart`."""
 
 FEWEST = 10
 """Cars below which there is no chart."""
@@ -95,7 +100,8 @@ def alarms(z: Array) -> dict[int, Mask]:
 def broken_by_chance() -> dict[int, float]:
     """Share of cars of a steady, normal line at which each rule is broken, in closed form.
 
-    The last of the window must be a hit, and enough of those before it, on either side.
+    Centre and sigma are taken as known, not as those of the same cars. The last of the window must
+    be a hit, and enough of those before it, on either side.
 
     >>> broken_by_chance() == BY_CHANCE
     True
@@ -127,8 +133,8 @@ def _enough(hit: Mask, wanted: int, window: int) -> Mask:
 def change(values: Array) -> Change | None:
     """Test ``values`` (n,) in order for one change of level; None below `FEWEST` or all equal.
 
-    ``p`` is the tail of Kolmogorov's law, exact for many cars and cautious for few. A slow drift is
-    found as well; ``first`` is then somewhere in its middle.
+    ``p`` is the tail of Kolmogorov's law, exact for many cars and cautious for few, see `least_p`.
+    A slow drift is found as well; ``first`` is then somewhere in its middle.
     """
     n = values.size
     if n < FEWEST:
@@ -145,3 +151,18 @@ def change(values: Array) -> Change | None:
     k = int(np.argmax(np.abs(S)))
     p = float(kolmogorov(abs(float(S[k])) / scale))
     return Change(k + 1, float(np.median(values[: k + 1])), float(np.median(values[k + 1 :])), p)
+
+
+def least_p(n: int) -> float:
+    """The ``p`` of the plainest `change` that ``n`` different values can show.
+
+    That is a step where the greater half of them comes last.
+
+    >>> [round(least_p(n), 4) for n in (10, 14, 16, 22)]
+    [0.0661, 0.0149, 0.0071, 0.0007]
+    """
+    from scipy.special import kolmogorov
+
+    half = n // 2
+    # |S_half| of the ranks 1 to n in order, over its scale
+    return float(kolmogorov(0.5 * half * (n - half) / np.sqrt(n * n * (n + 1) / 12.0)))

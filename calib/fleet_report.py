@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from calib import control_chart, outliers
-from calib.control_chart import BY_CHANCE, RULES
+from calib import control_chart, outliers, tails
+from calib.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
 from calib.fleet_summary import DRIFT, Look, Shares, Summary
 from calib.html import page, paragraph, section, table
 from calib.outliers import Spread
@@ -27,10 +27,11 @@ def headline(found: Summary) -> str:
         return said + f"; {_errors(found)}." if found.failures else said + "."
     drifting = [look.figure.name for look in found.looks if look.drifts]
     logs = len({outlier.log for outlier in found.outliers})
+    steady = "No drift" if _drift_tested(found) else "Drift not tested"
     parts = [
         f"{', '.join(drifting)} {'drift' if len(drifting) > 1 else 'drifts'}"
         if drifting
-        else "No drift",
+        else steady,
         f"{_count(logs, 'log stands', 'logs stand')} apart" if logs else "no log stands apart",
     ]
     if found.failures:
@@ -46,6 +47,10 @@ def _too_few(found: Summary) -> bool:
     """Whether no figure has logs enough to be judged."""
     counts = [look.spread.count for look in found.looks]
     return max(counts, default=0) < min(outliers.FEWEST, control_chart.FEWEST)
+
+
+def _drift_tested(found: Summary) -> bool:
+    return any(look.change is not None for look in found.looks)
 
 
 def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> str:
@@ -69,7 +74,9 @@ def _first(found: Summary) -> list[Look]:
 
 
 def _head(found: Summary, title: str) -> str:
-    kind = "unknown" if _too_few(found) else "no_gap" if _calm(found) else "ambiguous"
+    kind = "no_gap" if _calm(found) else "ambiguous"
+    if _too_few(found) or (_calm(found) and not _drift_tested(found)):
+        kind = "unknown"
     shown = "".join(
         f"<div><dt>{escape(text)}</dt><dd>{value}</dd></div>"
         for text, value in (("logs", len(found.logs)), *found.status.items())
@@ -113,8 +120,8 @@ def _named(found: Summary) -> str:
     return section(
         "Logs that stand apart",
         paragraph(
-            f"{_count(len(found.outliers), 'value is', 'values are')} named; at most about "
-            f"{chance:.1f} of them by chance."
+            f"{_count(len(found.outliers), 'value is', 'values are')} named; about "
+            f"{chance:.1f} of them by chance if the bulk of each figure is near normal."
             + (
                 f" The farthest {NAMES} are listed, all {len(found.outliers)} in fleet.json."
                 * (more > 0)
@@ -184,15 +191,22 @@ def described(found: Summary, look: Look) -> str:
             f"(p {c.p:.1e})."
         )
     if look.chart is not None:
-        counts = [(int(look.chart.alarms[r].sum()), BY_CHANCE[r] * look.values.size) for r in RULES]
-        told = "; ".join(
-            f"rule {r}: {n} ({chance:.1f} by chance)"
-            for r, (n, chance) in zip(RULES, counts, strict=True)
-        )
-        said.append(f"Run rules broken: {told}.")
+        told = []
+        for rule in RULES:
+            broken, chance = int(look.chart.alarms[rule].sum()), _by_chance(look, rule)
+            told.append(
+                f"rule {rule}: {broken}" + ("" if chance is None else f" ({chance:.1f} by chance)")
+            )
+        said.append(f"Run rules broken: {'; '.join(told)}.")
     else:
         said.append("No control chart: too few logs, or no scatter.")
     return " ".join(said)
+
+
+def _by_chance(look: Look, rule: int) -> float | None:
+    """How often a steady line would break ``rule``; None where limits of so few logs err."""
+    n = look.values.size
+    return BY_CHANCE[rule] * n if n >= FEWEST_BY_CHANCE else None
 
 
 def number(value: float, about: Spread) -> str:
@@ -217,21 +231,26 @@ def _method(found: Summary) -> str:
         "How it was judged",
         paragraph(f"The line is in the order of {found.ordered_by}."),
         paragraph(
-            "A log stands apart by its robust z, (value less median)/(1.48 MAD), of a skewed or "
-            "long-tailed figure after its bulk is straightened, held against a t law "
-            "for a scale from so many logs, by the rule of Benjamini and Hochberg over all "
-            f"figures and logs: at most {100 * outliers.SHARE:.0f} % of those named are expected "
-            f"to be so by chance. Below {outliers.FEWEST} logs none is named. A figure with "
-            "two humps may name more than that; compare how many lie beyond 3 with chance. One "
-            "that is the same for half of the logs or more has no scale and names none."
+            "A log stands apart by its robust z, (value less median)/(1.48 MAD), from "
+            f"{tails.FEWEST} logs on of a plainly skewed or long-tailed figure after its bulk is "
+            "straightened, held against a t law for a scale from so many logs, by the rule of "
+            "Benjamini and Hochberg over all figures and logs: about "
+            f"{100 * outliers.SHARE:.0f} % of those named are expected to be so by chance if the "
+            f"bulk is near normal. Below {outliers.FEWEST} logs none is named. With fewer than "
+            f"{tails.FEWEST} logs a skewed figure names good logs too, and one now and then with "
+            "more; so does one with long tails up to some thousand logs, and one with two humps "
+            "at any number. Compare how many lie beyond 3 with chance. A figure that is the same "
+            "for half of the logs or more has no scale and names none."
         ),
         paragraph(
             "Drift is Pettitt's rank test for a change of level over the whole order, at most "
-            f"{100 * DRIFT:.0f} % of the figures said to drift by chance. The chart has its "
-            "centre at the median and 3 sigma from the median moving range. Western Electric "
-            f"rules: {rules}. They alarm on a steady line too, rule 1 once in 370 logs, "
-            "all four once in 92: they say where to look and prove nothing. Logs of one line are "
-            "taken as independent; runs of one car one after the other are not."
+            f"{100 * DRIFT:.0f} % of the figures said to drift by chance. It is not made where "
+            "so few logs could not show even a plain step in one of so many figures. The chart has "
+            "its centre at the median and 3 sigma from the median moving range. Western Electric "
+            f"rules: {rules}. They alarm on a steady line too, with known limits rule 1 once in "
+            "370 logs, all four once in 92: they say where to look and prove nothing. Limits from "
+            f"fewer than {FEWEST_BY_CHANCE} logs err too much for a count by chance. Logs of one "
+            "line are taken as independent; runs of one car one after the other are not."
         ),
     )
 
@@ -269,7 +288,7 @@ def _entry(found: Summary, look: Look) -> dict[str, Any]:
             "rules": {
                 str(rule): {
                     "broken": int(look.chart.alarms[rule].sum()),
-                    "by_chance": BY_CHANCE[rule] * look.values.size,
+                    "by_chance": _by_chance(look, rule),
                 }
                 for rule in RULES
             },

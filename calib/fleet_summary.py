@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.control_chart import Change, Chart, change, chart
+from calib.control_chart import Change, Chart, change, chart, least_p
 from calib.errors import InputError
 from calib.fleet_columns import STATUSES, Figure, FleetFile
 from calib.outliers import Spread, named, spread
@@ -20,6 +20,10 @@ DRIFT = 0.01
 
 EXAMPLES = 3
 """Logs that are named with a kind of error."""
+
+
+SHORTEST = 3
+"""Characters of a log's name without its ending from which it is looked for in a message."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +42,8 @@ class Look:
     """One figure of numbers over the fleet.
 
     ``rows`` (k,) where it is known, in order; ``values`` (k,) there; ``chart`` None where there are
-    too few or nothing scatters; ``drifts`` whether ``change`` counts among all figures.
+    too few or nothing scatters; ``change`` None where too few could show one among so many figures;
+    ``drifts`` whether it counts among all figures.
     """
 
     figure: Figure
@@ -90,7 +95,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     p = np.array([s.p for s in spreads.values()]).reshape(len(numbers), len(fleet.logs))
     hits = dict(zip(values, named(p), strict=True))
     known = {name: np.flatnonzero(np.isfinite(x)) for name, x in values.items()}
-    changes = {name: change(x[known[name]]) for name, x in values.items()}
+    changes = _changes({name: x[known[name]] for name, x in values.items()})
     drift = named(np.array([c.p if c else np.nan for c in changes.values()]), DRIFT)
     looks = tuple(
         Look(
@@ -115,6 +120,13 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         _outliers(fleet, looks),
         failures(fleet.logs, fleet.texts("error")),
     )
+
+
+def _changes(lines: dict[str, Array]) -> dict[str, Change | None]:
+    """Change of each line; None where the plainest one would not count beside steady figures."""
+    found = {name: change(x) for name, x in lines.items()}
+    enough = DRIFT / max(sum(c is not None for c in found.values()), 1)
+    return {n: c if c and least_p(lines[n].size) <= enough else None for n, c in found.items()}
 
 
 def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[Figure, ...]:
@@ -172,13 +184,17 @@ def failures(logs: tuple[str, ...], errors: tuple[str | None, ...]) -> tuple[Fai
 
 
 def kind_of(error: str, log: str) -> str:
-    """The message less what is of this log alone.
+    """The message less what is of this log alone: its names and all numbers.
+
+    Its name without the ending counts from three characters on that are no number: a shorter one is
+    too easily a word or a unit.
 
     >>> kind_of("a/run7.csv: ends at 3.2 s; expected 5 s", "a/run7.csv")
     'LOG: ends at # s; expected # s'
     """
     name = re.split(r"[/\\]", log)[-1]
-    for own in (log, name, name.rpartition(".")[0]):
-        if own:
-            error = re.sub(rf"\S*{re.escape(own)}(?=\W|$)", "LOG", error)
+    stem = name.rpartition(".")[0]
+    own = [log, name] + [stem] * (len(stem) >= SHORTEST and not stem.isdecimal())
+    for text in filter(None, own):
+        error = re.sub(rf"""([^\s'"]*[/\\])?(?<![\w-]){re.escape(text)}(?![\w-])""", "LOG", error)
     return re.sub(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)", "#", error)

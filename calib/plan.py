@@ -7,6 +7,7 @@ car/station/ramp.csv                 folders, as many levels as the layout names
 """
 
 import csv
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,11 +37,11 @@ def read_plan(path: Path) -> tuple[Place, ...]:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError as cause:
         raise InputError(f"not text: {cause}", where=path, expected="a CSV file") from cause
-    table = csv.DictReader(line for line in lines if line.strip())
-    heads = [str(head).strip() for head in table.fieldnames or ()]
+    table = csv.reader(line if line.strip() else "" for line in lines)
+    rows = [(table.line_num, row) for row in table if row]
+    heads = [head.strip() for head in rows[0][1]] if rows else []
     _check_heads(path, heads)
-    table.fieldnames = heads
-    places = tuple(_place(path, i, row) for i, row in enumerate(table, 2))
+    places = tuple(_place(path, line, heads, row) for line, row in rows[1:])
     if not places:
         raise InputError("no log in it", where=path, expected="a row for each log")
     _check_once(path, places)
@@ -58,14 +59,16 @@ def _check_heads(path: Path, heads: list[str]) -> None:
                 expected=f"columns {', '.join(COLUMNS)}",
                 do=did_you_mean(head, COLUMNS),
             )
+        if heads.count(head) > 1:
+            raise InputError(f"column {head!r} is there twice", where=path)
     for head in ("log", "car"):
         if head not in heads:
             raise InputError(f"no column {head!r}", where=path, expected=f"{','.join(COLUMNS)}")
 
 
-def _place(path: Path, line: int, row: dict[str, str | None]) -> Place:
-    cells = {key: (row.get(key) or "").strip() for key in COLUMNS}
-    if None in row:
+def _place(path: Path, line: int, heads: list[str], row: list[str]) -> Place:
+    cells = dict.fromkeys(COLUMNS, "") | dict(zip(heads, map(str.strip, row), strict=False))
+    if len(row) > len(heads):
         raise InputError(f"line {line} has more cells than columns", where=path)
     for key in ("log", "car"):
         if not cells[key]:
@@ -92,14 +95,25 @@ def chosen(places: tuple[Place, ...], logs: list[Path], plan: Path) -> tuple[Pla
 
 
 def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:
-    """Car and station from the folders around each log, as ``layout`` (one of `LAYOUTS`) says."""
+    """Car and station from the folders around each log, as ``layout`` (one of `LAYOUTS`) says.
+
+    Raises InputError for a log with fewer folders above it than that.
+    """
     levels = layout.split("/")
     out = []
     for log in logs:
-        folders = log.resolve().parts[-1 - len(levels) : -1]
+        folders = _folders(log)[-len(levels) :]
+        if len(folders) < len(levels):
+            raise InputError("not folders enough above it", where=log, expected=f"{layout}/*.csv")
         named = dict(zip(levels, folders, strict=True))
         out.append(Place(log, named["car"], named.get("station", "")))
     return tuple(out)
+
+
+def _folders(log: Path) -> tuple[str, ...]:
+    """Names of the folders above ``log`` as it was given: a link counts where it lies."""
+    whole = Path(os.path.abspath(log))
+    return whole.parent.parts[1:]
 
 
 def certain_layout(logs: list[Path]) -> str:
@@ -108,11 +122,11 @@ def certain_layout(logs: list[Path]) -> str:
     All logs must lie two folders below one, and every inner name must come under two outer ones or
     more. Raises InputError otherwise, and says what to give.
     """
-    pairs = {log.resolve().parts[-3:-1] for log in logs}
-    roots = {log.resolve().parts[:-3] for log in logs}
-    under: dict[str, set[str]] = {}
-    for pair in pairs:
-        under.setdefault(pair[-1], set()).add(pair[0])
+    folders = [_folders(log) for log in logs]
+    roots = {(len(found), found[:-2]) for found in folders}
+    under: dict[tuple[str, ...], set[tuple[str, ...]]] = {}
+    for found in folders:
+        under.setdefault(found[-1:], set()).add(found[-2:-1])
     if len(roots) == 1 and under and min(map(len, under.values())) > 1:
         return "car/station"
     raise InputError(

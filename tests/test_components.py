@@ -52,7 +52,7 @@ def test_what_does_not_scatter_is_refused():
 
 @pytest.mark.parametrize("missing", [False, True])
 def test_intervals_hold_the_truth_as_often_as_they_say(missing):
-    """Ten cars, four stations, two repeats; with 300 studies 91 % is 4 sigma below 95 %."""
+    """Ten cars, four stations, two repeats; with 300 studies 90 % is 4 sigma below 95 %."""
     rng = np.random.default_rng(11)
     car, station = crossed(10, 4, 2)
     keep = rng.random(car.size) > (0.2 if missing else -1.0)

@@ -5,7 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.control_chart import BY_CHANCE, alarms, broken_by_chance, change, chart
+from calib.control_chart import (
+    BY_CHANCE,
+    FEWEST_BY_CHANCE,
+    alarms,
+    broken_by_chance,
+    change,
+    chart,
+    least_p,
+)
 
 
 def run_lengths(rules, lines=1500, cars=2500, seed=1):
@@ -34,6 +42,18 @@ def test_shares_by_chance_are_those_of_a_simulation():
     assert broken_by_chance() == BY_CHANCE
     for rule, broken in alarms(z).items():
         assert broken.mean() == pytest.approx(BY_CHANCE[rule], rel=0.06)
+
+
+def test_shares_by_chance_hold_for_limits_from_the_same_cars_where_they_are_told():
+    def broken(rule, cars, lines):
+        rng = np.random.default_rng(cars)
+        shares = [chart(rng.normal(size=cars)).alarms[rule].mean() for _ in range(lines)]
+        return np.mean(shares) / BY_CHANCE[rule]
+
+    for rule in BY_CHANCE:
+        assert broken(rule, FEWEST_BY_CHANCE, 2000) == pytest.approx(1.0, abs=0.3)
+    assert broken(1, 50, 2000) > 1.5
+    assert broken(4, 50, 2000) < 0.7
 
 
 def test_patterns_by_hand():
@@ -75,6 +95,16 @@ def test_no_chart_without_scatter_or_with_few():
 def test_a_coarse_figure_has_a_chart():
     coarse = np.where(np.arange(100) % 5 == 0, 0.1, 0.0)
     assert chart(coarse).sigma > 0.0
+
+
+@pytest.mark.parametrize("cars", [10, 17, 30])
+def test_no_line_shows_a_change_plainer_than_a_step(cars):
+    rng = np.random.default_rng(cars)
+    line = np.arange(cars)
+    assert change(line).p == pytest.approx(least_p(cars))
+    for _ in range(200):
+        line = np.where(rng.random(cars) < 0.3, rng.permutation(cars), np.arange(cars))
+        assert change(line + 1e-3 * rng.random(cars)).p >= least_p(cars) - 1e-12
 
 
 @pytest.mark.parametrize("size", [1.0, 1.5])

@@ -4,7 +4,7 @@ from html.parser import HTMLParser
 import pytest
 
 from calib.fleet_columns import open_fleet
-from calib.fleet_report import document, headline, number, report_html
+from calib.fleet_report import described, document, headline, number, report_html
 from calib.fleet_summary import summarise
 from calib.outliers import spread
 from calib.plots.fleet import sheet
@@ -62,6 +62,18 @@ def test_the_document_is_json_and_says_what_chance_gives(found):
     assert pads["chart"]["rules"]["1"]["by_chance"] == pytest.approx(0.0027 * 397)
     assert told["outliers_by_chance"] == pytest.approx(0.05 * len(told["outliers"]))
     assert told["outliers"][0]["log"] == "line/car134.csv"
+
+
+def test_a_short_line_is_not_called_steady_and_has_no_counts_by_chance(tmp_path):
+    short = summarise(open_fleet(results(tmp_path / "r.parquet", 15)), ("settling",))
+    assert headline(short) == "Drift not tested; no log stands apart."
+    page = report_html(short, "t", {"settling": b""})
+    assert '<header class="unknown">' in page
+    assert "<td>not tested</td>" in page
+    told = document(short)["figures"]["settling"]
+    assert told["change"] is None
+    assert told["chart"]["rules"]["1"]["by_chance"] is None
+    assert "by chance" not in described(short, short.looks[0])
 
 
 def test_numbers_show_their_scatter():

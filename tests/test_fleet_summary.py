@@ -51,6 +51,20 @@ def test_three_rows_and_a_column_of_nothing(tmp_path):
     assert look(found, "never").spread.count == 0
 
 
+def test_drift_is_tested_where_a_plain_step_would_be_found(tmp_path):
+    import pyarrow as pa
+
+    # p of a plain step: 0.011 of 15 logs, 0.0071 of 16; one among five figures needs 0.002
+    for n, figures, tested in ((15, 1, False), (16, 1, True), (16, 5, False), (30, 5, True)):
+        step = np.where(np.arange(n) < n // 2, 0.0, 1.0) + 1e-6 * np.arange(n)
+        noise = np.random.default_rng(n).normal(size=(figures - 1, n))
+        extra = {f"x{i}": (list(x), pa.float64(), "1") for i, x in enumerate([step, *noise])}
+        fleet = open_fleet(results(tmp_path / f"{n}_{figures}.parquet", n, extra=extra))
+        seen = look(summarise(fleet, tuple(extra)), "x0")
+        assert (seen.change is not None) == tested
+        assert seen.drifts == tested
+
+
 def test_only_what_is_wanted(tmp_path):
     fleet = open_fleet(results(tmp_path / "r.parquet", 12))
     assert [one.figure.name for one in summarise(fleet, ("settling",)).looks] == ["settling"]
@@ -71,6 +85,22 @@ def test_errors_of_one_kind_meet():
         ("no channel p_mc in LOG", 1),
     ]
     assert kind_of("omega_fl3 reads -2.5e-3 rad/s", "x.csv") == "omega_fl3 reads # rad/s"
+
+
+@pytest.mark.parametrize(
+    ("error", "log", "kind"),
+    [
+        ("s.csv: ends at 3.2 s", "s.csv", "LOG: ends at # s"),
+        ("/d/s.csv: ends at 3.2 s", "a/s.csv", "LOG: ends at # s"),
+        ("5.csv: ends at 5 s", "5.csv", "LOG: ends at # s"),
+        ("100.csv: ends at 100 s", "100.csv", "LOG: ends at # s"),
+        ("no channel p_mc in 'd/run.csv'", "d/run.csv", "no channel p_mc in 'LOG'"),
+        ("run of run.csv, rerun, runs, run-in", "d/run.csv", "LOG of LOG, rerun, runs, run-in"),
+        ("ends at 3 s", "", "ends at # s"),
+    ],
+)
+def test_only_whole_names_of_the_log_are_left_out(error, log, kind):
+    assert kind_of(error, log) == kind
 
 
 def test_every_row_is_where_its_log_is(found):

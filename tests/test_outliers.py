@@ -27,6 +27,17 @@ def test_a_fleet_without_outliers_names_none(cars, fleets):
     assert np.mean(wrong) < 0.05 + 4.0 * np.sqrt(0.05 * 0.95 / fleets)
 
 
+@pytest.mark.parametrize("cars", [100, 200, 500])
+def test_sixteen_figures_together_name_no_more(cars):
+    """The rule is over all figures: one that is bent by chance is enough to name a good car."""
+    rng = np.random.default_rng(cars)
+    wrong = [
+        named(np.array([spread(rng.normal(size=cars)).p for _ in range(16)])).any()
+        for _ in range(150)
+    ]
+    assert np.mean(wrong) < 0.05 + 4.0 * np.sqrt(0.05 * 0.95 / 150)
+
+
 def test_a_skewed_fleet_of_ten_thousand_names_a_few_at_most():
     rng = np.random.default_rng(7)
     for draw in (lambda n: np.exp(0.5 * rng.normal(size=n)), lambda n: rng.gamma(4.0, size=n)):

@@ -4,9 +4,9 @@ import json
 import math
 from dataclasses import dataclass
 
-Cell = float | bool | str | None
+from calib.fleet_columns import STATUSES
 
-STATUSES = ("passed", "failed", "done", "error")
+Cell = float | bool | str | None
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ FIGURES: dict[str, str] = {
     "repeatability_f": "largest departure of a stop's front pad friction from their mean [1]",
     "repeatability_r": "largest departure of a stop's rear pad friction from their mean [1]",
     "golden_distance": "largest departure of D(eta) from the golden table, over its peak [1]",
-    "golden_bands": "that departure over the 95 % half widths of both; 1: just resolved [1]",
+    "golden_bands": "that departure over the 95 % half widths of both there; 1: just resolved [1]",
 }
 """Every figure of the car, with its meaning."""
 

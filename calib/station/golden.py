@@ -20,7 +20,10 @@ OVERLAP = 0.5
 @dataclass(frozen=True)
 class Distance:
     """``relative``: largest departure of D over the golden peak [1]; ``bands``: the same over the
-    combined 95 % half widths [1], so that at 1 the difference is just resolved; ``at`` its eta [1].
+    combined 95 % half widths at its eta ``at`` [1], so that at 1 the difference is just resolved.
+
+    ``bands`` of a departure is infinite where neither table has a band. Nearer to eta = 1 both
+    widths vanish and a ratio to them says nothing.
     """
 
     relative: float
@@ -41,9 +44,9 @@ def distance(table: Table, golden: Table) -> Distance | None:
     widths = [0.5 * np.interp(eta, d.eta, d.upper - d.lower) for d in (ours, theirs)]
     apart: Array = np.abs(a - b)
     worst = int(np.argmax(apart))
-    width = np.hypot(*widths)
+    largest, width = float(apart[worst]), float(np.hypot(*widths)[worst])
     return Distance(
-        relative=float(apart[worst]) / abs(theirs.peak[1]),
-        bands=float(np.max(apart / np.where(width > 0.0, width, np.inf))),
+        relative=largest / abs(theirs.peak[1]),
+        bands=largest / width if width > 0.0 else np.inf if largest > 0.0 else 0.0,
         at=float(eta[worst]),
     )

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from calib.station.golden import distance
@@ -20,6 +21,23 @@ def test_the_distance_is_that_of_the_stiffnesses(stiffness):
     # both bands are 2 (eta - 1) to either side
     assert found.bands == pytest.approx(abs(stiffness - 27.0) / (2.0 * 2.0**0.5))
     assert found.at == pytest.approx(1.005)
+
+
+def test_the_bands_are_those_where_the_tables_are_farthest_apart():
+    # D is 27 (eta - 1) and 30 (eta - 1); half widths of 0.03 at the end, and next to nothing before
+    def with_width(stiffness, half):
+        table = made_table(stiffness)
+        d = table.difference
+        return replace(table, difference=replace(d, lower=d.D - half, upper=d.D + half))
+
+    half = np.full(21, 1e-6)
+    half[-1] = 0.03
+    found = distance(with_width(30.0, half), with_width(27.0, half))
+    assert found.at == pytest.approx(1.005)
+    assert found.bands == pytest.approx(3.0 * 0.005 / (0.03 * 2.0**0.5))
+    bare = [with_width(stiffness, np.zeros(21)) for stiffness in (30.0, 27.0)]
+    assert distance(*bare).bands == np.inf
+    assert distance(bare[0], bare[0]).bands == 0.0
 
 
 def test_a_short_table_has_no_distance():

@@ -33,6 +33,7 @@ DESIGNS = {
     "10 x 3, one way": (10, 1, 3, 0.0),
     "10 x 3, one way, 30 % lost": (10, 1, 3, 0.3),
     "10 x 3 x 1": (10, 3, 1, 0.0),
+    "3 x 2 x 2": (3, 2, 2, 0.0),
 }
 NAMES = (REPEAT, STATION, BOTH, GAUGE, CAR, TOTAL)
 
