@@ -81,9 +81,8 @@ def _schema(path: Path) -> Any:
     import pyarrow.parquet as pq
 
     if not path.is_file():
-        raise InputError(
-            "no such file", where=path, expected="results.parquet of `brake-cal batch`"
-        )
+        what = "a directory" if path.is_dir() else "no such file"
+        raise InputError(what, where=path, expected="results.parquet of `brake-cal batch`")
     try:
         return pq.read_schema(path)
     except (pa.ArrowInvalid, OSError) as cause:

@@ -23,7 +23,9 @@ NAMES = 50
 def headline(found: Summary) -> str:
     """The fleet in one sentence."""
     if _too_few(found):
-        said = f"{_count(len(found.logs), 'log', 'logs')}: too few to judge outliers or drift"
+        some = any(look.spread.count for look in found.looks)
+        why = "too few to judge outliers or drift" if some else "none has a figure"
+        said = f"{_count(len(found.logs), 'log', 'logs')}: {why}"
         return said + f"; {_errors(found)}." if found.failures else said + "."
     drifting = [look.figure.name for look in found.looks if look.drifts]
     logs = len({outlier.log for outlier in found.outliers})
@@ -163,7 +165,7 @@ def _overview(found: Summary) -> str:
 def _drift(look: Look) -> str:
     if look.change is None:
         return "not tested"
-    return f"yes, p {look.change.p:.1e}" if look.drifts else "no"
+    return f"{'yes' if look.drifts else 'no'}, p {look.change.p:.1e}"
 
 
 def _figure(found: Summary, look: Look, picture: bytes) -> str:
@@ -198,6 +200,8 @@ def described(found: Summary, look: Look) -> str:
                 f"rule {rule}: {broken}" + ("" if chance is None else f" ({chance:.1f} by chance)")
             )
         said.append(f"Run rules broken: {'; '.join(told)}.")
+    elif look.figure.name == found.ordered_by:
+        said.append("The logs are ordered by it, so it has no control chart and cannot drift.")
     else:
         said.append("No control chart: too few logs, or no scatter.")
     return " ".join(said)

@@ -95,20 +95,23 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     p = np.array([s.p for s in spreads.values()]).reshape(len(numbers), len(fleet.logs))
     hits = dict(zip(values, named(p), strict=True))
     known = {name: np.flatnonzero(np.isfinite(x)) for name, x in values.items()}
-    changes = _changes({name: x[known[name]] for name, x in values.items()})
-    drift = named(np.array([c.p if c else np.nan for c in changes.values()]), DRIFT)
+    # what the logs are ordered by goes up along the line by itself
+    along = {name: x[known[name]] for name, x in values.items() if name != fleet.ordered_by}
+    changes = _changes(along)
+    told = named(np.array([c.p if c else np.nan for c in changes.values()]), DRIFT)
+    drifts = dict(zip(changes, told, strict=True))
     looks = tuple(
         Look(
             f,
             known[f.name],
             values[f.name][known[f.name]],
             spreads[f.name],
-            chart(values[f.name][known[f.name]]),
-            changes[f.name],
-            bool(drifts),
+            chart(along[f.name]) if f.name in along else None,
+            changes.get(f.name),
+            bool(drifts.get(f.name, False)),
             hits[f.name][known[f.name]],
         )
-        for f, drifts in zip(numbers, drift, strict=True)
+        for f in numbers
     )
     status = Counter(fleet.texts("status"))
     return Summary(

@@ -30,14 +30,18 @@ class Place:
 
 
 def read_plan(path: Path) -> tuple[Place, ...]:
-    """Read a plan, one log a row. Raises InputError for what is unreadable or there twice."""
+    """Read a plan, one log a row, with commas or semicolons between cells.
+
+    Raises InputError for what is unreadable or there twice.
+    """
     if not path.is_file():
         raise InputError("no such file", where=path, expected="a CSV file with log,car,station")
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError as cause:
         raise InputError(f"not text: {cause}", where=path, expected="a CSV file") from cause
-    table = csv.reader(line if line.strip() else "" for line in lines)
+    separator = ";" if lines and ";" in lines[0] and "," not in lines[0] else ","
+    table = csv.reader((line if line.strip() else "" for line in lines), delimiter=separator)
     rows = [(table.line_num, row) for row in table if row]
     heads = [head.strip() for head in rows[0][1]] if rows else []
     _check_heads(path, heads)
@@ -81,7 +85,7 @@ def _check_once(where: Path, places: tuple[Place, ...]) -> None:
     seen: set[Path] = set()
     for place in places:
         if place.log.resolve() in seen:
-            raise InputError(f"{place.log.name} is there twice", where=where)
+            raise InputError(f"{place.log} is there twice", where=where)
         seen.add(place.log.resolve())
 
 

@@ -20,7 +20,8 @@ def read_toml(path: Path, schema: int, error: type[InputError]) -> dict[str, Any
     Raises ``error`` if there is no such file, if it is not TOML or of another schema.
     """
     if not path.is_file():
-        raise error("no such file", where=path, expected="a TOML file", do="check the path")
+        what = "a directory" if path.is_dir() else "no such file"
+        raise error(what, where=path, expected="a TOML file", do="check the path")
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as cause:

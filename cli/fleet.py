@@ -29,7 +29,7 @@ def fleet() -> None:
 @app.command(
     epilog=example(
         "brake-cal fleet report checked/results.parquet --out fleet",
-        "brake-cal fleet report validated/results.parquet --order pad_friction_f --json",
+        "brake-cal fleet report validated/results.parquet --order eta_zero --json",
     )
 )
 def report(
@@ -84,13 +84,29 @@ def _write(found: "Summary", results: Path, out: Path) -> None:
     }
     try:
         out.mkdir(parents=True, exist_ok=True)
+        left = _earlier(out) - contents.keys()
         for path, content in contents.items():
             write_whole(path, content)
+        for path in left:
+            path.unlink(missing_ok=True)
     except OSError as error:
         raise typer.BadParameter(
             f"{out} cannot be written ({error.strerror})", param_hint="--out"
         ) from error
     say(f"wrote {out}: report.html, fleet.json, {len(pictures)} pictures")
+
+
+def _earlier(out: Path) -> set[Path]:
+    """Pictures of an earlier report here."""
+    import json
+
+    from calib.plots.fleet import picture_name
+
+    try:
+        figures = json.loads((out / "fleet.json").read_text(encoding="utf-8"))["figures"]
+        return {out / picture_name(name) for name in figures}
+    except (OSError, ValueError, TypeError, KeyError):
+        return set()
 
 
 def _pictures(found: "Summary") -> dict[str, bytes]:

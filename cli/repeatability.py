@@ -97,6 +97,7 @@ def _check_out(out: Path | None) -> None:
 
 
 def _places(logs: list[Path], plan: Path | None, folders: str | None) -> "tuple[Place, ...]":
+    from calib.logs.read import refuse_no_log
     from calib.plan import LAYOUTS, certain_layout, chosen, places_from_folders, read_plan
 
     if plan is not None and folders is not None:
@@ -107,6 +108,8 @@ def _places(logs: list[Path], plan: Path | None, folders: str | None) -> "tuple[
         raise typer.BadParameter("name the ramps, or a --plan that does", param_hint="LOG...")
     if folders is not None and folders not in LAYOUTS:
         raise typer.BadParameter(f"one of {', '.join(LAYOUTS)}", param_hint="--folders")
+    for log in logs:
+        refuse_no_log(log)
     layout = folders or certain_layout(logs)
     places = places_from_folders(logs, layout)
     cars, stations = sorted({p.car for p in places}), sorted({p.station for p in places} - {""})

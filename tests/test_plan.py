@@ -22,6 +22,13 @@ def test_a_plan_is_read_from_its_own_folder(tmp_path):
     )
 
 
+def test_semicolons_separate_too(tmp_path):
+    path = tmp_path / "plan.csv"
+    path.write_text("log;car;station\na, 1.csv;A;S1\n")
+    (place,) = read_plan(path)
+    assert (place.log, place.car, place.station) == (tmp_path / "a, 1.csv", "A", "S1")
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [

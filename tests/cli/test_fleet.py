@@ -49,3 +49,19 @@ def test_bad_files_and_places(brake_cal, tmp_path):
     path = results(tmp_path / "r.parquet", 5)
     ran = brake_cal("fleet", "report", path, "--out", path)
     assert (ran.code, ran.out) == (2, "")
+
+
+def test_an_earlier_picture_does_not_stay(brake_cal, tmp_path):
+    path, out = results(tmp_path / "r.parquet"), tmp_path / "out"
+    assert brake_cal("fleet", "report", path, "--out", out).code == 0
+    (out / "mine.png").touch()
+    ran = brake_cal("fleet", "report", path, "--figure", "settling", "--out", out)
+    assert ran.code == 0
+    assert {p.name for p in out.glob("*.png")} == {"settling.png", "mine.png"}
+
+
+def test_what_orders_the_line_does_not_drift(brake_cal, tmp_path):
+    path = results(tmp_path / "r.parquet")
+    told = json.loads(brake_cal("fleet", "report", path, "--order", "built", "--json").out)
+    assert told["figures"]["built"]["change"] is None
+    assert told["figures"]["pad_friction_f"]["change"] is not None
