@@ -7,7 +7,7 @@ from calib.plots.sheet import Sheet
 from calib.plots.station import sheet
 from calib.station.advice import action, reason
 from calib.station.identity import TITLES
-from calib.station.station import CAR, Check, Outcome
+from calib.station.station import Check, Outcome
 from calib.station.words import HEADINGS, bounds, in_full, shown, summary
 from calib.validate import Validation
 from calib.version import Stored
@@ -58,7 +58,7 @@ def _next(found: Outcome) -> str:
 
 
 def _limits(found: Outcome) -> str:
-    car = [check for check in found.checks if check.scope == CAR]
+    car = [check for check in found.checks if check.of_car]
     meant = {check.figure: check.meaning for check in found.checks}
     reasons = [(name, f"{meant[name]}: {reason(name)}.") for name in meant]
     return section(
@@ -92,7 +92,7 @@ def _of_stops(found: Outcome) -> str:
     """One row a figure, one column a stop; what does not pass says so in its cell."""
     by_figure: dict[str, list[Check]] = {}
     for check in found.checks:
-        if check.scope != CAR:
+        if not check.of_car:
             by_figure.setdefault(check.figure, []).append(check)
     if not by_figure:
         return ""

@@ -1,7 +1,7 @@
 """A check in words: value, limit and what became of it, for people and for line systems alike."""
 
 from calib.limits import FAILED, NOT_KNOWN, WARNING
-from calib.station.station import CAR, Check, Outcome
+from calib.station.station import Check, Outcome
 
 HEADINGS = {
     "passed": "Passed",
@@ -32,7 +32,7 @@ def bounds(low: float | None, high: float | None) -> str:
 def sentence(check: Check) -> str:
     """What a check says: `side_difference_f of the car is 0.31; the limit is -0.2 to 0.2`."""
     j = check.judgement
-    of = "of the car" if check.scope == CAR else f"of the stop {check.scope}"
+    of = "of the car" if check.of_car else f"of the stop {check.scope}"
     if j.value is None:
         return f"{check.figure} {of} is not known, and it is required"
     warns = check.verdict == WARNING
@@ -46,7 +46,7 @@ def in_full(check: Check) -> str:
     j = check.judgement
     warns = check.verdict == WARNING
     limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
-    of = "" if check.scope == CAR else f"stop {check.scope}, "
+    of = "" if check.of_car else f"stop {check.scope}, "
     kind = "no warning" if warns else "limit"
     return f"{of}{check.meaning}: {shown(j.value)}; {kind}: {limit}"
 
