@@ -1,4 +1,4 @@
-"""Files that are either whole or not there."""
+"""Files that are either whole or not there, and their names in print."""
 
 import os
 import tempfile
@@ -19,6 +19,15 @@ def write_whole(path: Path, content: bytes) -> None:
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+def printable(text: str) -> str:
+    r"""Text without the half characters of a file name that is not UTF-8.
+
+    >>> print(printable(os.fsdecode(b"r\xfcck.csv")))
+    r\udcfcck.csv
+    """
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def _umask() -> int:

@@ -1,6 +1,8 @@
 """`brake-cal station` as the line runs it."""
 
 import json
+import os
+import shutil
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -125,6 +127,22 @@ def test_refusals_leave_nothing(station, tmp_path, words, code, says):
 def test_logs_in_the_wrong_place(station, tmp_path, ramp, stops, code):
     assert station(ramp=ramp, stops=stops).code == code
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "called"),
+    [(b"r\xfcck.csv", "r\\udcfcck"), (b"car.csv", "car"), (b"a\x01.csv", "a\x01")],
+)
+def test_a_hold_out_may_have_any_name(station, tmp_path, name, called):
+    stop = tmp_path / os.fsdecode(name)
+    shutil.copy(DRY, stop)
+    ran = station("--json", stops=(stop,))
+    assert ran.code == 0, ran.err
+    assert {check["scope"] for check in json.loads(ran.out)["checks"]} == {"car", called}
+    written = {path.name for path in (tmp_path / "car").iterdir()}
+    assert written == {"station.json", "junit.xml", "report.html", "summary.json",
+                       f"{called}.parquet"}  # fmt: skip
+    assert station(stops=(stop,)).code == 0
 
 
 def test_a_damaged_store_is_told(station, tmp_path):
