@@ -88,7 +88,8 @@ def station(
     identity = _identity(serial, vin, name, rxswin)
     _check_forms(forms, date)
     _check_golden(golden)
-    _check_out([*for_fit, *holdouts, vehicle, *([limits] if limits else [])], holdouts, out)
+    given = [*for_fit, *holdouts, *(path for path in (vehicle, limits, channel_map) if path)]
+    _check_out(given, holdouts, forms, out)
     car, held = read_vehicle(vehicle), _limits(limits)
     reference = load(golden, store) if golden else None
     if reference:
@@ -169,10 +170,12 @@ def _check_golden(golden: str | None) -> None:
         )
 
 
-def _check_out(inputs: list[Path], holdouts: list[Path], out: Path) -> None:
+def _check_out(inputs: list[Path], holdouts: list[Path], forms: list[str], out: Path) -> None:
+    from calib.logs.tables import stem_of
     from calib.station.folder import FIXED
+    from calib.station.write import export_name
 
-    stems = [path.stem for path in holdouts]
+    stems = [stem_of(path) for path in holdouts]
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})
     if twice:
         raise typer.BadParameter(
@@ -183,7 +186,7 @@ def _check_out(inputs: list[Path], holdouts: list[Path], out: Path) -> None:
         raise typer.BadParameter("a hold-out named table takes the export's place; rename it")
     if out.exists() and not out.is_dir():
         raise typer.BadParameter(f"{out} is a file", param_hint="--out")
-    names = [*FIXED, *(f"{stem}.parquet" for stem in stems)]
+    names = [*FIXED, *map(export_name, forms), *(f"{stem}.parquet" for stem in stems)]
     written = {(out / name).resolve() for name in names}
     lost = [path for path in inputs if path.resolve() in written]
     if lost:

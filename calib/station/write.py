@@ -32,6 +32,11 @@ DATED = ("cdfx",)
 """Formats that hold the date on which they were written."""
 
 
+def export_name(form: str) -> str:
+    """File name of an export of the format ``form``."""
+    return f"table.{ENDINGS[form]}"
+
+
 def write_all(
     found: Outcome, stored: Stored, forms: Sequence[str], date: str, work: Path
 ) -> dict[str, Any]:
@@ -54,4 +59,4 @@ def _write_exports(stored: Stored, forms: Sequence[str], date: str, work: Path) 
     data = build(stored, None, read_quality(work / SUMMARY, stored.id))
     for form in dict.fromkeys(forms):
         content = FORMATS[form](Order(data, stored, date))
-        write_whole(work / f"table.{ENDINGS[form]}", content)
+        write_whole(work / export_name(form), content)

@@ -1,5 +1,6 @@
 """`brake-cal station` as the line runs it."""
 
+import gzip
 import json
 import os
 import shutil
@@ -143,6 +144,28 @@ def test_a_hold_out_may_have_any_name(station, tmp_path, name, called):
     assert written == {"station.json", "junit.xml", "report.html", "summary.json",
                        f"{called}.parquet"}  # fmt: skip
     assert station(stops=(stop,)).code == 0
+
+
+def test_no_input_is_overwritten(station, tmp_path):
+    (tmp_path / "car").mkdir()
+    for name in ("table.csv", "hold.parquet"):
+        ramp = tmp_path / "car" / name
+        shutil.copy(RAMP, ramp)
+        stop = tmp_path / "hold.csv"
+        shutil.copy(DRY, stop)
+        ran = station("--export", "csv", ramp=ramp, stops=(stop,))
+        assert (ran.code, ran.out) == (2, "")
+        assert "would overwrite" in ran.err
+        assert ramp.read_bytes() == RAMP.read_bytes()
+
+
+def test_two_endings_of_one_name_are_one_name(station, tmp_path):
+    plain, packed = tmp_path / "stop.csv", tmp_path / "stop.csv.gz"
+    shutil.copy(DRY, plain)
+    packed.write_bytes(gzip.compress(ONTO_BASALT.read_bytes()))
+    ran = station(stops=(plain, packed))
+    assert (ran.code, ran.out) == (2, "")
+    assert "two hold-outs are named stop," in ran.err
 
 
 def test_a_damaged_store_is_told(station, tmp_path):
