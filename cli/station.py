@@ -78,8 +78,8 @@ def station(
     from calib.station.figures import Car
     from calib.station.folder import publish, workshop
     from calib.station.station import outcome, table_of, validated
-    from calib.station.write import write_all
-    from calib.store import load, save
+    from calib.station.write import store_and_write
+    from calib.store import load
     from calib.validate import require_same_vehicle
     from calib.vehicle import read_vehicle
 
@@ -108,8 +108,7 @@ def station(
     found = outcome(judged, logs[count:], held, identity, reference.id if reference else "")
     try:
         with workshop(out) as work:
-            stored = save(table, store)
-            document = write_all(found, stored, forms, date or "", work)
+            stored, document = store_and_write(found, store, forms, date or "", work)
             paths = publish(work, out)
     except OSError as error:
         raise typer.BadParameter(

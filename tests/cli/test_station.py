@@ -4,10 +4,13 @@ import gzip
 import json
 import os
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+
+from calib.store import save
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 RAMP, REPEAT, COAST, DRY, ONTO_BASALT, WET, VEHICLE = (
@@ -166,6 +169,33 @@ def test_two_endings_of_one_name_are_one_name(station, tmp_path):
     ran = station(stops=(plain, packed))
     assert (ran.code, ran.out) == (2, "")
     assert "two hold-outs are named stop," in ran.err
+
+
+def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "no space left")
+
+    monkeypatch.setattr("calib.station.write.report_html", full)
+    ran = station()
+    assert (ran.code, ran.out) == (2, "")
+    assert "no space left" in ran.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_version_taken_in_between_is_not_claimed(station, tmp_path, monkeypatch):
+    def late(table, store):
+        if not (store / table.name).exists():
+            save(replace(table, remarks=("another car",)), store)
+        return save(table, store)
+
+    monkeypatch.setattr("calib.station.write.save", late)
+    ran = station("--json")
+    assert ran.code == 0, ran.err
+    document = json.loads(ran.out)
+    assert document["table"]["id"] == document["validation"]["table"] == "sedan-2up@2"
+    assert "sedan-2up@2" in (tmp_path / "car" / "report.html").read_text()
+    assert {p.name for p in (tmp_path / "car").iterdir()} == {"station.json", *document["files"]}
+    assert len(document["files"]) == 5
 
 
 def test_a_damaged_store_is_told(station, tmp_path):
