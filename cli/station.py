@@ -216,7 +216,7 @@ def _report(found: "Outcome", stored: "Stored", forms: list[str]) -> None:
 def _grid(found: "Outcome") -> "Grid":
     from rich.table import Table
 
-    from calib.station.words import bounds, shown
+    from calib.station.words import bounds, value_of
 
     grid = Table(box=None, header_style="bold", pad_edge=False)
     for title in ("scope", "figure", "value", "no warning", "limit", "verdict"):
@@ -224,5 +224,5 @@ def _grid(found: "Outcome") -> "Grid":
     for check in found.checks:
         j = check.judgement
         warn, fail = bounds(j.warn_low, j.warn_high), bounds(j.low, j.high)
-        grid.add_row(check.scope, check.figure, shown(j.value), warn, fail, check.verdict)
+        grid.add_row(check.scope, check.figure, value_of(check), warn, fail, check.verdict)
     return grid

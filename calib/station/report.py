@@ -8,7 +8,7 @@ from calib.plots.station import sheet
 from calib.station.advice import action, reason
 from calib.station.identity import TITLES
 from calib.station.station import Check, Outcome
-from calib.station.words import HEADINGS, bounds, in_full, shown, summary
+from calib.station.words import HEADINGS, bounds, in_full, summary, value_of
 from calib.validate import Validation
 from calib.version import Stored
 
@@ -76,7 +76,7 @@ def _of_car(checks: list[Check]) -> str:
     rows = [
         (
             check.meaning,
-            shown(check.judgement.value),
+            value_of(check),
             check.verdict,
             bounds(check.judgement.warn_low, check.judgement.warn_high),
             bounds(check.judgement.low, check.judgement.high),
@@ -109,7 +109,7 @@ def _of_stops(found: Outcome) -> str:
 
 
 def _cell(check: Check) -> str:
-    value = shown(check.judgement.value, 3)
+    value = value_of(check, 3)
     return value if check.verdict in (PASSED, NOT_KNOWN) else f"{value} {check.verdict}"
 
 

@@ -1,6 +1,7 @@
 """A check in words: value, limit and what became of it, for people and for line systems alike."""
 
 from calib.limits import FAILED, NOT_KNOWN, WARNING
+from calib.station.figures import CUT
 from calib.station.station import Check, Outcome
 
 HEADINGS = {
@@ -14,6 +15,13 @@ HEADINGS = {
 def shown(value: float | None, digits: int = 4) -> str:
     """A figure with so many digits."""
     return "not known" if value is None else f"{value:.{digits}g}"
+
+
+def value_of(check: Check, digits: int = 4) -> str:
+    """The value of a check with so many digits, and `or more` where it is cut."""
+    value = check.judgement.value
+    beyond = value is not None and value == CUT.get(check.figure)
+    return shown(value, digits) + " or more" * beyond
 
 
 def bounds(low: float | None, high: float | None) -> str:
@@ -38,7 +46,7 @@ def sentence(check: Check) -> str:
     warns = check.verdict == WARNING
     limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
     kind = "a warning is given outside" if warns else "the limit is"
-    return f"{check.figure} {of} is {shown(j.value)}; {kind} {limit}"
+    return f"{check.figure} {of} is {value_of(check)}; {kind} {limit}"
 
 
 def in_full(check: Check) -> str:
@@ -48,7 +56,7 @@ def in_full(check: Check) -> str:
     limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
     of = "" if check.of_car else f"stop {check.scope}, "
     kind = "no warning" if warns else "limit"
-    return f"{of}{check.meaning}: {shown(j.value)}; {kind}: {limit}"
+    return f"{of}{check.meaning}: {value_of(check)}; {kind}: {limit}"
 
 
 def summary(found: Outcome) -> str:

@@ -13,7 +13,7 @@ from calib.station.figures import FIGURES as OF_CAR
 from calib.station.figures import Car
 from calib.station.identity import Identity
 from calib.station.station import outcome, table_of, validated
-from calib.station.words import sentence
+from calib.station.words import in_full, sentence
 from calib.vehicle import read_vehicle
 from tests.station.conftest import SEDAN
 
@@ -108,3 +108,12 @@ def test_a_stop_may_be_called_car(good):
     assert "valid_share of the stop car" in sentence(
         next(c for c in found.checks if c.figure == "valid_share")
     )
+
+
+def test_without_a_rear_brake_no_front_bias_is_told_as_measured(good):
+    cal = good.table.calibration
+    bare = replace(cal, pad_friction_r=replace(cal.pad_friction_r, value=0.0))
+    limits = (Limit("front_biased_up_to", None, 1.0),)
+    found = outcome(Car(replace(good.table, calibration=bare), [], [], []), [], limits, Identity())
+    assert "is 9.99 or more; the limit is at most 1" in sentence(found.checks[0])
+    assert "9.99 or more" in in_full(found.checks[0])
