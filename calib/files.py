@@ -1,6 +1,7 @@
-"""Files that are either whole or not there."""
+"""Files that are either whole or not there, and their names in print."""
 
 import os
+import re
 import tempfile
 from pathlib import Path
 
@@ -19,6 +20,18 @@ def write_whole(path: Path, content: bytes) -> None:
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+def printable(text: str) -> str:
+    r"""Text in one line, without the half characters of a file name that is not UTF-8.
+
+    >>> print(printable(os.fsdecode(b"r\xfcck.csv")))
+    r\udcfcck.csv
+    >>> print(printable("two\nlines.csv"))
+    two\x0alines.csv
+    """
+    whole = text.encode("utf-8", "backslashreplace").decode()
+    return re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda sign: f"\\x{ord(sign[0]):02x}", whole)
 
 
 def _umask() -> int:

@@ -84,7 +84,8 @@ def _schema(path: Path) -> Any:
         what = "a directory" if path.is_dir() else "no such file"
         raise InputError(what, where=path, expected="results.parquet of `brake-cal batch`")
     try:
-        return pq.read_schema(path)
+        with path.open("rb") as file:  # pyarrow opens no path that is not UTF-8
+            return pq.read_schema(file)
     except (pa.ArrowInvalid, OSError) as cause:
         raise InputError("not a Parquet file, or cut off", where=path) from cause
 
@@ -95,7 +96,7 @@ def _column(path: Path, name: str) -> Any:
 
     try:
         # Without threads: a pool still at work when a short program ends aborts it.
-        with pq.ParquetFile(path) as file:
+        with path.open("rb") as opened, pq.ParquetFile(opened) as file:
             return file.read(columns=[name], use_threads=False).column(0).combine_chunks()
     except (pa.ArrowInvalid, OSError) as cause:
         raise InputError(f"column {name!r} cannot be read", where=path) from cause

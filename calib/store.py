@@ -10,6 +10,7 @@ or nothing, and of two writers one takes the next number.
 
 import contextlib
 import errno
+import json
 import os
 import re
 import secrets
@@ -20,7 +21,7 @@ from pathlib import Path
 
 from calib.errors import StoreError, TableNotFound
 from calib.soundness import flaws
-from calib.table import Table
+from calib.table import Table, canonical_json
 from calib.version import (
     RECORD,
     Stored,
@@ -70,13 +71,7 @@ def save(table: Table, store: Path) -> Stored:
     Raises StoreError when the name is no name, the table is not sound or the store cannot be
     written; the store is then as it was.
     """
-    home = store / _checked_name(table.name)
-    if found := flaws(table):
-        raise StoreError(
-            f"the table is not sound and was not stored: {'; '.join(found)}",
-            where=table.name,
-            expected="what `brake-cal tables verify` passes",
-        )
+    home = _home(table, store)
     work = home / f".new-{secrets.token_hex(8)}"  # hidden: no listing sees it
     try:
         version = _identical(home, _versions(home), table.digest) or _add(table, home, work)
@@ -89,6 +84,22 @@ def save(table: Table, store: Path) -> Stored:
         with contextlib.suppress(OSError):
             home.rmdir()  # only when this call made it and put nothing there
     return load(f"{table.name}@{version}", store)
+
+
+def foreseen(table: Table, store: Path) -> Stored:
+    """What `save` will return if no other writer comes first; writes nothing.
+
+    Raises StoreError when the name is no name, the table is not sound or the store cannot be read.
+    """
+    home = _home(table, store)
+    try:
+        versions = _versions(home)
+    except OSError as error:
+        raise StoreError(f"cannot be read ({error.strerror})", where=store) from error
+    version = _identical(home, versions, table.digest) or max(versions, default=0) + 1
+    record, curves = table.content()
+    read = Table.from_content(json.loads(canonical_json(record)), curves)
+    return Stored(read, table.name, version, table.digest, home / _folder(version))
 
 
 def load(reference: str, store: Path) -> Stored:
@@ -142,6 +153,18 @@ def _version_flaws(home: Path, name: str, version: int) -> tuple[str, ...]:
         return flaws(read_version(path, f"{name}@{version}").table)
     except StoreError as error:
         return (error.what,)
+
+
+def _home(table: Table, store: Path) -> Path:
+    """Where the versions of ``table`` lie. Raises StoreError for one that may not be stored."""
+    home = store / _checked_name(table.name)
+    if found := flaws(table):
+        raise StoreError(
+            f"the table is not sound and was not stored: {'; '.join(found)}",
+            where=table.name,
+            expected="what `brake-cal tables verify` passes",
+        )
+    return home
 
 
 def _checked_name(name: str) -> str:

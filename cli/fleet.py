@@ -70,13 +70,13 @@ def _write(found: "Summary", results: Path, out: Path) -> None:
     """Draw everything first, then write it."""
     import json
 
-    from calib.files import write_whole
+    from calib.files import printable, write_whole
     from calib.fleet_report import document, report_html
     from calib.plots.fleet import picture_name
     from cli.console import plain
 
     pictures = _pictures(found)
-    title = f"{results.absolute().parent.name}/{results.name}"
+    title = printable(f"{results.absolute().parent.name}/{results.name}")
     text = json.dumps(plain(document(found)), indent=2, allow_nan=False) + "\n"
     contents = {out / picture_name(name): picture for name, picture in pictures.items()} | {
         out / "fleet.json": text.encode(),

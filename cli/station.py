@@ -78,8 +78,8 @@ def station(
     from calib.station.figures import Car
     from calib.station.folder import publish, workshop
     from calib.station.station import outcome, table_of, validated
-    from calib.station.write import write_all
-    from calib.store import load, save
+    from calib.station.write import store_and_write
+    from calib.store import load
     from calib.validate import require_same_vehicle
     from calib.vehicle import read_vehicle
 
@@ -88,7 +88,8 @@ def station(
     identity = _identity(serial, vin, name, rxswin)
     _check_forms(forms, date)
     _check_golden(golden)
-    _check_out([*for_fit, *holdouts, vehicle, *([limits] if limits else [])], holdouts, out)
+    given = [*for_fit, *holdouts, *(path for path in (vehicle, limits, channel_map) if path)]
+    _check_out(given, holdouts, forms, out)
     car, held = read_vehicle(vehicle), _limits(limits)
     reference = load(golden, store) if golden else None
     if reference:
@@ -107,8 +108,7 @@ def station(
     found = outcome(judged, logs[count:], held, identity, reference.id if reference else "")
     try:
         with workshop(out) as work:
-            stored = save(table, store)
-            document = write_all(found, stored, forms, date or "", work)
+            stored, document = store_and_write(found, store, forms, date or "", work)
             paths = publish(work, out)
     except OSError as error:
         raise typer.BadParameter(
@@ -169,10 +169,12 @@ def _check_golden(golden: str | None) -> None:
         )
 
 
-def _check_out(inputs: list[Path], holdouts: list[Path], out: Path) -> None:
+def _check_out(inputs: list[Path], holdouts: list[Path], forms: list[str], out: Path) -> None:
+    from calib.logs.tables import stem_of
     from calib.station.folder import FIXED
+    from calib.station.write import export_name
 
-    stems = [path.stem for path in holdouts]
+    stems = [stem_of(path) for path in holdouts]
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})
     if twice:
         raise typer.BadParameter(
@@ -183,7 +185,7 @@ def _check_out(inputs: list[Path], holdouts: list[Path], out: Path) -> None:
         raise typer.BadParameter("a hold-out named table takes the export's place; rename it")
     if out.exists() and not out.is_dir():
         raise typer.BadParameter(f"{out} is a file", param_hint="--out")
-    names = [*FIXED, *(f"{stem}.parquet" for stem in stems)]
+    names = [*FIXED, *map(export_name, forms), *(f"{stem}.parquet" for stem in stems)]
     written = {(out / name).resolve() for name in names}
     lost = [path for path in inputs if path.resolve() in written]
     if lost:
@@ -214,7 +216,7 @@ def _report(found: "Outcome", stored: "Stored", forms: list[str]) -> None:
 def _grid(found: "Outcome") -> "Grid":
     from rich.table import Table
 
-    from calib.station.words import bounds, shown
+    from calib.station.words import bounds, value_of
 
     grid = Table(box=None, header_style="bold", pad_edge=False)
     for title in ("scope", "figure", "value", "no warning", "limit", "verdict"):
@@ -222,5 +224,5 @@ def _grid(found: "Outcome") -> "Grid":
     for check in found.checks:
         j = check.judgement
         warn, fail = bounds(j.warn_low, j.warn_high), bounds(j.low, j.high)
-        grid.add_row(check.scope, check.figure, shown(j.value), warn, fail, check.verdict)
+        grid.add_row(check.scope, check.figure, value_of(check), warn, fail, check.verdict)
     return grid

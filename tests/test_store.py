@@ -11,7 +11,7 @@ import pytest
 
 import calib.store
 from calib.errors import DamagedTable, StoreError, TableNotFound
-from calib.store import listing, load, save, verify
+from calib.store import foreseen, listing, load, save, verify
 from tests.tables_made import made_table
 
 ROOT = Path(__file__).parents[1]
@@ -36,6 +36,16 @@ def rewrite(path, change):
 
 
 # Saving
+
+
+def test_what_is_foreseen_is_what_is_saved(table, store):
+    before = foreseen(table, store)
+    assert not store.exists()
+    saved = save(table, store)
+    assert (before.id, before.digest, before.path) == (saved.id, saved.digest, saved.path)
+    assert json.dumps(before.table.content()[0]) == json.dumps(saved.table.content()[0])
+    assert foreseen(table, store).id == saved.id
+    assert foreseen(made_table(30.0), store).version == 2
 
 
 def test_a_saved_table_comes_back(table, store):

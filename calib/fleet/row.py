@@ -42,8 +42,3 @@ def from_line(line: bytes) -> Row:
 def number(value: float | None) -> float | None:
     """A plain float; None where there is no finite one."""
     return None if value is None or not math.isfinite(value) else float(value)
-
-
-def printable(text: str) -> str:
-    """Text without the half characters of a file name that is not UTF-8."""
-    return text.encode("utf-8", "backslashreplace").decode()

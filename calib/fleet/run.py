@@ -13,13 +13,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import BrakeCalError
+from calib.files import printable
 from calib.fleet.find import find_logs
 from calib.fleet.job import Job
 from calib.fleet.journal import Journal, open_journal
 from calib.fleet.pace import Pace
 from calib.fleet.pool import Executor, Rows
 from calib.fleet.results import write_results
-from calib.fleet.row import Row, printable
+from calib.fleet.row import Row
 from calib.fleet.work import Item
 from calib.fleet_columns import STATUSES
 

@@ -14,13 +14,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from threading import Event
 
+from calib.files import printable
 from calib.fleet.find import logs_below
 from calib.fleet.job import Job
 from calib.fleet.journal import Journal, open_journal
 from calib.fleet.pool import Executor
 from calib.fleet.results import NAME as RESULTS
 from calib.fleet.results import write_results
-from calib.fleet.row import Row, printable
+from calib.fleet.row import Row
 from calib.fleet.run import Sweep
 
 RETRY = 60.0

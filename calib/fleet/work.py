@@ -9,9 +9,10 @@ from pathlib import Path
 
 from calib import __version__
 from calib.errors import BatchError, BrakeCalError
+from calib.files import printable
 from calib.fleet.columns import FIT
 from calib.fleet.job import Job
-from calib.fleet.row import Cell, Row, number, printable
+from calib.fleet.row import Cell, Row, number
 from calib.logs.log import Log
 from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
 from calib.logs.tables import ending_of

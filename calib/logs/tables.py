@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from calib.files import printable
 from calib.logs.csv import open_csv
 from calib.logs.dialect import TextFormat
 from calib.logs.parquet import open_parquet
@@ -27,11 +28,11 @@ def ending_of(path: Path) -> str:
 
 
 def stem_of(path: Path) -> str:
-    """The name of a log: its file's, without the ending.
+    """The name of a log: its file's without the ending, fit to be written and printed.
 
     >>> stem_of(Path("runs/ramp.2.csv.gz")), stem_of(Path("ramp.2.csv"))
     ('ramp.2', 'ramp.2')
     """
     path = Path(path)
     ending = ending_of(path)
-    return path.name[: -len(ending)] if ending else path.name
+    return printable(path.name[: -len(ending)] if ending else path.name)

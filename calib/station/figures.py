@@ -26,13 +26,17 @@ FIGURES: dict[str, str] = {
     "pad_ratio": "front over rear pad friction, over the same of the vehicle file [1]",
     "side_difference_f": "brake force left less right over their mean, front axle [1]",
     "side_difference_r": "brake force left less right over their mean, rear axle [1]",
-    "front_biased_up_to": "deceleration up to which the front axle locks first, these pads [g]",
+    "front_biased_up_to": "deceleration up to which the front axle locks first, these pads; 9.99 "
+    "for all beyond [g]",
     "repeatability_f": "largest departure of a stop's front pad friction from their mean [1]",
     "repeatability_r": "largest departure of a stop's rear pad friction from their mean [1]",
     "golden_distance": "largest departure of D(eta) from the golden table, over its peak [1]",
     "golden_bands": "that departure over the 95 % half widths of both there; 1: just resolved [1]",
 }
 """Every figure of the car, with its meaning."""
+
+CUT = {"front_biased_up_to": 9.99}
+"""Figures that may be without bound, as without a rear brake, and the value that they end at."""
 
 
 @dataclass(frozen=True)
@@ -88,11 +92,14 @@ def _eta_zero(log: Log) -> float | None:
 
 
 def _front_biased_up_to(table: Table) -> float:
-    """z [1] of equal adhesion with the pads as identified, not as the vehicle file has them."""
+    """z [1] of equal adhesion with the pads as identified, not as the vehicle file has them.
+
+    It ends at its `CUT`, which stands for that and all beyond.
+    """
     car, cal = table.vehicle, table.calibration
     front = replace(car.front, pad_friction=cal.pad_friction_f.value)
     rear = replace(car.rear, pad_friction=cal.pad_friction_r.value)
-    return min(front_biased_up_to(replace(car, front=front, rear=rear)), 9.99)
+    return min(front_biased_up_to(replace(car, front=front, rear=rear)), CUT["front_biased_up_to"])
 
 
 def _largest(values: Sequence[float | None]) -> float | None:

@@ -7,7 +7,6 @@ The verdict is moved into place last: where there is no station.json, there is n
 
 import json
 import os
-import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -19,37 +18,42 @@ FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
 
 @contextmanager
 def workshop(out: Path) -> Iterator[Path]:
-    """A hidden folder beside ``out`` to make its files in; gone afterwards, whatever happens.
+    """A hidden folder in ``out`` to make its files in; gone afterwards, whatever happens.
 
-    Raises OSError at once if nothing can be written there.
+    It lies inside, since ``out`` may be another file system than the folder that it is in. ``out``
+    goes too if it was made for this and nothing was put there. Raises OSError at once if nothing
+    can be written there.
     """
-    home = out.absolute().parent
-    home.mkdir(parents=True, exist_ok=True)
-    if out.exists() and not os.access(out, os.W_OK):
-        raise PermissionError(13, "permission denied", str(out))
-    with tempfile.TemporaryDirectory(prefix=f".{out.name}-", dir=home) as work:
-        yield Path(work)
+    made = not out.exists()
+    out.mkdir(parents=True, exist_ok=True)
+    try:
+        with tempfile.TemporaryDirectory(prefix=".station-", dir=out) as work:
+            yield Path(work)
+    finally:
+        if made:
+            with suppress(OSError):
+                out.rmdir()
 
 
 def publish(work: Path, out: Path) -> list[Path]:
     """Move everything from ``work`` into ``out``, the verdict last; return the paths.
 
     Files of an earlier run that this one did not make again are taken away: an export of a car
-    that has failed since must not lie there. What else lies in ``out`` stays. Raises OSError.
+    that has failed since must not lie there. What else lies in ``out`` stays. Where a move fails
+    those before it are taken away again. Raises OSError.
     """
     names = sorted((p.name for p in work.iterdir()), key=lambda name: name == DOCUMENT)
-    made = not out.exists()
-    out.mkdir(parents=True, exist_ok=True)
+    stale = _listed(out) - set(names)
+    (out / DOCUMENT).unlink(missing_ok=True)
+    for name in stale:
+        (out / name).unlink(missing_ok=True)
     try:
-        stale = _listed(out) - set(names)
-        (out / DOCUMENT).unlink(missing_ok=True)
-        for name in stale:
-            (out / name).unlink(missing_ok=True)
         for name in names:
             os.replace(work / name, out / name)
     except BaseException:
-        if made:
-            shutil.rmtree(out, ignore_errors=True)
+        for name in names:
+            if not (work / name).exists():
+                (out / name).unlink(missing_ok=True)
         raise
     return [out / name for name in names]
 

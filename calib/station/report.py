@@ -7,8 +7,8 @@ from calib.plots.sheet import Sheet
 from calib.plots.station import sheet
 from calib.station.advice import action, reason
 from calib.station.identity import TITLES
-from calib.station.station import CAR, Check, Outcome
-from calib.station.words import HEADINGS, bounds, in_full, shown, summary
+from calib.station.station import Check, Outcome
+from calib.station.words import HEADINGS, bounds, in_full, summary, value_of
 from calib.validate import Validation
 from calib.version import Stored
 
@@ -58,7 +58,7 @@ def _next(found: Outcome) -> str:
 
 
 def _limits(found: Outcome) -> str:
-    car = [check for check in found.checks if check.scope == CAR]
+    car = [check for check in found.checks if check.of_car]
     meant = {check.figure: check.meaning for check in found.checks}
     reasons = [(name, f"{meant[name]}: {reason(name)}.") for name in meant]
     return section(
@@ -76,7 +76,7 @@ def _of_car(checks: list[Check]) -> str:
     rows = [
         (
             check.meaning,
-            shown(check.judgement.value),
+            value_of(check),
             check.verdict,
             bounds(check.judgement.warn_low, check.judgement.warn_high),
             bounds(check.judgement.low, check.judgement.high),
@@ -92,7 +92,7 @@ def _of_stops(found: Outcome) -> str:
     """One row a figure, one column a stop; what does not pass says so in its cell."""
     by_figure: dict[str, list[Check]] = {}
     for check in found.checks:
-        if check.scope != CAR:
+        if not check.of_car:
             by_figure.setdefault(check.figure, []).append(check)
     if not by_figure:
         return ""
@@ -109,7 +109,7 @@ def _of_stops(found: Outcome) -> str:
 
 
 def _cell(check: Check) -> str:
-    value = shown(check.judgement.value, 3)
+    value = value_of(check, 3)
     return value if check.verdict in (PASSED, NOT_KNOWN) else f"{value} {check.verdict}"
 
 

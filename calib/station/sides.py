@@ -1,7 +1,7 @@
 """Left against right: how much harder one brake of an axle grips than its twin.
 
-slip of each wheel, zeroed on the unbraked part --> (20)
-dF/F = k ds/s with k = s g'(s)/g(s), the steepness of the table's tyre curve
+slip of each wheel, zeroed on the unbraked part, (20) --> the tyre curve g of the table
+d = (g(s_l) - g(s_r)) / mean: left and right carry the same load on a straight, level road
 
 Needs a reference speed. A bend or a crowned road looks the same as a difference of the brakes.
 """
@@ -31,20 +31,28 @@ def side_difference(table: Table, log: Log, axle: str) -> Estimate | None:
     """Brake force left less right over their mean [1], of ``axle`` "f" or "r".
 
     Where the log knows both pressures of the axle their difference is taken out, so that what is
-    left is that of the pads. None where the log cannot tell: no reference speed, too little
-    braking between 0.1 and 0.4 g, or an interval wider than +-``WIDEST``.
+    left is that of the pads. Moments in which a wheel slips beyond the end of the tyre curve are
+    left out: the table knows no force there. None where the log cannot tell: no reference speed,
+    too little braking between 0.1 and 0.4 g within the curve, or an interval wider than
+    +-``WIDEST``.
     """
     if "v" not in log:
         return None
     course = course_of(log)
-    left, right = (_slip(table, log, course, f"{axle}{side}") for side in "lr")
-    free = _means(left - right, course.unbraked, course)
+    slips = [_slip(table, log, course, f"{axle}{side}") for side in "lr"]
+    free = [_means(s, course.unbraked, course) for s in slips]
     use = course.braked & (course.z > LOW) & (course.z < HIGH) & (course.speed > MOVING)
-    mean, apart = (_means(x, use, course) for x in (0.5 * (left + right), left - right))
-    if free.size < 3 or apart.size < FEWEST:
+    if free[0].size < 3:
         return None
-    mean = mean - np.mean(_means(0.5 * (left + right), course.unbraked, course))
-    found = _slope(mean / _steepness(table.tyre, mean), apart - np.mean(free), free)
+    left, right = (
+        _means(s, use, course) - np.mean(zero) for s, zero in zip(slips, free, strict=True)
+    )
+    known = np.maximum(left, right) <= table.tyre.slip[-1]
+    if np.count_nonzero(known) < FEWEST:
+        return None
+    F_l, F_r = (_force(table.tyre, s[known]) for s in (left, right))
+    stiffness = float(table.tyre.force[1] / table.tyre.slip[1])
+    found = _slope(0.5 * (F_l + F_r), F_l - F_r, stiffness * (free[0] - free[1]))
     if found is None or found.half > WIDEST:
         return None
     return Estimate(found.value - _pressures(log, axle, use), found.half)
@@ -62,12 +70,9 @@ def _means(x: Array, mask: NDArray[np.bool_], course: Course) -> Array:
     return np.asarray(x[mask][: count * n].reshape(count, n).mean(axis=1))
 
 
-def _steepness(tyre: TyreCurve, s: Array) -> Array:
-    """k = s g'(s)/g(s) [1] of the tyre curve at slip ``s``; 1 on its straight part."""
-    slope = np.gradient(tyre.force, tyre.slip)
-    force = np.interp(s, tyre.slip, tyre.force)
-    k = s * np.interp(s, tyre.slip, slope) / np.where(force > 0.0, force, np.inf)
-    return np.asarray(np.clip(np.where(k > 0.0, k, 1.0), 0.2, 1.0))
+def _force(tyre: TyreCurve, s: Array) -> Array:
+    """Normalised force [1] of the tyre curve at slip ``s``; odd, as noise about nought is."""
+    return np.asarray(np.sign(s) * np.interp(np.abs(s), tyre.slip, tyre.force))
 
 
 def _slope(x: Array, y: Array, free: Array) -> Estimate | None:

@@ -20,15 +20,25 @@ from calib.validate import Validation, validate_one
 from calib.vehicle import Vehicle
 
 CAR = "car"
-"""Scope of a check on the car as a whole; that of a check on a stop is the name of its log."""
+"""What the scope of a check on the car as a whole is called."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """One figure held against its limit: ``scope`` is `CAR` or the name of a hold-out."""
+    """One figure held against its limit: of the hold-out named ``stop``, None for the car."""
 
-    scope: str
+    stop: str | None
     judgement: Judgement
+
+    @property
+    def of_car(self) -> bool:
+        """Whether it is of the car as a whole."""
+        return self.stop is None
+
+    @property
+    def scope(self) -> str:
+        """`CAR` or the name of the hold-out, which may be the same word."""
+        return CAR if self.stop is None else self.stop
 
     @property
     def figure(self) -> str:
@@ -38,7 +48,7 @@ class Check:
     @property
     def meaning(self) -> str:
         """What the figure is, with its unit."""
-        return OF_CAR[self.figure] if self.scope == CAR else OF_STOPS[self.figure]
+        return OF_CAR[self.figure] if self.of_car else OF_STOPS[self.figure]
 
     @property
     def verdict(self) -> str:
@@ -124,7 +134,7 @@ def outcome(
     logs = (*car.ramps, *coasts, *car.stops)
     figures = figures_of(car)
     of_car = judge(tuple(x for x in limits if x.figure in OF_CAR), figures)
-    checks = [Check(CAR, j) for j in of_car]
+    checks = [Check(None, j) for j in of_car]
     checks += [Check(r.log, j) for r in car.results for j in r.judgements]
     return Outcome(
         table=car.table,

@@ -1,7 +1,8 @@
 """A check in words: value, limit and what became of it, for people and for line systems alike."""
 
 from calib.limits import FAILED, NOT_KNOWN, WARNING
-from calib.station.station import CAR, Check, Outcome
+from calib.station.figures import CUT
+from calib.station.station import Check, Outcome
 
 HEADINGS = {
     "passed": "Passed",
@@ -14,6 +15,13 @@ HEADINGS = {
 def shown(value: float | None, digits: int = 4) -> str:
     """A figure with so many digits."""
     return "not known" if value is None else f"{value:.{digits}g}"
+
+
+def value_of(check: Check, digits: int = 4) -> str:
+    """The value of a check with so many digits, and `or more` where it is cut."""
+    value = check.judgement.value
+    beyond = value is not None and value == CUT.get(check.figure)
+    return shown(value, digits) + " or more" * beyond
 
 
 def bounds(low: float | None, high: float | None) -> str:
@@ -32,13 +40,13 @@ def bounds(low: float | None, high: float | None) -> str:
 def sentence(check: Check) -> str:
     """What a check says: `side_difference_f of the car is 0.31; the limit is -0.2 to 0.2`."""
     j = check.judgement
-    of = "of the car" if check.scope == CAR else f"of the stop {check.scope}"
+    of = "of the car" if check.of_car else f"of the stop {check.scope}"
     if j.value is None:
         return f"{check.figure} {of} is not known, and it is required"
     warns = check.verdict == WARNING
     limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
     kind = "a warning is given outside" if warns else "the limit is"
-    return f"{check.figure} {of} is {shown(j.value)}; {kind} {limit}"
+    return f"{check.figure} {of} is {value_of(check)}; {kind} {limit}"
 
 
 def in_full(check: Check) -> str:
@@ -46,9 +54,9 @@ def in_full(check: Check) -> str:
     j = check.judgement
     warns = check.verdict == WARNING
     limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
-    of = "" if check.scope == CAR else f"stop {check.scope}, "
+    of = "" if check.of_car else f"stop {check.scope}, "
     kind = "no warning" if warns else "limit"
-    return f"{of}{check.meaning}: {shown(j.value)}; {kind}: {limit}"
+    return f"{of}{check.meaning}: {value_of(check)}; {kind}: {limit}"
 
 
 def summary(found: Outcome) -> str:

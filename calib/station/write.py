@@ -14,6 +14,7 @@ from calib.station.folder import DOCUMENT, JUNIT, REPORT
 from calib.station.junit import junit_xml
 from calib.station.report import report_html
 from calib.station.station import Outcome
+from calib.store import foreseen, save
 from calib.validate import to_dict as validation_dict
 from calib.version import Stored
 
@@ -32,6 +33,27 @@ DATED = ("cdfx",)
 """Formats that hold the date on which they were written."""
 
 
+def export_name(form: str) -> str:
+    """File name of an export of the format ``form``."""
+    return f"table.{ENDINGS[form]}"
+
+
+def store_and_write(
+    found: Outcome, store: Path, forms: Sequence[str], date: str, work: Path
+) -> tuple[Stored, dict[str, Any]]:
+    """Write everything into ``work``, then store the table; return it and the document.
+
+    In this order what fails leaves no version without a verdict. Where another car has taken the
+    version in between, the files are written again. Raises OSError, ExchangeError, StoreError.
+    """
+    while True:
+        expected = foreseen(found.table, store)
+        document = write_all(found, expected, forms, date, work)
+        stored = save(found.table, store)
+        if stored.id == expected.id:
+            return stored, document
+
+
 def write_all(
     found: Outcome, stored: Stored, forms: Sequence[str], date: str, work: Path
 ) -> dict[str, Any]:
@@ -45,7 +67,7 @@ def write_all(
         _write_exports(stored, forms, date, work)
     write_whole(work / JUNIT, junit_xml(found, stored))
     write_whole(work / REPORT, report_html(found, stored).encode())
-    document = to_dict(found, stored, sorted(path.name for path in work.iterdir()))
+    document = to_dict(found, stored, sorted(p.name for p in work.iterdir() if p.name != DOCUMENT))
     write_whole(work / DOCUMENT, to_text(document).encode())
     return document
 
@@ -54,4 +76,4 @@ def _write_exports(stored: Stored, forms: Sequence[str], date: str, work: Path) 
     data = build(stored, None, read_quality(work / SUMMARY, stored.id))
     for form in dict.fromkeys(forms):
         content = FORMATS[form](Order(data, stored, date))
-        write_whole(work / f"table.{ENDINGS[form]}", content)
+        write_whole(work / export_name(form), content)

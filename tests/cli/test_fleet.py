@@ -1,6 +1,7 @@
 """`brake-cal fleet report` as the shell runs it."""
 
 import json
+import os
 
 import pytest
 
@@ -20,6 +21,17 @@ def test_a_report_is_written_and_told(brake_cal, tmp_path):
         "report.html",
     ]
     assert json.loads((out / "fleet.json").read_text())["logs"] == 400
+
+
+def test_a_folder_whose_name_is_not_utf8_is_a_title(brake_cal, tmp_path):
+    made = results(tmp_path / "r.parquet", 12)
+    folder = tmp_path / os.fsdecode(b"fr\xfch")
+    folder.mkdir()
+    made.rename(folder / made.name)
+    ran = brake_cal("fleet", "report", folder / made.name, "--out", tmp_path / "out")
+    assert ran.code == 0, ran.err
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<h1>fr\\udcfch/r.parquet</h1>" in page
 
 
 def test_json_is_one_document_and_says_the_order(brake_cal, tmp_path):

@@ -1,10 +1,16 @@
 """`brake-cal station` as the line runs it."""
 
+import gzip
 import json
+import os
+import shutil
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+
+from calib.store import save
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 RAMP, REPEAT, COAST, DRY, ONTO_BASALT, WET, VEHICLE = (
@@ -125,6 +131,71 @@ def test_refusals_leave_nothing(station, tmp_path, words, code, says):
 def test_logs_in_the_wrong_place(station, tmp_path, ramp, stops, code):
     assert station(ramp=ramp, stops=stops).code == code
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "called"),
+    [(b"r\xfcck.csv", "r\\udcfcck"), (b"car.csv", "car"), (b"a\x01.csv", "a\\x01")],
+)
+def test_a_hold_out_may_have_any_name(station, tmp_path, name, called):
+    stop = tmp_path / os.fsdecode(name)
+    shutil.copy(DRY, stop)
+    ran = station("--json", stops=(stop,))
+    assert ran.code == 0, ran.err
+    assert {check["scope"] for check in json.loads(ran.out)["checks"]} == {"car", called}
+    written = {path.name for path in (tmp_path / "car").iterdir()}
+    assert written == {"station.json", "junit.xml", "report.html", "summary.json",
+                       f"{called}.parquet"}  # fmt: skip
+    assert station(stops=(stop,)).code == 0
+
+
+def test_no_input_is_overwritten(station, tmp_path):
+    (tmp_path / "car").mkdir()
+    for name in ("table.csv", "hold.parquet"):
+        ramp = tmp_path / "car" / name
+        shutil.copy(RAMP, ramp)
+        stop = tmp_path / "hold.csv"
+        shutil.copy(DRY, stop)
+        ran = station("--export", "csv", ramp=ramp, stops=(stop,))
+        assert (ran.code, ran.out) == (2, "")
+        assert "would overwrite" in ran.err
+        assert ramp.read_bytes() == RAMP.read_bytes()
+
+
+def test_two_endings_of_one_name_are_one_name(station, tmp_path):
+    plain, packed = tmp_path / "stop.csv", tmp_path / "stop.csv.gz"
+    shutil.copy(DRY, plain)
+    packed.write_bytes(gzip.compress(ONTO_BASALT.read_bytes()))
+    ran = station(stops=(plain, packed))
+    assert (ran.code, ran.out) == (2, "")
+    assert "two hold-outs are named stop," in ran.err
+
+
+def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "no space left")
+
+    monkeypatch.setattr("calib.station.write.report_html", full)
+    ran = station()
+    assert (ran.code, ran.out) == (2, "")
+    assert "no space left" in ran.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_version_taken_in_between_is_not_claimed(station, tmp_path, monkeypatch):
+    def late(table, store):
+        if not (store / table.name).exists():
+            save(replace(table, remarks=("another car",)), store)
+        return save(table, store)
+
+    monkeypatch.setattr("calib.station.write.save", late)
+    ran = station("--json")
+    assert ran.code == 0, ran.err
+    document = json.loads(ran.out)
+    assert document["table"]["id"] == document["validation"]["table"] == "sedan-2up@2"
+    assert "sedan-2up@2" in (tmp_path / "car" / "report.html").read_text()
+    assert {p.name for p in (tmp_path / "car").iterdir()} == {"station.json", *document["files"]}
+    assert len(document["files"]) == 5
 
 
 def test_a_damaged_store_is_told(station, tmp_path):

@@ -25,6 +25,7 @@ def test_exports_of_an_earlier_run_go_and_other_files_stay(tmp_path):
     with workshop(out) as work:
         put(work, report_html="new")
         paths = publish(work, out)
+        assert work.parent == out  # on its file system, so that a move is one step
     assert paths[-1] == out / DOCUMENT
     assert {p.name for p in out.iterdir()} == {"notes.txt", "report.html", DOCUMENT}
     assert (out / "report.html").read_text() == "new"
@@ -58,3 +59,30 @@ def test_a_move_that_fails_leaves_no_verdict(tmp_path, monkeypatch):
         with pytest.raises(OSError, match="no space"):
             publish(work, out)
     assert not out.exists()
+
+
+def test_files_moved_before_a_failure_go_and_others_stay(tmp_path):
+    out = tmp_path / "car"
+    (out / "b.txt").mkdir(parents=True)  # a file cannot take its place
+    (out / "notes.txt").write_text("mine")
+    with workshop(out) as work:
+        put(work, a_txt="1", b_txt="2")
+        with pytest.raises(OSError, match=r"b\.txt"):
+            publish(work, out)
+    assert {p.name for p in out.iterdir()} == {"notes.txt", "b.txt"}
+
+
+def stopped(out):
+    with workshop(out) as work:
+        put(work, a_txt="1")
+        raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_work_that_fails_leaves_the_folder_as_it_was(tmp_path, there):
+    out = tmp_path / "car"
+    if there:
+        out.mkdir()
+    with pytest.raises(KeyboardInterrupt):
+        stopped(out)
+    assert [p.name for p in tmp_path.rglob("*")] == (["car"] if there else [])

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.names import G
 from calib.station.sides import side_difference
-from tests.made_runs import changed, made_run
+from tests.made_runs import changed, made_run, ramp
 from tests.tables_made import made_table
 
 TABLE = made_table()
@@ -58,9 +59,38 @@ def test_not_known_without_speed_without_braking_or_in_noise():
     assert side_difference(TABLE, made_run(noise=30.0), "f") is None
 
 
-def test_on_a_tyre_that_bends_force_differs_less_than_slip():
-    slip = np.linspace(0.0, 0.02, 41)
-    bent = replace(TABLE.tyre, slip=slip, force=27.0 * slip * (1.0 - 20.0 * slip))
-    log = with_imbalance(made_run(noise=0.0), 0.2)
-    found = side_difference(replace(TABLE, tyre=bent), log, "f").value
-    assert 0.1 < found < 0.19
+C, B = 27.0, 20.0
+
+
+def bent(end):
+    """The table with the tyre F = C s (1 - B s) up to the slip ``end``; its top is at 0.025."""
+    slip = np.linspace(0.0, end, 401)
+    return replace(TABLE, tyre=replace(TABLE.tyre, slip=slip, force=C * slip * (1.0 - B * slip)))
+
+
+def slip_at(force):
+    return (1.0 - np.sqrt(1.0 - 4.0 * B * force / C)) / (2.0 * B)
+
+
+def with_forces(log, share):
+    """The front wheels carry (1 + share/2) and (1 - share/2) of 0.4 times the deceleration."""
+    z, v = -log["a_x"] / G, log["v"]
+    return changed(
+        log,
+        **{
+            f"omega_f{side}": v / 0.322 * (1.0 - slip_at(0.4 * (1.0 + sign * share / 2.0) * z))
+            for side, sign in (("l", 1.0), ("r", -1.0))
+        },
+    )
+
+
+@pytest.mark.parametrize("share", [-1.2, -0.8, 0.2])
+def test_on_a_tyre_that_bends_it_is_the_force_that_differs(share):
+    log = with_forces(made_run(ramp(top=30.0), noise=0.0), share)
+    assert side_difference(bent(0.024), log, "f").value == pytest.approx(share, abs=0.01)
+
+
+def test_beyond_the_end_of_the_tyre_curve_nothing_is_read():
+    log = with_forces(made_run(ramp(top=30.0), noise=0.0), -0.8)
+    assert side_difference(bent(0.008), log, "f").value == pytest.approx(-0.8, abs=0.01)
+    assert side_difference(bent(0.004), log, "f") is None

@@ -8,11 +8,12 @@ from calib.errors import LogError
 from calib.limits import Limit
 from calib.logs.read import read_log
 from calib.scores import FIGURES as OF_STOPS
-from calib.station.advice import ADVICE, LIMITS, action
+from calib.station.advice import ADVICE, LIMITS
 from calib.station.figures import FIGURES as OF_CAR
 from calib.station.figures import Car
 from calib.station.identity import Identity
-from calib.station.station import CAR, outcome, table_of, validated
+from calib.station.station import outcome, table_of, validated
+from calib.station.words import in_full, sentence
 from calib.vehicle import read_vehicle
 from tests.station.conftest import SEDAN
 
@@ -62,7 +63,7 @@ def test_every_figure_is_one_of_the_car_or_of_a_stop():
 def test_weak_pads_fail_the_level_of_the_pads_and_nothing_else_of_the_car(file, verdict):
     found = run(with_pads(file, file))
     assert found.figures["pad_scale"] == pytest.approx(0.38 / file, rel=0.02)
-    bad = {c.figure for c in found.checks if c.scope == CAR and c.verdict in ("failed", "warning")}
+    bad = {c.figure for c in found.checks if c.of_car and c.verdict in ("failed", "warning")}
     assert bad == ({"pad_scale"} if verdict != "passed" else set())
     assert found.verdict == verdict
 
@@ -71,7 +72,6 @@ def test_weak_front_pads_fail_their_ratio():
     found = run(with_pads(0.38 / 0.7, 0.38))
     assert found.figures["pad_ratio"] == pytest.approx(0.7, rel=0.05)
     assert "pad_ratio" in {c.figure for c in found.with_verdict("failed")}
-    assert "ratio" in OF_CAR["pad_ratio"] or "out of proportion" in action("pad_ratio")
 
 
 def test_a_golden_table_of_its_own_lies_close_and_one_of_another_tyre_does_not(good):
@@ -94,3 +94,26 @@ def test_a_hold_out_that_was_fitted_on_proves_nothing(good):
     with pytest.raises(LogError, match="proves nothing") as error:
         validated(good.table, read_log(SEDAN / "ramp_wet_asphalt.csv"), LIMITS)
     assert error.value.exit_code == 3
+
+
+def test_a_stop_may_be_called_car(good):
+    ramp = read_log(SEDAN / "ramp_wet_asphalt.csv")
+    stop = replace(read_log(SEDAN / f"{GOOD[0]}.csv"), name="car")
+    result = validated(good.table, stop, LIMITS)
+    found = outcome(Car(good.table, [ramp], [stop], [result]), [], LIMITS, Identity())
+    told = {check.figure: (check.of_car, check.meaning) for check in found.checks}
+    assert told["pad_scale"] == (True, OF_CAR["pad_scale"])
+    assert told["valid_share"] == (False, OF_STOPS["valid_share"])
+    assert {check.scope for check in found.checks} == {"car"}
+    assert "valid_share of the stop car" in sentence(
+        next(c for c in found.checks if c.figure == "valid_share")
+    )
+
+
+def test_without_a_rear_brake_no_front_bias_is_told_as_measured(good):
+    cal = good.table.calibration
+    bare = replace(cal, pad_friction_r=replace(cal.pad_friction_r, value=0.0))
+    limits = (Limit("front_biased_up_to", None, 1.0),)
+    found = outcome(Car(replace(good.table, calibration=bare), [], [], []), [], limits, Identity())
+    assert "is 9.99 or more; the limit is at most 1" in sentence(found.checks[0])
+    assert "9.99 or more" in in_full(found.checks[0])

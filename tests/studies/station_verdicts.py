@@ -171,8 +171,9 @@ def run(
     )
     wheels = {}
     for axle, weak in zip("fr", build.left, strict=True):
-        for side, part in (("l", weak), ("r", 1.0 / weak)):
-            share = 2.0 * part / (weak + 1.0 / weak)  # the axle as a whole stays as it is
+        root = math.sqrt(weak)
+        for side, part in (("l", root), ("r", 1.0 / root)):
+            share = 2.0 * part / (root + 1.0 / root)  # the axle as a whole stays as it is
             if build.left != (1.0, 1.0):
                 wheels[axle + side] = lambda t, share=share: share * pressure(t)
     log = as_log(drive(plant, pressure, v0, wheel_pressure=wheels, **more), name)
