@@ -69,8 +69,8 @@ def station(
     """Fit, prove and judge one car: the first log is its ramp, the others are hold-outs.
 
     Exit code 0 if every limit holds, with warnings or without, 1 if one does not. The table goes
-    into the store either way; a car that failed gets no exports. The same command gives the same
-    bytes again and no new version.
+    into the store either way; a car that failed gets no exports. A log that will not do ends it
+    with 3, and nothing is stored. The same command gives the same bytes again and no new version.
     """
     from calib.fit import refuse_twice
     from calib.logs.channel_map import read_channel_map
