@@ -218,6 +218,7 @@ def _report(found: "Study") -> None:
             emit(f"{result.name}: variances that came out negative count as nought: {names}")
         if result.gauge is None:
             emit(f"{result.name}: not judged, repeats do not scatter")
+    emit("repeatability, reproducibility and cars: standard deviations [1]")
     for note in found.notes:
         emit(f"note: {note}")
 

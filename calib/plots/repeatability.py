@@ -92,6 +92,7 @@ def by_car(ax: "Axes", found: Study, result: Result) -> None:
         ax.set_xticks(range(len(cars)), shown, rotation=turn, ha="right" if turn else "center")
     ax.set(ylabel=f"{result.name} [1]", xlabel="" if names else "car, in order of its name")
     ax.set_xlim(-0.6, len(cars) - 0.4)
+    ax.ticklabel_format(axis="y", style="plain", useOffset=False)  # no factor over the legend
 
 
 def _plain(name: str) -> str:
@@ -122,8 +123,7 @@ def components(ax: "Axes", result: Result) -> None:
         if high > top:  # the interval goes on beyond the picture, and says so
             ax.plot(top, i, ">", color=BODY["color"], ms=4.5, zorder=4, clip_on=False)
         if name in result.gauge.negative:
-            where = 3.0 + min(high, 60.0)
-            ax.text(where, i, "came out negative", va="center", fontsize=6.5, zorder=4)
+            ax.text(2.0, i - 0.1, "came out negative", va="bottom", fontsize=6.5, zorder=4)
     ax.set_yticks(range(len(names)), [LABELS[name] for name in names])
     ax.invert_yaxis()
     ax.grid(axis="y", visible=False)
