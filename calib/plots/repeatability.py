@@ -119,8 +119,9 @@ def components(ax: "Axes", result: Result) -> None:
         ax.barh(i, sd, height=0.55, color=COLOURS[0] if strong else "#8DB9DA", zorder=2)
         ax.plot([low, high], [i, i], color=BODY["color"], linewidth=1.0, zorder=3)
         ax.plot(low, i, "|", color=BODY["color"], ms=5.0, zorder=3)
-        ax.plot(high, i, "|" if high <= top else ">", color=BODY["color"], ms=5.0, zorder=3)
-        if high > top:  # the interval goes on beyond the picture, and says so
+        if high <= top:
+            ax.plot(high, i, "|", color=BODY["color"], ms=5.0, zorder=3)
+        else:  # the interval goes on beyond the picture, and says so
             ax.plot(top, i, ">", color=BODY["color"], ms=4.5, zorder=4, clip_on=False)
         if name in result.gauge.negative:
             ax.text(2.0, i - 0.1, "came out negative", va="bottom", fontsize=6.5, zorder=4)
