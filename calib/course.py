@@ -10,7 +10,7 @@ four wheel speeds with ``a_x`` are looked at, and the reference speed where ther
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,11 +99,17 @@ class BrakeEvent:
 
 def centred_mean(x: Array, width: int) -> Array:
     """Mean over ``width`` samples around each; over fewer at both ends. Shape (n,)."""
-    half = width // 2
+    low, high, count = _around(x.size, width // 2)
     total = np.concatenate([[0.0], np.cumsum(x)])
-    low = np.maximum(np.arange(x.size) - half, 0)
-    high = np.minimum(np.arange(x.size) + half + 1, x.size)
-    return np.asarray((total[high] - total[low]) / (high - low))
+    return np.asarray((total[high] - total[low]) / count)
+
+
+@lru_cache(maxsize=8)
+def _around(size: int, half: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    """First, one past the last, and number of the samples around each; the same for all channels."""
+    at = np.arange(size)
+    low, high = np.maximum(at - half, 0), np.minimum(at + half + 1, size)
+    return low, high, (high - low).astype(np.float64)
 
 
 def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:

@@ -111,7 +111,7 @@ def test_slips_are_named(tmp_path, old, new, words):
 
 def test_no_file_and_no_text(tmp_path):
     assert "no such file" in refusal(tmp_path / "none.toml")
-    assert "no such file" in refusal(tmp_path)
+    assert "a directory" in refusal(tmp_path)
     binary = tmp_path / "car.toml"
     binary.write_bytes(b"\xff\xfe\x00")
     assert "not TOML" in refusal(binary)
