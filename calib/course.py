@@ -106,7 +106,7 @@ def centred_mean(x: Array, width: int) -> Array:
 
 @lru_cache(maxsize=8)
 def _around(size: int, half: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
-    """First, one past the last, and number of the samples around each; the same for all channels."""
+    """First, one past the last, and number of the samples around each; alike for all channels."""
     at = np.arange(size)
     low, high = np.maximum(at - half, 0), np.minimum(at + half + 1, size)
     return low, high, (high - low).astype(np.float64)
