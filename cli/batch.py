@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, say
-from cli.jobs import Command, Fresh, Limits, Out, Table, VehicleFile, Workers, job_of
+from cli.jobs import Commands, Fresh, Limits, Out, Table, VehicleFile, Workers, job_of
 from cli.options import STORE, Json, Map, Store, example
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ QUIET = 5.0
 
 
 def batch(
-    command: Annotated[Command, typer.Argument(help="What to do with each log.")],
+    command: Commands,
     logs: Annotated[
         list[str],
         typer.Argument(

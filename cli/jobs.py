@@ -20,6 +20,25 @@ class Command(StrEnum):
     DIAGNOSE = "diagnose"
 
 
+def _command(written: str) -> Command:
+    from calib.toml import did_you_mean
+
+    known = [str(command) for command in Command]
+    if written not in known:
+        near = did_you_mean(written, known)
+        told = f"{written!r} is not one of {', '.join(known)}"
+        raise typer.BadParameter(f"{told}; {near}" if near else told)
+    return Command(written)
+
+
+Commands = Annotated[
+    Command,
+    typer.Argument(
+        parser=_command,
+        metavar="COMMAND",
+        help="What to do with each log.",
+    ),
+]
 Out = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Write results.parquet and journal here.")
 ]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cli.console import complain, emit_line, json_line, say
-from cli.jobs import Command, Fresh, Limits, Out, Table, VehicleFile, Workers, job_of
+from cli.jobs import Command, Commands, Fresh, Limits, Out, Table, VehicleFile, Workers, job_of
 from cli.options import STORE, Map, Store, example
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ EPILOG = example("brake-cal watch check sample_logs/sedan --out watched")
 
 
 def watch(
-    command: Annotated[Command, typer.Argument(help="What to do with each log.")],
+    command: Commands,
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", help="Where logs appear.", exists=True, file_okay=False)
     ],

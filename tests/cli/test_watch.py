@@ -111,4 +111,7 @@ def test_mistakes(brake_cal, tmp_path):
     ran = brake_cal("watch", "validate", tmp_path, "--out", tmp_path / "out")
     assert ran.code == 2
     assert "--table" in ran.err
+    ran = brake_cal("watch", "validat", tmp_path, "--out", tmp_path / "out")
+    assert ran.code == 2
+    assert "did you mean 'validate'" in ran.err
     assert not (tmp_path / "out").exists()
