@@ -3,6 +3,8 @@
 import os
 import re
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 
@@ -20,6 +22,25 @@ def write_whole(path: Path, content: bytes) -> None:
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+@contextmanager
+def workshop(out: Path) -> Iterator[Path]:
+    """A hidden folder in ``out`` to make its files in; gone afterwards, whatever happens.
+
+    It lies inside, since ``out`` may be another file system than the folder that it is in. ``out``
+    goes too if it was made for this and nothing was put there. Raises OSError at once if nothing
+    can be written there.
+    """
+    made = not out.exists()
+    out.mkdir(parents=True, exist_ok=True)
+    try:
+        with tempfile.TemporaryDirectory(prefix=".making-", dir=out) as work:
+            yield Path(work)
+    finally:
+        if made:
+            with suppress(OSError):
+                out.rmdir()
 
 
 def printable(text: str) -> str:

@@ -72,11 +72,12 @@ def station(
     into the store either way; a car that failed gets no exports. A log that will not do ends it
     with 3, and nothing is stored. The same command gives the same bytes again and no new version.
     """
+    from calib.files import workshop
     from calib.fit import refuse_twice
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
     from calib.station.figures import Car
-    from calib.station.folder import publish, workshop
+    from calib.station.folder import publish
     from calib.station.station import outcome, table_of, validated
     from calib.station.write import store_and_write
     from calib.store import load

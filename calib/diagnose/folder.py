@@ -5,12 +5,11 @@ DIR/diagnosis.json  model.toml  report.html  sim/before/<log>.csv  sim/after/<lo
 
 import os
 import shutil
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 
 from calib.diagnose.diagnose import Diagnosis
-from calib.files import write_whole
+from calib.files import workshop, write_whole
 from calib.logs.log import Log
 from calib.logs.write import write_csv
 from calib.model import write_model
@@ -30,15 +29,13 @@ def files_of(stems: list[str]) -> list[Path]:
 def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> list[Path]:
     """Write everything to ``out`` and return the paths.
 
-    All is made in a hidden folder beside ``out`` first and then moved into place, file by file;
+    All is made in a hidden folder within ``out`` first and then moved into place, file by file;
     what else lies in ``out`` stays. Raises OSError if it cannot be written.
     """
-    out.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{out.name}-", dir=out.parent) as name:
-        work = Path(name)
+    made = not out.exists()
+    with workshop(out) as work:
         _fill(found, document, report, work)
         files = files_of([log.name for log in found.measured])
-        made = not out.exists()
         try:
             for file in files:
                 (out / file).parent.mkdir(parents=True, exist_ok=True)

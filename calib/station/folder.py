@@ -7,32 +7,11 @@ The verdict is moved into place last: where there is no station.json, there is n
 
 import json
 import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 
 DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
 FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
-
-
-@contextmanager
-def workshop(out: Path) -> Iterator[Path]:
-    """A hidden folder in ``out`` to make its files in; gone afterwards, whatever happens.
-
-    It lies inside, since ``out`` may be another file system than the folder that it is in. ``out``
-    goes too if it was made for this and nothing was put there. Raises OSError at once if nothing
-    can be written there.
-    """
-    made = not out.exists()
-    out.mkdir(parents=True, exist_ok=True)
-    try:
-        with tempfile.TemporaryDirectory(prefix=".station-", dir=out) as work:
-            yield Path(work)
-    finally:
-        if made:
-            with suppress(OSError):
-                out.rmdir()
 
 
 def publish(work: Path, out: Path) -> list[Path]:

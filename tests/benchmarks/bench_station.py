@@ -34,7 +34,8 @@ import cli.main
 from calib.logs.read import read_log
 from calib.station.advice import LIMITS
 from calib.station.figures import Car
-from calib.station.folder import publish, workshop
+from calib.files import workshop
+from calib.station.folder import publish
 from calib.station.identity import Identity
 from calib.station.report import report_html
 from calib.station.station import outcome, table_of, validated

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from calib.station.folder import DOCUMENT, publish, workshop
+from calib.files import workshop
+from calib.station.folder import DOCUMENT, publish
 
 
 def put(work, **files):
