@@ -11,7 +11,7 @@ import resource
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,23 +32,10 @@ from calib.names import G  # noqa: E402
 from calib.signals import blocks, signals  # noqa: E402
 from calib.table import Table  # noqa: E402
 from calib.vehicle import read_vehicle  # noqa: E402
+from tests.benchmarks.timing import best  # noqa: E402
 from tests.studies.fleet_logs import linked, table_of, write_logs  # noqa: E402
 
 REPEAT = 3
-
-
-def best(
-    call: Callable[[], object],
-    repeat: int = REPEAT,
-    clock: Callable[[], float] = time.perf_counter,
-) -> float:
-    """Least time of several calls [s]: the one the machine disturbed least."""
-    times = []
-    for _ in range(repeat):
-        start = clock()
-        call()
-        times.append(clock() - start)
-    return min(times)
 
 
 @dataclass

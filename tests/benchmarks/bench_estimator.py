@@ -9,7 +9,6 @@ Prints nanoseconds a sample and ratios; nothing is asserted, machines differ. Ne
 import resource
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -24,18 +23,10 @@ from calib.fit import fit  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.signals import blocks, signals  # noqa: E402
 from calib.vehicle import read_vehicle  # noqa: E402
+from tests.benchmarks.timing import best  # noqa: E402
 
 SAMPLES = ROOT / "sample_logs"
-
-
-def best(call: Callable[[], object], repeat: int = 7) -> float:
-    """Least wall time of several calls [s]: the one the machine disturbed least."""
-    times = []
-    for _ in range(repeat):
-        start = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - start)
-    return min(times)
+REPEAT = 7
 
 
 def loop_gradient(y: np.ndarray, u: np.ndarray, gamma: float, dt: float) -> np.ndarray:
@@ -108,13 +99,13 @@ def chain() -> None:
         reading = rivals.read(table, plan.nominal, s, now, eta, "difference")
         rivals.adapt(plan.nominal, s, now, reading, "gradient")
 
-    split = best(lambda: estimator.split_of(plan, s, b, level))
+    split = best(lambda: estimator.split_of(plan, s, b, level), REPEAT)
     parts = [
-        ("signals and blocks", best(lambda: blocks(signals(stop, car)))),
-        ("common level", best(lambda: estimator.level_of(plan, s, forces))),
+        ("signals and blocks", best(lambda: blocks(signals(stop, car)), REPEAT)),
+        ("common level", best(lambda: estimator.level_of(plan, s, forces), REPEAT)),
         ("split filter (20 Hz)", split),
-        ("paper chain: zero, D look-up, law (25)", best(paper_chain)),
-        ("estimate, with all rivals", best(lambda: estimator.estimate(table, stop))),
+        ("paper chain: zero, D look-up, law (25)", best(paper_chain, REPEAT)),
+        ("estimate, with all rivals", best(lambda: estimator.estimate(table, stop), REPEAT)),
     ]
     for name, seconds in parts:
         print(f"{name:<40} {1e9 * seconds / n:10.1f} ns a sample   {1e3 * seconds:8.2f} ms a log")

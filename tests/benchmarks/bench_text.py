@@ -11,8 +11,7 @@ import gzip
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,18 +22,10 @@ sys.path.insert(0, str(ROOT))
 from calib.logs.log import Log  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.logs.write import write_csv, write_parquet  # noqa: E402
+from tests.benchmarks.timing import best  # noqa: E402
 
+REPEAT = 9
 NAMES = ("time", "p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v")
-
-
-def best(call: Callable[[], object], repeat: int = 9) -> float:
-    """Least wall time of several calls [s]: the one the machine disturbed least."""
-    times = []
-    for _ in range(repeat):
-        start = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - start)
-    return min(times)
 
 
 def made_log(rows: int) -> Log:
@@ -97,15 +88,15 @@ def speed(rows: int) -> None:
         folder = Path(name)
         print(f"{rows} samples, 8 channels")
         for kind, (path, separator, decimal) in files(folder, rows).items():
-            ours = best(lambda path=path: read_log(path))
+            ours = best(lambda path=path: read_log(path), REPEAT)
             bare = {
-                call.__name__: best(lambda call=call, a=(path, separator, decimal): call(*a))
+                call.__name__: best(partial(call, path, separator, decimal), REPEAT)
                 for call in (arrow, pandas)
             }
             told = ", ".join(f"{n} {1e3 * s:7.2f} ms ({ours / s:.2f} x)" for n, s in bare.items())
             print(f"  {kind:<26} {1e3 * ours:7.2f} ms; {told}")
         path = folder / "d.parquet"
-        ours, alone = best(lambda: read_log(path)), best(lambda: parquet(path))
+        ours, alone = best(lambda: read_log(path), REPEAT), best(lambda: parquet(path), REPEAT)
         told = f"arrow {1e3 * alone:7.2f} ms ({ours / alone:.2f} x)"
         print(f"  {'Parquet':<26} {1e3 * ours:7.2f} ms; {told}")
 
