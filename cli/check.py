@@ -50,18 +50,20 @@ def _look(logs: list[Path], mapping: Any) -> "tuple[list[Findings], list[tuple[P
     from calib.check import check as look_at
     from calib.copies import copies_of
     from calib.errors import InputError
-    from calib.logs.read import open_log, read_log
+    from calib.logs.read import open_log, read_log, read_opened
     from calib.logs.recordings import RECORDINGS
     from calib.logs.tables import ending_of
 
     found, errors = [], []
     for path in logs:
         try:
-            log = read_log(path, mapping, require=())
             # a bus carries thousands of signals: there nobody looks for copies of a pressure
-            several = ending_of(path) in RECORDINGS
-            copies = () if several else copies_of(log, open_log(path, mapping).source)
-            found.append(look_at(log, copies))
+            if ending_of(path) in RECORDINGS:
+                found.append(look_at(read_log(path, mapping, require=())))
+            else:
+                opened = open_log(path, mapping)
+                log = read_opened(opened, path, mapping, require=())
+                found.append(look_at(log, copies_of(log, opened.source)))
         except InputError as error:
             errors.append((path, error))
     return found, errors

@@ -84,10 +84,23 @@ def read_log(
     driven: that is `calib.check`.
     """
     path = Path(path)
-    if ending_of(path) not in RECORDINGS:
-        return log_of(log_bytes(path), path, channel_map, require=require)
     refuse_no_log(path)
-    return _log(_digest(path), path, path, channel_map, require)
+    told = _told(channel_map)
+    if ending_of(path) not in RECORDINGS:
+        return read_opened(open_log(path, told), path, told, require=require)
+    return _recorded(path, _digest(path), path, told, require)
+
+
+def read_opened(
+    opened: Opened,
+    path: Path,
+    channel_map: ChannelMap | None = None,
+    *,
+    require: tuple[str, ...] = REQUIRED,
+) -> Log:
+    """Read one run from a table that `open_log` opened; ``path`` names it. Else as `read_log`."""
+    require = _needed(require)
+    return _log(_read_table(opened, path, channel_map, require), path, require)
 
 
 def log_of(
@@ -102,31 +115,34 @@ def log_of(
 
     ``file`` is where the bytes lie, if not at ``path``: a recording is read from there.
     """
-    return _log(data, Path(path), Path(file or path), channel_map, require)
+    path, told = Path(path), _told(channel_map)
+    if ending_of(path) not in RECORDINGS:
+        return read_opened(_open_table(data, path, told), path, told, require=require)
+    return _recorded(Path(file or path), hashlib.sha256(data).hexdigest(), path, told, require)
 
 
-def _log(
-    data: bytes | str,
-    path: Path,
-    file: Path,
-    channel_map: ChannelMap | Path | None,
-    require: tuple[str, ...],
+def _recorded(
+    file: Path, digest: str, path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]
 ) -> Log:
-    """Read the bytes of a table, or the recording ``file`` whose bytes or digest are ``data``."""
-    where = str(path)
-    if isinstance(channel_map, str | Path):
-        channel_map = read_channel_map(channel_map)
-    require = ("time", *(name for name in require if name != "time"))
-    if isinstance(data, bytes) and ending_of(path) not in RECORDINGS:
-        taken = _read_table(data, path, channel_map, require)
-    else:
-        digest = data if isinstance(data, str) else hashlib.sha256(data).hexdigest()
-        taken = _read_recording(file, digest, where, channel_map, require)
-    values, notes = complete_channels(taken.values, require, where)
-    check_clock(values["time"], where)
+    require = _needed(require)
+    return _log(_read_recording(file, digest, str(path), channel_map, require), path, require)
+
+
+def _told(channel_map: ChannelMap | Path | None) -> ChannelMap | None:
+    return read_channel_map(channel_map) if isinstance(channel_map, str | Path) else channel_map
+
+
+def _needed(require: tuple[str, ...]) -> tuple[str, ...]:
+    return ("time", *(name for name in require if name != "time"))
+
+
+def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
+    """Check what was taken from a file, and put it in order."""
+    values, notes = complete_channels(taken.values, require, str(path))
+    check_clock(values["time"], str(path))
     return Log(
         name=stem_of(path),
-        source=where,
+        source=str(path),
         digest=taken.digest,
         origins=tuple(o for o in taken.origins if o.channel in values),
         channels={name: values[name] for name in CHANNELS if name in values},
@@ -148,9 +164,8 @@ class _Taken:
 
 
 def _read_table(
-    data: bytes, path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]
+    opened: Opened, path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]
 ) -> _Taken:
-    opened = _open_table(data, path, channel_map)
     source = opened.source
     taken, ignored = assign(source.columns, channel_map, require, str(path))
     written = source.read([item.index for item in taken])
