@@ -88,9 +88,9 @@ def validate_one(
     require_same_vehicle(table, vehicle)
     require_same_car(table, log)
     result = estimate(table, log, vehicle, rival_laws=rivals)
-    truth = truth_of(log, car, result)
     figures = score(log, car, result)
     compared = rivals and bool(result.valid.any())
+    truth = truth_of(log, car, result) if compared else None
     parents = {parent.digest for parent in table.provenance.logs}
     return Validation(
         log=log.name,
@@ -99,7 +99,7 @@ def validate_one(
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),
-        rivals=rival_errors(car, result, truth) if compared and truth is not None else {},
+        rivals={} if truth is None else rival_errors(car, result, truth),
     )
 
 

@@ -62,7 +62,7 @@ class Cluster:
         Raises BatchError if the scheduler is gone.
         """
         if time.monotonic() - self._asked > 1.0:
-            self.renew()
+            self._require_scheduler()
             try:
                 self._threads = max(1, sum(self._client.nthreads().values()))
             except OSError as cause:
@@ -76,11 +76,14 @@ class Cluster:
         given = self._client.submit(run_items, packed, items, pure=False)
         given.add_done_callback(partial(_pass_on, rows))
         # Losing the scheduler fails all that is under way, but not what is handed over later.
-        self.renew()
+        self._require_scheduler()
         return rows
 
     def renew(self) -> None:
         """Leave the workers to the cluster. Raises BatchError if the scheduler itself is gone."""
+        self._require_scheduler()
+
+    def _require_scheduler(self) -> None:
         if self._client.status != "running":
             raise self._gone()
 

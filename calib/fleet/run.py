@@ -89,10 +89,6 @@ def run_batch(
         journal.close()
 
 
-def unheard(rows: list[Row]) -> None:
-    """Tell nobody of new rows."""
-
-
 class Sweep:
     """Logs handed out, and their rows as they come back into the journal.
 
@@ -107,7 +103,7 @@ class Sweep:
         executor: Executor,
         report: Report,
         total: int,
-        tell: Callable[[list[Row]], None] = unheard,
+        tell: Callable[[list[Row]], None] = lambda rows: None,
     ):
         self.packed, self.journal, self.executor = job.packed(), journal, executor
         self.command, self.report, self.total, self.tell = job.command, report, total, tell

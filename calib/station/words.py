@@ -39,24 +39,25 @@ def bounds(low: float | None, high: float | None) -> str:
 
 def sentence(check: Check) -> str:
     """What a check says: `side_difference_f of the car is 0.31; the limit is -0.2 to 0.2`."""
-    j = check.judgement
     of = "of the car" if check.of_car else f"of the stop {check.scope}"
-    if j.value is None:
+    if check.judgement.value is None:
         return f"{check.figure} {of} is not known, and it is required"
-    warns = check.verdict == WARNING
-    limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
-    kind = "a warning is given outside" if warns else "the limit is"
-    return f"{check.figure} {of} is {value_of(check)}; {kind} {limit}"
+    kind = "a warning is given outside" if check.verdict == WARNING else "the limit is"
+    return f"{check.figure} {of} is {value_of(check)}; {kind} {_limit(check)}"
 
 
 def in_full(check: Check) -> str:
     """The same for a reader who does not know the names: what it is, value, limit."""
+    of = "" if check.of_car else f"stop {check.scope}, "
+    kind = "no warning" if check.verdict == WARNING else "limit"
+    return f"{of}{check.meaning}: {value_of(check)}; {kind}: {_limit(check)}"
+
+
+def _limit(check: Check) -> str:
+    """The range that decided: that of the warning where there is one."""
     j = check.judgement
     warns = check.verdict == WARNING
-    limit = bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
-    of = "" if check.of_car else f"stop {check.scope}, "
-    kind = "no warning" if warns else "limit"
-    return f"{of}{check.meaning}: {value_of(check)}; {kind}: {limit}"
+    return bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
 
 
 def summary(found: Outcome) -> str:
