@@ -10,7 +10,7 @@ from cli.options import Json, Map, example
 if TYPE_CHECKING:
     from rich.panel import Panel
 
-    from calib.check import Findings
+    from calib.checks.check import Findings
     from calib.errors import InputError
 
 EPILOG = example("brake-cal check sample_logs/sedan/*.csv")
@@ -25,7 +25,7 @@ def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
 
     Exit code 1 if a log is usable for nothing, 3 if one cannot be read.
     """
-    from calib.check import to_dict
+    from calib.checks.check import to_dict
     from calib.logs.channel_map import read_channel_map
     from cli.console import complain, emit, emit_json
 
@@ -47,8 +47,8 @@ def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
 
 def _look(logs: list[Path], mapping: Any) -> "tuple[list[Findings], list[tuple[Path, InputError]]]":
     """Check every log; one that cannot be read does not keep the others from being seen."""
-    from calib.check import check as look_at
-    from calib.copies import copies_of
+    from calib.checks.check import check as look_at
+    from calib.checks.computed_channels import computed_channels
     from calib.errors import InputError
     from calib.logs.read import open_log, read_log, read_opened
     from calib.logs.recordings import RECORDINGS
@@ -63,7 +63,7 @@ def _look(logs: list[Path], mapping: Any) -> "tuple[list[Findings], list[tuple[P
             else:
                 opened = open_log(path, mapping)
                 log = read_opened(opened, path, mapping, require=())
-                found.append(look_at(log, copies_of(log, opened.source)))
+                found.append(look_at(log, computed_channels(log, opened.source)))
         except InputError as error:
             errors.append((path, error))
     return found, errors
@@ -74,7 +74,7 @@ def _panel(findings: "Findings") -> "Panel":
     from rich.table import Table
     from rich.text import Text
 
-    from calib.check import facts
+    from calib.checks.check import facts
 
     grid = Table(box=None, show_header=False, pad_edge=False)
     grid.add_column(style="bold", no_wrap=True)

@@ -11,7 +11,7 @@ from cli.options import Json, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.demo import SectionFive, SectionFour, Story
+    from calib.demo.demo import SectionFive, SectionFour, Story
 
 EPILOG = example("brake-cal demo", "brake-cal demo --out somewhere")
 FOLDER = Path("brake-cal-demo")
@@ -26,8 +26,8 @@ def demo(
     At the end a car in which something is hidden: the gap, its name, the gap shrunk.
     Everything goes into one folder: the sample logs, the store, results and figures.
     """
-    from calib.demo import hidden_story, run, section_five, section_four
-    from calib.diagnose.document import to_dict
+    from calib.demo.demo import hidden_story, run, section_five, section_four
+    from calib.diagnosis.document import to_dict
 
     if out.exists() and not out.is_dir():
         raise typer.BadParameter(f"{out} is a file", param_hint="--out")
@@ -64,7 +64,7 @@ def demo(
 
 def _hidden(story: "Story") -> str:
     """The verdict, the gap, and what it is worth to the pads."""
-    from calib.diagnose import words
+    from calib.diagnosis import words
 
     pads = [
         f"{100 * a.spread_f:.1f} % front, {100 * a.spread_r:.1f} % rear"

@@ -10,7 +10,7 @@ from cli.console import emit, emit_json, say
 from cli.options import Json, Map, example
 
 if TYPE_CHECKING:
-    from calib.diagnose.diagnose import Diagnosis
+    from calib.diagnosis.diagnose import Diagnosis
 
 EPILOG = example(
     "brake-cal diagnose sample_logs/hidden/case_0/calibration/coast.parquet "
@@ -54,13 +54,13 @@ def diagnose(
     json: Json = False,
 ) -> None:
     """Find where simulation and measured runs disagree, name the missing effect and add it."""
-    from calib.diagnose.diagnose import diagnose as find
-    from calib.diagnose.document import text_of, to_dict
-    from calib.diagnose.folder import write_folder
+    from calib.diagnosis.diagnose import diagnose as find
+    from calib.diagnosis.document import text_of, to_dict
+    from calib.diagnosis.folder import write_folder
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
-    from calib.report import report_html
-    from calib.vehicle import read_vehicle
+    from calib.physics.vehicle import read_vehicle
+    from calib.reports.diagnosis import report_html
 
     kept = holdout or []
     _check_out([*logs, *kept, vehicle], kept, out)
@@ -85,7 +85,7 @@ def diagnose(
 
 def _check_out(inputs: list[Path], holdout: list[Path], out: Path) -> None:
     """Refuse before the search what could not be written after it."""
-    from calib.diagnose.folder import files_of
+    from calib.diagnosis.folder import files_of
     from calib.logs.tables import stem_of
 
     stems = [stem_of(path) for path in holdout]
@@ -104,7 +104,7 @@ def _check_out(inputs: list[Path], holdout: list[Path], out: Path) -> None:
 
 def _told(found: "Diagnosis") -> str:
     """The answer in sentences, as the report has them."""
-    from calib.diagnose import words
+    from calib.diagnosis import words
 
     lines = [words.verdict(found)]
     for effect in found.effects:

@@ -10,7 +10,7 @@ from cli.options import Json, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.effects.effect import Card, Parameter
+    from calib.physics.effects.effect import Card, Parameter
 
 EPILOG = example("brake-cal effects", "brake-cal effects hydraulic_lag")
 
@@ -22,7 +22,7 @@ def effects(
     json: Json = False,
 ) -> None:
     """List the effects that a model can have, or print the card of one."""
-    from calib.effects.catalogue import CATALOGUE
+    from calib.physics.effects.catalogue import CATALOGUE
 
     if name is not None and name not in CATALOGUE:
         from calib.toml import did_you_mean

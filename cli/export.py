@@ -9,10 +9,10 @@ from cli.console import emit, emit_json, say
 from cli.options import STORE, Json, Store, example
 
 if TYPE_CHECKING:
-    from calib.exports.dataset import Dataset
-    from calib.exports.formats import Order
-    from calib.exports.quality import Quality
-    from calib.version import Stored
+    from calib.table.exports.dataset import Dataset
+    from calib.table.exports.formats import Order
+    from calib.table.exports.quality import Quality
+    from calib.table.version import Stored
 
 EPILOG = example(
     "brake-cal tables export sedan-2up --format dcm --out sedan.dcm",
@@ -58,9 +58,9 @@ def export_table(
     form = _known(form)
     _check_usage(form, out, bits)
     from calib.errors import ExchangeError
-    from calib.exports.build import build
-    from calib.exports.formats import FORMATS, Order
-    from calib.store import load
+    from calib.table.exports.build import build
+    from calib.table.exports.formats import FORMATS, Order
+    from calib.table.store import load
 
     stored = load(table, store)
     if not force:
@@ -78,7 +78,7 @@ def export_table(
 
 
 def _known(form: str) -> str:
-    from calib.exports.formats import FORMATS, SPOKEN
+    from calib.table.exports.formats import FORMATS, SPOKEN
     from calib.toml import did_you_mean
 
     said = form.lower().replace("_", "-").lstrip(".")
@@ -100,7 +100,7 @@ def _refuse_foreign(out: Path, stored: "Stored") -> None:
 
 
 def _check_usage(form: str, out: Path, bits: int | None) -> None:
-    from calib.exports.formats import FIXED_POINT
+    from calib.table.exports.formats import FIXED_POINT
 
     if bits is not None and form not in FIXED_POINT:
         raise typer.BadParameter(f"only with {', '.join(FIXED_POINT)}", param_hint="--fixed-point")
@@ -111,7 +111,7 @@ def _check_usage(form: str, out: Path, bits: int | None) -> None:
 
 
 def _quality(path: Path | None, stored: "Stored") -> "Quality":
-    from calib.exports.quality import UNPROVED, read_quality
+    from calib.table.exports.quality import UNPROVED, read_quality
 
     return UNPROVED if path is None else read_quality(path, stored.id)
 
@@ -153,7 +153,7 @@ def _report(order: "Order", form: str, out: Path, content: bytes, json: bool) ->
             }
         )
         return
-    from calib.exports.dataset import placed
+    from calib.table.exports.dataset import placed
 
     for axis in data.axes:
         say(f"{axis.label}: {placed(axis)}")
@@ -177,6 +177,6 @@ def _axis(data: "Dataset", label: str) -> dict[str, object]:
 
 
 def _rounding(data: "Dataset", bits: int | None) -> list[dict[str, object]]:
-    from calib.exports.fixed_point import roundings
+    from calib.table.exports.fixed_point import roundings
 
     return [] if bits is None else [vars(r) for r in roundings(data, bits)]

@@ -9,7 +9,7 @@ from cli.console import emit, emit_json, say
 from cli.options import STORE, Json, KnownModel, Map, Store, example
 
 if TYPE_CHECKING:
-    from calib.version import Stored
+    from calib.table.version import Stored
 
 EPILOG = example(
     "brake-cal fit sample_logs/sedan/ramp_wet_asphalt.csv sample_logs/sedan/coast.csv "
@@ -32,12 +32,12 @@ def fit(
     or --model knows are taken out of the logs first. The table goes into the store
     as a new version; the same logs give the same version again.
     """
-    from calib.fit import fit as fit_table
+    from calib.fitting.fit import fit as fit_table
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
-    from calib.model import read_model, with_model
-    from calib.store import save
-    from calib.vehicle import read_vehicle
+    from calib.physics.model import read_model, with_model
+    from calib.physics.vehicle import read_vehicle
+    from calib.table.store import save
 
     car = read_vehicle(vehicle)
     mapping = read_channel_map(channel_map) if channel_map else None

@@ -9,7 +9,7 @@ from cli.console import emit, emit_json, progress, say
 from cli.options import Json, example
 
 if TYPE_CHECKING:
-    from calib.fleet_summary import Summary
+    from calib.fleet.summary import Summary
 
 SHOWN = 10
 """Outliers printed; fleet.json has all."""
@@ -49,9 +49,9 @@ def report(
     json: Json = False,
 ) -> None:
     """Show distributions, outliers, drift of the line and errors of a batch of logs."""
-    from calib.fleet_columns import open_fleet
-    from calib.fleet_report import document
-    from calib.fleet_summary import summarise
+    from calib.fleet.results_file import open_fleet
+    from calib.fleet.summary import summarise
+    from calib.reports.fleet import document
 
     if out is not None and out.exists() and not out.is_dir():
         raise typer.BadParameter(f"{out} is a file", param_hint="--out")
@@ -71,8 +71,8 @@ def _write(found: "Summary", results: Path, out: Path) -> None:
     import json
 
     from calib.files import printable, write_whole
-    from calib.fleet_report import document, report_html
     from calib.plots.fleet import picture_name
+    from calib.reports.fleet import document, report_html
     from cli.console import plain
 
     pictures = _pictures(found)
@@ -123,7 +123,7 @@ def _pictures(found: "Summary") -> dict[str, bytes]:
 
 
 def _report(found: "Summary") -> None:
-    from calib.fleet_report import described, headline
+    from calib.reports.fleet import described, headline
 
     emit(headline(found))
     emit(", ".join(f"{count} {name}" for name, count in found.status.items()))

@@ -8,7 +8,7 @@ import typer
 
 if TYPE_CHECKING:
     from calib.fleet.job import Job
-    from calib.limits import Limit
+    from calib.validation.limits import Limit
 
 
 class Command(StrEnum):
@@ -72,9 +72,9 @@ def job_of(
     _check_usage(command, out, table, vehicle, limits)
     from calib.fleet.job import Job
     from calib.logs.channel_map import read_channel_map
-    from calib.store import load
-    from calib.validate import require_same_vehicle
-    from calib.vehicle import read_vehicle
+    from calib.physics.vehicle import read_vehicle
+    from calib.table.store import load
+    from calib.validation.validate import require_same_vehicle
 
     known = load(table, store).table if table else None
     car = read_vehicle(vehicle) if vehicle else None
@@ -92,13 +92,13 @@ def job_of(
 def limits_of_stops(path: Path | None) -> "tuple[Limit, ...]":
     """The limits of a file that hold for single stops; by default where there is no file."""
     from calib.errors import LimitsError
-    from calib.limits import DEFAULTS, read_limits
-    from calib.scores import FIGURES
-    from calib.station.figures import FIGURES as OF_CAR
+    from calib.station.metrics import METRICS as OF_CAR
+    from calib.validation.limits import DEFAULTS, read_limits
+    from calib.validation.metrics import METRICS
 
     if path is None:
         return DEFAULTS
-    limits = tuple(x for x in read_limits(path, {*FIGURES, *OF_CAR}) if x.figure in FIGURES)
+    limits = tuple(x for x in read_limits(path, {*METRICS, *OF_CAR}) if x.figure in METRICS)
     if not limits:
         raise LimitsError(
             "no limit for a stop", where=path, do="judge the car with `brake-cal station`"

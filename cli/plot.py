@@ -98,11 +98,11 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import FORMATS, REQUIRED, read_log
     from calib.logs.tables import ending_of
+    from calib.physics.vehicle import read_vehicle
     from calib.plots.choose import Given
     from calib.plots.result import is_result, read_result
-    from calib.store import load
-    from calib.vehicle import read_vehicle
-    from calib.version import RECORD
+    from calib.table.store import load
+    from calib.table.version import RECORD
 
     files = [Path(w) for w in what]
     results = [p for p in files if is_result(p)]

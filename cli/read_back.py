@@ -11,8 +11,8 @@ from cli.options import STORE, Json, Store, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.exports.returned import Returned
-    from calib.version import Stored
+    from calib.table.exports.returned import Returned
+    from calib.table.version import Stored
 
 EPILOG = example("brake-cal tables import sedan.dcm")
 
@@ -27,7 +27,7 @@ def import_table(
     Nothing is stored: such a file holds the curves of a table, not what they rest on. Exit code 3
     if it is cut off or damaged, 4 if it is not what its checksum or its digest promises.
     """
-    from calib.exports.read import differences, parent, read_back, refuse
+    from calib.table.exports.read import differences, parent, read_back, refuse
 
     found = read_back(file)
     stored = parent(found, store)

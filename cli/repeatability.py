@@ -11,10 +11,10 @@ from cli.options import Json, Map, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
+    from calib.gauge.plan import Place
+    from calib.gauge.study import GaugeReading, GaugeResult, GaugeStudy
     from calib.logs.channel_map import ChannelMap
-    from calib.plan import Place
-    from calib.repeatability import Reading, Result, Study
-    from calib.vehicle import Vehicle
+    from calib.physics.vehicle import Vehicle
 
 EPILOG = example(
     "brake-cal repeatability --plan plan.csv --vehicle car.toml --out gauge",
@@ -60,9 +60,9 @@ def repeatability(
     Every ramp is fitted by itself; analysis of variance then parts the scatter of each figure into
     repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
     """
-    from calib.limits import read_limits
+    from calib.gauge.study import DEFAULTS, QUANTITIES, known_limits, study
     from calib.logs.channel_map import read_channel_map
-    from calib.repeatability import DEFAULTS, QUANTITIES, known_limits, study
+    from calib.validation.limits import read_limits
 
     _check_names(quantity or [], list(QUANTITIES))
     _check_out(out)
@@ -97,8 +97,8 @@ def _check_out(out: Path | None) -> None:
 
 
 def _places(logs: list[Path], plan: Path | None, folders: str | None) -> "tuple[Place, ...]":
+    from calib.gauge.plan import LAYOUTS, certain_layout, chosen, places_from_folders, read_plan
     from calib.logs.read import refuse_no_log
-    from calib.plan import LAYOUTS, certain_layout, chosen, places_from_folders, read_plan
 
     if plan is not None and folders is not None:
         raise typer.BadParameter("not together with --plan", param_hint="--folders")
@@ -124,25 +124,27 @@ def _readings(
     mapping: "ChannelMap | None",
     reference: float,
     names: list[str],
-) -> "tuple[Reading, ...]":
-    from calib.fit import fit
+) -> "tuple[GaugeReading, ...]":
+    from calib.fitting.fit import fit
+    from calib.gauge.study import GaugeReading, metrics_of
     from calib.logs.read import read_log
-    from calib.repeatability import Reading, figures_of
 
     cars = _vehicles(places, vehicle)
     readings = []
     with progress(f"fitting {len(places)} ramps one by one", len(places)) as done:
         for place in places:
             log = read_log(place.log, mapping)
-            figures = figures_of(fit(cars[place.vehicle or vehicle], [log]), log, reference)
+            figures = metrics_of(fit(cars[place.vehicle or vehicle], [log]), log, reference)
             kept = {name: figures[name] for name in names}
-            readings.append(Reading(str(place.log), place.car, place.station, kept, log.digest))
+            readings.append(
+                GaugeReading(str(place.log), place.car, place.station, kept, log.digest)
+            )
             done()
     return tuple(readings)
 
 
 def _vehicles(places: "tuple[Place, ...]", vehicle: Path | None) -> "dict[Path | None, Vehicle]":
-    from calib.vehicle import read_vehicle
+    from calib.physics.vehicle import read_vehicle
 
     files = {place.vehicle or vehicle for place in places}
     if None in files:
@@ -152,7 +154,7 @@ def _vehicles(places: "tuple[Place, ...]", vehicle: Path | None) -> "dict[Path |
     return {file: read_vehicle(file) for file in files if file is not None}
 
 
-def _document(found: "Study") -> dict[str, object]:
+def _document(found: "GaugeStudy") -> dict[str, object]:
     return {
         "schema": 1,
         "passed": found.passed,
@@ -165,7 +167,7 @@ def _document(found: "Study") -> dict[str, object]:
     }
 
 
-def _entry(result: "Result") -> dict[str, object]:
+def _entry(result: "GaugeResult") -> dict[str, object]:
     told: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": result.judgements}
     if result.analysis is None or result.gauge is None:
         return told | {"components": None, "grr": None, "ndc": None}
@@ -186,7 +188,7 @@ def _entry(result: "Result") -> dict[str, object]:
     }
 
 
-def _write(found: "Study", document: dict[str, object], out: Path) -> None:
+def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
     import json
 
     from calib.files import write_whole
@@ -210,7 +212,7 @@ def _write(found: "Study", document: dict[str, object], out: Path) -> None:
     say(f"wrote {out}: {', '.join(contents)}")
 
 
-def _report(found: "Study") -> None:
+def _report(found: "GaugeStudy") -> None:
     emit(_grid(found))
     for result in found.results:
         if result.gauge and result.gauge.negative:
@@ -223,7 +225,7 @@ def _report(found: "Study") -> None:
         emit(f"note: {note}")
 
 
-def _grid(found: "Study") -> "Grid":
+def _grid(found: "GaugeStudy") -> "Grid":
     from rich.table import Table
 
     grid = Table(box=None, header_style="bold", pad_edge=False)
@@ -236,7 +238,7 @@ def _grid(found: "Study") -> "Grid":
     return grid
 
 
-def _cells(result: "Result") -> tuple[str, ...]:
+def _cells(result: "GaugeResult") -> tuple[str, ...]:
     if result.gauge is None:
         return ("none",) * 6
     g = result.gauge

@@ -10,7 +10,7 @@ from cli.options import Json, Map, example
 
 if TYPE_CHECKING:
     from calib.logs.log import Log
-    from calib.model import Model
+    from calib.physics.model import Model
 
 EPILOG = example(
     "brake-cal simulate --manoeuvre ramp --vehicle sample_logs/sedan/vehicle.toml --out ramp.csv",
@@ -58,9 +58,9 @@ def simulate(
     _check_usage(log, manoeuvre, {"--speed": speed, "--pressure": pressure, "--rate": rate}, out)
     if channel_map is not None and log is None:
         raise typer.BadParameter("only with a LOG; a manoeuvre has none", param_hint="--map")
-    from calib.model import default_model, read_model
-    from calib.noise import add_noise
-    from calib.vehicle import read_vehicle
+    from calib.physics.model import default_model, read_model
+    from calib.physics.vehicle import read_vehicle
+    from calib.simulation.sensor_noise import add_noise
 
     car = read_vehicle(vehicle)
     driven = read_model(model, car) if model else default_model(car)
@@ -82,7 +82,7 @@ def simulate(
 def _check_usage(
     log: Path | None, manoeuvre: str | None, driving: dict[str, object], out: Path
 ) -> None:
-    from calib.manoeuvre import NAMES
+    from calib.simulation.manoeuvre import NAMES
 
     if (log is None) == (manoeuvre is None):
         raise typer.BadParameter("give either a LOG or --manoeuvre", param_hint="LOG")
@@ -101,7 +101,7 @@ def _check_usage(
 
 def _replay(model: "Model", path: Path, channel_map: Path | None) -> "Log":
     from calib.logs.read import read_log
-    from calib.replay import replay
+    from calib.simulation.replay import replay
 
     say(f"replaying the pressure of {path} with {model.vehicle.name}")
     return replay(model, read_log(path, channel_map, require=("time", "p_mc")))
@@ -111,8 +111,8 @@ def _drive(
     model: "Model", name: str, speed: str | None, pressure: str | None, rate: float
 ) -> "Log":
     from calib.errors import ModelError
-    from calib.manoeuvre import manoeuvre
-    from calib.simulate import simulate
+    from calib.simulation.manoeuvre import manoeuvre
+    from calib.simulation.simulate import simulate
 
     v0 = _quantity(speed or SPEED, "m/s", "--speed")
     p = None if pressure is None else _quantity(pressure, "Pa", "--pressure")

@@ -11,10 +11,10 @@ from cli.options import STORE, Json, Map, Store, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.limits import Limit
     from calib.station.identity import Identity
-    from calib.station.station import Outcome
-    from calib.version import Stored
+    from calib.station.station import StationOutcome
+    from calib.table.version import Stored
+    from calib.validation.limits import Limit
 
 EPILOG = example(
     "brake-cal limits init --out line.toml",
@@ -73,16 +73,16 @@ def station(
     with 3, and nothing is stored. The same command gives the same bytes again and no new version.
     """
     from calib.files import workshop
-    from calib.fit import refuse_twice
+    from calib.fitting.fit import refuse_twice
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
-    from calib.station.figures import Car
+    from calib.physics.vehicle import read_vehicle
     from calib.station.folder import publish
+    from calib.station.metrics import Car
     from calib.station.station import outcome, table_of, validated
     from calib.station.write import store_and_write
-    from calib.store import load
-    from calib.validate import require_same_vehicle
-    from calib.vehicle import read_vehicle
+    from calib.table.store import load
+    from calib.validation.validate import require_same_vehicle
 
     forms, count = exports or [], 1 + len(ramps or [])
     for_fit = [ramp, *(ramps or []), *(coasts or [])]
@@ -194,15 +194,15 @@ def _check_out(inputs: list[Path], holdouts: list[Path], forms: list[str], out: 
 
 
 def _limits(path: Path | None) -> "tuple[Limit, ...]":
-    from calib.limits import read_limits
-    from calib.scores import FIGURES as OF_STOPS
     from calib.station.advice import LIMITS
-    from calib.station.figures import FIGURES as OF_CAR
+    from calib.station.metrics import METRICS as OF_CAR
+    from calib.validation.limits import read_limits
+    from calib.validation.metrics import METRICS as OF_STOPS
 
     return read_limits(path, {*OF_STOPS, *OF_CAR}) if path else LIMITS
 
 
-def _report(found: "Outcome", stored: "Stored", forms: list[str]) -> None:
+def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None:
     from calib.station.advice import action
     from calib.station.words import HEADINGS, sentence, summary
 
@@ -214,7 +214,7 @@ def _report(found: "Outcome", stored: "Stored", forms: list[str]) -> None:
     emit(f"{HEADINGS[found.verdict]}: {stored.id}, {summary(found)}")
 
 
-def _grid(found: "Outcome") -> "Grid":
+def _grid(found: "StationOutcome") -> "Grid":
     from rich.table import Table
 
     from calib.station.words import bounds, value_of

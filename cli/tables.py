@@ -14,9 +14,9 @@ from cli.options import STORE, Json, Store, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.difference import Difference
-    from calib.table import Table, Value
-    from calib.version import Stored
+    from calib.table.compare import Difference
+    from calib.table.table import Table, Value
+    from calib.table.version import Stored
 
 DAMAGED = 4
 """Exit code of a damaged store, as `StoreError` has it."""
@@ -40,7 +40,7 @@ def tables() -> None:
 @app.command("list", epilog=example("brake-cal tables list"))
 def list_tables(store: Store = STORE, json: Json = False) -> None:
     """List every version of every table."""
-    from calib.store import listing
+    from calib.table.store import listing
 
     entries = listing(store)
     if json:
@@ -57,7 +57,7 @@ def list_tables(store: Store = STORE, json: Json = False) -> None:
 @app.command(epilog=example("brake-cal tables show sedan-2up"))
 def show(table: Reference, store: Store = STORE, json: Json = False) -> None:
     """Print what a table rests on, how good it is, and its curves."""
-    from calib.store import load
+    from calib.table.store import load
 
     stored = load(table, store)
     if json:
@@ -77,8 +77,8 @@ def diff(
     json: Json = False,
 ) -> None:
     """Compare two tables: their curves where both are defined, and their records."""
-    from calib.difference import diff as compare
-    from calib.store import load
+    from calib.table.compare import diff as compare
+    from calib.table.store import load
 
     first, second = load(a, store), load(b, store)
     difference = compare(first.table, second.table)
@@ -98,17 +98,17 @@ def verify(
     json: Json = False,
 ) -> None:
     """Recompute digests and invariants of every version; exit code 4 when one is damaged."""
-    from calib.store import verify as verdicts_of
+    from calib.table.store import verify as verdicts_of
 
     verdicts = verdicts_of(store, name)
     sound = all(v.sound for v in verdicts)
     if json:
-        rows = [{"id": v.id, "sound": v.sound, "flaws": v.flaws} for v in verdicts]
+        rows = [{"id": v.id, "sound": v.sound, "violations": v.violations} for v in verdicts]
         emit_json({"store": store, "sound": sound, "versions": rows})
     else:
         grid = _grid("table", "verdict")
         for verdict in verdicts:
-            grid.add_row(verdict.id, "\n".join(verdict.flaws) or "sound")
+            grid.add_row(verdict.id, "\n".join(verdict.violations) or "sound")
         emit(grid if verdicts else f"{store} holds no table")
     if not sound:
         raise typer.Exit(DAMAGED)
@@ -176,7 +176,7 @@ def _interval(value: "Value") -> str:
 
 def _unit(effect: str, parameter: str) -> str:
     """Unit on the effect's card; an effect of another catalogue is in SI all the same."""
-    from calib.effects.catalogue import CATALOGUE
+    from calib.physics.effects.catalogue import CATALOGUE
 
     card = CATALOGUE[effect].card if effect in CATALOGUE else None
     units = {p.name: p.unit for p in card.parameters} if card else {}

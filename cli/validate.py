@@ -12,8 +12,8 @@ from cli.options import STORE, Json, KnownModel, Map, Store, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.table import Table
-    from calib.validate import Validation
+    from calib.table.table import Table
+    from calib.validation.validate import Validation
 
 EPILOG = example(
     "brake-cal validate sedan-2up sample_logs/sedan/basalt_wet_pads.csv --out results",
@@ -47,9 +47,9 @@ def validate(
     """
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
-    from calib.store import load
-    from calib.validate import require_same_vehicle, to_dict, validate_one
-    from calib.vehicle import read_vehicle
+    from calib.physics.vehicle import read_vehicle
+    from calib.table.store import load
+    from calib.validation.validate import require_same_vehicle, to_dict, validate_one
 
     _check_out(logs, out)
     stored = load(table, store)
@@ -79,7 +79,7 @@ def _with_known(table: "Table", path: Path) -> "Table":
     """The table with the effects of a model known beside its own; its pads stay the table's."""
     from dataclasses import replace
 
-    from calib.model import read_model, with_effects
+    from calib.physics.model import read_model, with_effects
 
     model = read_model(path, table.vehicle)
     car = with_effects(table.vehicle, model)
@@ -106,7 +106,7 @@ def _check_out(logs: list[Path], out: Path | None) -> None:
 
 
 def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -> None:
-    from calib.results import write_results
+    from calib.validation.results import write_results
 
     try:
         paths = write_results(results, summary, out)
@@ -119,7 +119,7 @@ def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -
 
 
 def _report(results: "list[Validation]") -> None:
-    from calib.validate import agreement
+    from calib.validation.validate import agreement
 
     emit(_grid(results))
     for result in results:

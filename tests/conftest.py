@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from calib.store import save
-from calib.table import Table
-from calib.version import Stored
+from calib.table.store import save
+from calib.table.table import Table
+from calib.table.version import Stored
 from cli.main import main
-from tests.tables_made import made_table
+from tests.support.tables import made_table
 
 # The first example of a test imports what it needs, on any machine: no deadline is fair.
 settings.register_profile("brake-cal", deadline=None)

@@ -55,7 +55,7 @@ HEAVY = {
 
 
 def noun(module: str) -> str:
-    """`store` of calib.store, `logs` of calib.logs.csv."""
+    """`store` of calib.table.store, `logs` of calib.logs.text.csv."""
     return module.split(".")[1]
 
 

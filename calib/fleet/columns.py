@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 
-from calib.scores import FIGURES
+from calib.validation.metrics import METRICS
 
 COMMANDS = ("fit", "validate", "check", "diagnose")
 
 
 @dataclass(frozen=True)
-class Column:
+class ResultColumn:
     """One column: its name, ``kind`` ("float", "bool" or "text"), unit and meaning."""
 
     name: str
@@ -18,16 +18,16 @@ class Column:
 
 
 HEAD = (
-    Column("log", "text", "1", "path as given"),
-    Column("digest", "text", "1", "SHA-256 of the log; null if it cannot be read"),
-    Column("status", "text", "1", "passed, failed, done or error"),
-    Column("error", "text", "1", "what was wrong; null if nothing was"),
+    ResultColumn("log", "text", "1", "path as given"),
+    ResultColumn("digest", "text", "1", "SHA-256 of the log; null if it cannot be read"),
+    ResultColumn("status", "text", "1", "passed, failed, done or error"),
+    ResultColumn("error", "text", "1", "what was wrong; null if nothing was"),
 )
 """The first columns, of every command."""
 
 
-def _float(name: str, unit: str, meaning: str) -> Column:
-    return Column(name, "float", unit, meaning)
+def _float(name: str, unit: str, meaning: str) -> ResultColumn:
+    return ResultColumn(name, "float", unit, meaning)
 
 
 FIT = (
@@ -46,18 +46,18 @@ FIT = (
     _float("residual_slip_rms_sigma", "1", "the same of the slip; 0 without v"),
     _float("outliers", "1", "blocks of eta past four sigma"),
     _float("pad_ratio_nominal_weight", "1", "weight that the pads have the vehicle file's ratio"),
-    Column("table_digest", "text", "1", "digest of the table"),
+    ResultColumn("table_digest", "text", "1", "digest of the table"),
 )
 
 VALIDATE = (
-    *(_float(name, "1", meaning) for name, meaning in FIGURES.items()),
-    Column("not_held", "text", "1", "figures that break a limit; null if none does"),
+    *(_float(name, "1", meaning) for name, meaning in METRICS.items()),
+    ResultColumn("not_held", "text", "1", "figures that break a limit; null if none does"),
 )
 
 CHECK = (
-    Column("usable_fit", "bool", "1", "usable for fit"),
-    Column("usable_validate", "bool", "1", "usable for validate"),
-    Column("usable_diagnose", "bool", "1", "usable for diagnose"),
+    ResultColumn("usable_fit", "bool", "1", "usable for fit"),
+    ResultColumn("usable_validate", "bool", "1", "usable for validate"),
+    ResultColumn("usable_diagnose", "bool", "1", "usable for diagnose"),
     _float("samples", "1", "samples"),
     _float("duration", "s", "duration"),
     _float("rate", "Hz", "rate of the median step"),
@@ -74,14 +74,14 @@ CHECK = (
 )
 
 DIAGNOSE = (
-    Column("verdict", "text", "1", "no_gap, named, ambiguous or unknown"),
-    Column("effects", "text", "1", "named effects, joined by +"),
+    ResultColumn("verdict", "text", "1", "no_gap, named, ambiguous or unknown"),
+    ResultColumn("effects", "text", "1", "named effects, joined by +"),
     _float("gap_before", "1", "gap on the hold-outs, no effect added"),
     _float("gap_after", "1", "gap on the hold-outs, with the named effects"),
     _float("gap_closed", "1", "share of the gap that is closed"),
 )
 
-COLUMNS: dict[str, tuple[Column, ...]] = {
+COLUMNS: dict[str, tuple[ResultColumn, ...]] = {
     "fit": FIT,
     "validate": VALIDATE,
     "check": CHECK,

@@ -6,11 +6,11 @@ import pickle
 from dataclasses import asdict, dataclass
 
 from calib import __version__
-from calib.limits import Limit
 from calib.logs.channel_map import ChannelMap
 from calib.logs.read import log_bytes
-from calib.table import Table
-from calib.vehicle import Vehicle
+from calib.physics.vehicle import Vehicle
+from calib.table.table import Table
+from calib.validation.limits import Limit
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ NAME = "journal.jsonl"
 SCHEMA = 1
 
 
-class Entry(NamedTuple):
+class JournalEntry(NamedTuple):
     """Where a row lies in the journal, and what must be known of it without reading it."""
 
     offset: int
@@ -34,7 +34,7 @@ class Entry(NamedTuple):
 class Journal:
     """The journal of a folder, open for one run at a time."""
 
-    def __init__(self, file: BinaryIO, entries: dict[str, Entry]):
+    def __init__(self, file: BinaryIO, entries: dict[str, JournalEntry]):
         self._file, self.entries = file, entries
 
     def add(self, rows: list[Row]) -> None:
@@ -42,7 +42,7 @@ class Journal:
         for row in rows:
             offset = self._file.tell()
             self._file.write(to_line(row))
-            self.entries[row.log] = Entry(offset, row.digest, row.status, row.lost)
+            self.entries[row.log] = JournalEntry(offset, row.digest, row.status, row.lost)
         self._file.flush()
 
     def sync(self) -> None:
@@ -83,7 +83,7 @@ def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) ->
         if head != ours and ours.startswith(head):  # new, or its very first line was cut off
             file.truncate(0)
             file.write(ours)
-            entries: dict[str, Entry] = {}
+            entries: dict[str, JournalEntry] = {}
         else:
             _require_same(head, settings, path)
             entries = _read(file, path)
@@ -95,9 +95,9 @@ def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) ->
     return journal
 
 
-def _read(file: BinaryIO, path: Path) -> dict[str, Entry]:
+def _read(file: BinaryIO, path: Path) -> dict[str, JournalEntry]:
     """Entries by log; cuts off a torn last line."""
-    entries: dict[str, Entry] = {}
+    entries: dict[str, JournalEntry] = {}
     offset = file.tell()
     for line in file:
         try:
@@ -110,7 +110,7 @@ def _read(file: BinaryIO, path: Path) -> dict[str, Entry]:
                     do="start anew with --fresh",
                 ) from cause
             break
-        entries[row.log] = Entry(offset, row.digest, row.status, row.lost)
+        entries[row.log] = JournalEntry(offset, row.digest, row.status, row.lost)
         offset += len(line)
     file.truncate(offset)
     file.seek(offset)

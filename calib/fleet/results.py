@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from calib.fleet.columns import COLUMNS, HEAD, Column
+from calib.fleet.columns import COLUMNS, HEAD, ResultColumn
 from calib.fleet.row import Row
 
 NAME = "results.parquet"
@@ -38,7 +38,7 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
     return path
 
 
-def _schema(columns: tuple[Column, ...], settings: dict[str, str]) -> Any:
+def _schema(columns: tuple[ResultColumn, ...], settings: dict[str, str]) -> Any:
     import pyarrow as pa
 
     kinds = {"float": pa.float64(), "bool": pa.bool_(), "text": pa.string()}
@@ -49,7 +49,7 @@ def _schema(columns: tuple[Column, ...], settings: dict[str, str]) -> Any:
     return pa.schema(fields, metadata={f"brake_cal.{k}": v for k, v in settings.items()})
 
 
-def _table(rows: list[Row], columns: tuple[Column, ...], schema: Any) -> Any:
+def _table(rows: list[Row], columns: tuple[ResultColumn, ...], schema: Any) -> Any:
     import pyarrow as pa
 
     none = (None,) * (len(columns) - len(HEAD))

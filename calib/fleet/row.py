@@ -4,7 +4,7 @@ import json
 import math
 from dataclasses import dataclass
 
-from calib.fleet_columns import STATUSES
+from calib.fleet.results_file import STATUSES
 
 Cell = float | bool | str | None
 

@@ -20,9 +20,9 @@ from calib.fleet.journal import Journal, open_journal
 from calib.fleet.pace import Pace
 from calib.fleet.pool import Executor, Rows
 from calib.fleet.results import write_results
+from calib.fleet.results_file import STATUSES
 from calib.fleet.row import Row
 from calib.fleet.work import Item
-from calib.fleet_columns import STATUSES
 
 CHUNK = {"fit": 2, "validate": 8, "check": 8, "diagnose": 1}
 """Most logs in one hand-over: enough that handing over costs nothing beside 10 ms a log."""

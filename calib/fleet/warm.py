@@ -12,10 +12,10 @@ for name in (
     "scipy.optimize",
     "scipy.signal",
     "scipy.special",
-    "calib.check",
-    "calib.diagnose.diagnose",
-    "calib.fit",
+    "calib.checks.check",
+    "calib.diagnosis.diagnose",
+    "calib.fitting.fit",
     "calib.fleet.work",
-    "calib.validate",
+    "calib.validation.validate",
 ):
     import_module(name)

@@ -110,19 +110,19 @@ def _log(job: Job, item: Item, files: Files, require: tuple[str, ...] = REQUIRED
 
 
 def _validate(job: Job, item: Item, files: Files) -> Answer:
-    from calib.scores import FIGURES
-    from calib.validate import validate_one
+    from calib.validation.metrics import METRICS
+    from calib.validation.validate import validate_one
 
     assert job.table is not None
     log = _log(job, item, files)
-    found = validate_one(job.table, log, job.vehicle, job.limits, rivals=False)
+    found = validate_one(job.table, log, job.vehicle, job.limits, baselines=False)
     broken = ", ".join(j.figure for j in found.judgements if j.passed is False)
-    cells = (*(number(found.figures[name]) for name in FIGURES), broken or None)
+    cells = (*(number(found.figures[name]) for name in METRICS), broken or None)
     return ("passed" if found.passed else "failed"), cells
 
 
 def _fit(job: Job, item: Item, files: Files) -> Answer:
-    from calib.fit import fit
+    from calib.fitting.fit import fit
 
     assert job.vehicle is not None
     table = fit(job.vehicle, [_log(job, item, files)])
@@ -134,7 +134,7 @@ def _fit(job: Job, item: Item, files: Files) -> Answer:
 
 
 def _check(job: Job, item: Item, files: Files) -> Answer:
-    from calib.check import check
+    from calib.checks.check import check
 
     found = check(_log(job, item, files, require=()))
     seen, clock = found.seen, found.seen.clock
@@ -160,8 +160,8 @@ def _check(job: Job, item: Item, files: Files) -> Answer:
 
 
 def _diagnose(job: Job, item: Item, files: Files) -> Answer:
-    from calib.diagnose.diagnose import diagnose
-    from calib.vehicle import read_vehicle
+    from calib.diagnosis.diagnose import diagnose
+    from calib.physics.vehicle import read_vehicle
 
     vehicle = read_vehicle(Path(item.path) / VEHICLE)
     sides: dict[str, list[Log]] = {CALIBRATION: [], HOLDOUT: []}

@@ -24,8 +24,8 @@ from pathlib import Path
 from typing import Any
 
 from calib.errors import ChannelMapError
-from calib.logs.dialect import LOOKED, SEPARATORS, TextFormat
 from calib.logs.source import Array
+from calib.logs.text.dialect import LOOKED, SEPARATORS, TextFormat
 from calib.names import CHANNELS
 from calib.toml import check_keys, quantity, read_toml
 from calib.units import UnknownUnit, to_si, unit_of

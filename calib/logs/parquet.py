@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from calib.errors import LogError
-from calib.logs.header import column_from_cell
-from calib.logs.source import Array, Column, Source
+from calib.logs.source import Array, Column, ColumnSource
+from calib.logs.text.header import column_from_cell
 
 if TYPE_CHECKING:
     import pyarrow
@@ -20,7 +20,7 @@ MDF_CLOCK = "timestamps"
 """The index of a table that asammdf exports: seconds, as the clock of an MDF file always is."""
 
 
-def open_parquet(data: bytes, where: str, told: object = None) -> Source:
+def open_parquet(data: bytes, where: str, told: object = None) -> ColumnSource:
     """Open a Parquet file.
 
     A field without the metadata may name its unit as a CSV header does, ``p_mc [bar]``; that is
@@ -58,7 +58,7 @@ def open_parquet(data: bytes, where: str, told: object = None) -> Source:
             raise LogError(f"damaged: {cause}", where=where, do="copy the log again") from cause
         return [_numbers(table.column(i), f"{where}: {columns[i].name}") for i in indices]
 
-    return Source(columns, read)
+    return ColumnSource(columns, read)
 
 
 def _pandas(metadata: dict[bytes, bytes] | None) -> dict[str, Any]:

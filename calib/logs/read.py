@@ -7,13 +7,13 @@ from pathlib import Path
 from calib.errors import ChannelMapError, LogError
 from calib.logs.assign import TRUTH, Assigned, assign
 from calib.logs.channel_map import ChannelMap, read_channel_map
-from calib.logs.dialect import LOOKED
 from calib.logs.log import Array, Log, Origin
-from calib.logs.recording import Trace
+from calib.logs.recording import ChannelTrace
 from calib.logs.recordings import RECORDINGS, as_source
 from calib.logs.resample import Wanted, on_one_clock
-from calib.logs.source import Source
+from calib.logs.source import ColumnSource
 from calib.logs.tables import TABLES, ending_of, stem_of
+from calib.logs.text.dialect import LOOKED
 from calib.logs.verify import check_clock, complete_channels
 from calib.names import CHANNELS
 
@@ -28,7 +28,7 @@ FORMATS = (*TABLES, *RECORDINGS)
 class Opened:
     """A log that was opened, and the SHA-256 of its bytes."""
 
-    source: Source
+    source: ColumnSource
     digest: str
 
 
@@ -81,7 +81,7 @@ def read_log(
 
     Raises LogError for whatever makes the file no log: see `calib.logs.verify` and
     `calib.logs.assign`; ChannelMapError for a map that does not fit. It does not judge what was
-    driven: that is `calib.check`.
+    driven: that is `calib.checks.check`.
     """
     path = Path(path)
     refuse_no_log(path)
@@ -207,7 +207,7 @@ def _own_clock(clock: Assigned, channel_map: ChannelMap | None) -> ChannelMapErr
     )
 
 
-def _wanted(item: Assigned, trace: Trace) -> Wanted:
+def _wanted(item: Assigned, trace: ChannelTrace) -> Wanted:
     method = item.mapping.method
     return Wanted(item.channel, trace, trace.state if method is None else method == "hold")
 

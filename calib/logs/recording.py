@@ -10,7 +10,7 @@ TIME = Column("time", "s")
 
 
 @dataclass(frozen=True)
-class Trace:
+class ChannelTrace:
     """One channel as it was recorded.
 
     ``clock`` says in words on what it was sampled; traces of equal ``clock`` share ``time``.
@@ -37,7 +37,7 @@ class Recording:
     """
 
     columns: tuple[Column, ...]
-    read: Callable[[Sequence[int]], list[Trace]]
+    read: Callable[[Sequence[int]], list[ChannelTrace]]
     notes: tuple[str, ...] = ()
     close: Callable[[], None] = _nothing
 

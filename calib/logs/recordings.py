@@ -5,13 +5,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from calib.errors import LogError
-from calib.logs.asc import open_asc
-from calib.logs.blf import open_blf
-from calib.logs.candump import open_candump
-from calib.logs.mdf import open_mdf
+from calib.logs.bus.asc import open_asc
+from calib.logs.bus.blf import open_blf
+from calib.logs.bus.candump import open_candump
+from calib.logs.mdf.mdf import open_mdf
 from calib.logs.recording import Recording
 from calib.logs.resample import Wanted, on_one_clock
-from calib.logs.source import Array, Source
+from calib.logs.source import Array, ColumnSource
 
 RECORDINGS: dict[str, Callable[[Path, tuple[Path, ...]], Recording]] = {
     ".mf4": open_mdf,
@@ -24,7 +24,7 @@ RECORDINGS: dict[str, Callable[[Path, tuple[Path, ...]], Recording]] = {
 """One opener per file ending; each takes the path and the DBC files of the channel map."""
 
 
-def as_source(opened: Recording, where: str) -> Source:
+def as_source(opened: Recording, where: str) -> ColumnSource:
     """All channels of a recording on one clock, as a table has them; the recording is closed.
 
     For looking at a file before it is known what its channels are. Columns without numbers are
@@ -47,7 +47,7 @@ def as_source(opened: Recording, where: str) -> Source:
                 raise LogError("holds no numbers", where=f"{where}: {_name(opened, index)}")
         return [arrays[index] for index in indices]
 
-    return Source(opened.columns, read, opened.notes + resampled.notes)
+    return ColumnSource(opened.columns, read, opened.notes + resampled.notes)
 
 
 def _name(opened: Recording, index: int) -> str:

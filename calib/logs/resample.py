@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import LogError
-from calib.logs.recording import Trace
+from calib.logs.recording import ChannelTrace
 from calib.logs.running import running
 from calib.logs.source import Array
 from calib.names import CHANNELS
@@ -39,7 +39,7 @@ class Wanted:
     """A channel to bring onto the clock: its canonical name, its trace, and the way to do it."""
 
     name: str
-    trace: Trace
+    trace: ChannelTrace
     hold: bool
 
     @property
@@ -103,18 +103,18 @@ def _clean(wanted: Sequence[Wanted], where: str) -> tuple[list[Wanted], list[str
     return cleaned, list(dict.fromkeys(notes))
 
 
-def _ordered(trace: Trace, time: Array) -> Trace:
+def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
     """Ascending times, of equal ones the last that was written; only valid values."""
     valid = ~np.isnan(trace.values)
     if np.all(np.diff(time) > 0) and valid.all():
-        return Trace(trace.clock, time, trace.values, trace.state)
+        return ChannelTrace(trace.clock, time, trace.values, trace.state)
     order = np.argsort(time[valid], kind="stable")
     t, x = time[valid][order], trace.values[valid][order]
     last = np.append(np.diff(t) > 0, True) if t.size else np.zeros(0, bool)
-    return Trace(trace.clock, t[last], x[last], trace.state)
+    return ChannelTrace(trace.clock, t[last], x[last], trace.state)
 
 
-def _lost(w: Wanted, trace: Trace) -> list[str]:
+def _lost(w: Wanted, trace: ChannelTrace) -> list[str]:
     invalid = int(np.count_nonzero(np.isnan(w.trace.values)))
     twice = w.trace.time.size - invalid - trace.time.size
     notes = [f"{w.name}: {invalid} samples are marked invalid and were left out"] if invalid else []

@@ -23,7 +23,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Source:
+class ColumnSource:
     """A log file that was opened.
 
     ``columns`` in file order; ``read`` takes indices into them and returns one array each, as

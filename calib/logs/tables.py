@@ -4,13 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from calib.files import printable
-from calib.logs.csv import open_csv
-from calib.logs.dialect import TextFormat
 from calib.logs.parquet import open_parquet
-from calib.logs.source import Source
-from calib.logs.vbo import open_vbo
+from calib.logs.source import ColumnSource
+from calib.logs.text.csv import open_csv
+from calib.logs.text.dialect import TextFormat
+from calib.logs.text.vbo import open_vbo
 
-TABLES: dict[str, Callable[[bytes, str, TextFormat], Source]] = {
+TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {
     ".csv": open_csv,
     ".csv.gz": open_csv,
     ".tsv": open_csv,

@@ -9,16 +9,16 @@ a log, a result             itself
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from calib.estimator import estimate
+from calib.estimation.estimator import estimate
 from calib.logs.log import Log
+from calib.physics.vehicle import Vehicle
 from calib.plots import compare, log, simulation, stop, table
 from calib.plots.measured import measure
-from calib.plots.result import Result
+from calib.plots.result import StoredResult
 from calib.plots.sheet import Sheet
 from calib.plots.trace import from_estimate, from_result
-from calib.table import Table
-from calib.vehicle import Vehicle
-from calib.version import Stored
+from calib.table.table import Table
+from calib.table.version import Stored
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Given:
 
     tables: tuple[Stored, ...] = ()
     logs: tuple[Log, ...] = ()
-    results: tuple[Result, ...] = ()
+    results: tuple[StoredResult, ...] = ()
     vehicle: Vehicle | None = None
 
 

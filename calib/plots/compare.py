@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DASH_DOT, FRONT, REAR, Stroke, band
 from calib.plots.table import ETA
-from calib.table import Table
+from calib.table.table import Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnose.diagnose import Diagnosis
-from calib.diagnose.structure import Structure
-from calib.diagnose.words import in_shown, plain, unit_shown
-from calib.effects.empirical import DRIVERS
+from calib.diagnosis.diagnose import Diagnosis
+from calib.diagnosis.unexplained import UnexplainedTerm
+from calib.diagnosis.words import in_shown, plain, unit_shown
 from calib.logs.log import Log
+from calib.physics.effects.empirical import DRIVERS
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DOTTED, FRONT, REAR, SHADE, Stroke, smooth, view
 
@@ -273,13 +273,13 @@ def explanations(found: Diagnosis) -> list[tuple[str, float, Stroke]]:
     return rows
 
 
-def _term_panel(found: Structure) -> Panel:
+def _term_panel(found: UnexplainedTerm) -> Panel:
     term = found.term
     title = f"Empirical term on the {plain(term.place)} over {term.driver}"
     return Panel("term", title, lambda ax: empirical(ax, found))
 
 
-def empirical(ax: "Axes", found: Structure) -> None:
+def empirical(ax: "Axes", found: UnexplainedTerm) -> None:
     """The term that was added for an unknown cause, over its driver."""
     term = found.term
     unit = DRIVERS[term.driver]

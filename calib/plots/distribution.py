@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.forces import axle_loads, front_biased_up_to
+from calib.physics.forces import axle_loads, front_biased_up_to
+from calib.physics.vehicle import Vehicle
 from calib.plots.style import BODY, IDENTIFIED, NOMINAL, band
-from calib.table import Table
-from calib.vehicle import Vehicle
+from calib.table.table import Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

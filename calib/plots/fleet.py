@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.control_chart import FEWEST, RULES
-from calib.fleet_summary import Look, Summary
+from calib.fleet.control_chart import FEWEST, RULES
+from calib.fleet.summary import Look, Summary
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DASHED, FRONT, IDENTIFIED, NOMINAL, REAR, SHADE
 

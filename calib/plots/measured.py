@@ -5,15 +5,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib import identify
-from calib.account import account
-from calib.course import BITE
-from calib.estimator import known_resistance
-from calib.forces import paper_curves
+from calib.estimation.estimator import known_resistance
+from calib.fitting import identify
+from calib.fitting.known_effects import remove_known_effects
 from calib.logs.log import Log
 from calib.names import G
-from calib.signals import Blocks, blocks, sensor_noise, signals
-from calib.table import Table
+from calib.physics.forces import paper_curves
+from calib.signals.axle_signals import Blocks, blocks, sensor_noise, signals
+from calib.signals.driving_record import BITE
+from calib.table.table import Table
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -54,7 +54,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
 
     The force side is smooth, all noise is in eta and slip. Raises LogError as `signals` does.
     """
-    ran = account(table.vehicle, log, table.empirical)
+    ran = remove_known_effects(table.vehicle, log, table.empirical)
     vehicle = ran.vehicle
     b = blocks(signals(ran.log, vehicle))
     effects = known_resistance(replace(table, vehicle=vehicle)).effects
@@ -86,7 +86,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
 
 
 def _slips(table: Table, b: Blocks, load_f: Array, load_r: Array) -> tuple[Array, Array] | None:
-    """Slips (19), (20) of the axles, brought to the load of the tyre curve as `calib.tyre` does."""
+    """Slips (19), (20) of the axles, at the load of the tyre curve, as in `calib.physics.tyre`."""
     if b.v is None or not b.lead_in.any():
         return None
     found = dict(zip(table.posterior.names, table.posterior.mean, strict=True))

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calib.anova import BOTH, CAR, REPEAT, STATION
-from calib.components import GAUGE, TOTAL
+from calib.gauge.anova import BOTH, CAR, REPEAT, STATION
+from calib.gauge.gauge_rr import GAUGE, TOTAL
+from calib.gauge.study import GOOD, GaugeResult, GaugeStudy
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR
-from calib.repeatability import GOOD, Result, Study
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +30,7 @@ NAMED = 12
 """More cars than this are numbered, not named."""
 
 
-def sheet(found: Study) -> Sheet:
+def sheet(found: GaugeStudy) -> Sheet:
     """Return the sheet of a gauge study: two panels for every figure."""
     pairs = [_panels(found, result) for result in found.results]
     stations = f", {len(found.stations)} stations" if found.stations else ""
@@ -52,20 +52,20 @@ def sheet(found: Study) -> Sheet:
     )
 
 
-def _panels(found: Study, result: Result) -> tuple[Panel, Panel]:
+def _panels(found: GaugeStudy, result: GaugeResult) -> tuple[Panel, Panel]:
     return (
         Panel(f"{result.name}-values", result.name, lambda ax: by_car(ax, found, result), 4),
         Panel(f"{result.name}-parts", _verdict(result), lambda ax: components(ax, result)),
     )
 
 
-def _verdict(result: Result) -> str:
+def _verdict(result: GaugeResult) -> str:
     if result.gauge is None:
         return result.verdict
     return f"{result.verdict}, {100.0 * result.gauge.grr:.0f} %, ndc {result.gauge.categories}"
 
 
-def by_car(ax: "Axes", found: Study, result: Result) -> None:
+def by_car(ax: "Axes", found: GaugeStudy, result: GaugeResult) -> None:
     """Draw the values, a column for each car, stations side by side in it."""
     cars, stations = found.cars, found.stations or ("",)
     x = np.array([float(cars.index(r.car)) for r in found.readings])
@@ -101,7 +101,7 @@ def _plain(name: str) -> str:
     return f" {shown}" if shown.startswith("_") else shown
 
 
-def components(ax: "Axes", result: Result) -> None:
+def components(ax: "Axes", result: GaugeResult) -> None:
     """Draw every cause's standard deviation over the total with its 95 % interval [%]."""
     if result.gauge is None:
         ax.text(0.5, 0.5, "repeats do not scatter", transform=ax.transAxes, ha="center")

@@ -32,7 +32,7 @@ COLUMNS = (
 
 
 @dataclass(frozen=True)
-class Result:
+class StoredResult:
     """Estimates of one log, shapes (n,): ``values`` by `COLUMNS`, ``valid`` per sample.
 
     ``name`` is the stem of the log; ``digest`` the SHA-256 of the file.
@@ -61,7 +61,7 @@ def is_result(path: Path) -> bool:
     return {"valid", "pad_friction_f", "pad_friction_r"} <= names
 
 
-def read_result(path: Path) -> Result:
+def read_result(path: Path) -> StoredResult:
     """Read a result. Raises InputError when it is unreadable, empty or lacks a column."""
     from pyarrow import ArrowException
     from pyarrow.parquet import read_table
@@ -78,7 +78,7 @@ def read_result(path: Path) -> Result:
             where=path,
             expected="a result of `brake-cal validate --out`",
         )
-    return Result(
+    return StoredResult(
         name=path.stem,
         digest=hashlib.sha256(data).hexdigest(),
         values={name: np.asarray(found[name].to_numpy(), dtype=float) for name in COLUMNS},

@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.stop import frame, note, pad_estimate, stop_panels
 from calib.plots.style import BODY, FRONT, LAW, NOMINAL, REAR, TRUTH, Stroke, noisy, smooth, view
-from calib.plots.trace import AxleTrace, Trace
+from calib.plots.trace import AxleTrace, StopTrace
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 
-RIVAL = "gradient_difference"
+BASELINE = "gradient_difference"
 """The paper's law with D(eta) for its look-up."""
 
 
-def sheet(trace: Trace) -> Sheet:
+def sheet(trace: StopTrace) -> Sheet:
     """Return the sheet of a simulated stop; the panels of `calib.plots.stop` go with it by name.
 
     The trace must have truth (`Trace.has_truth`).
@@ -37,7 +37,7 @@ def sheet(trace: Trace) -> Sheet:
 
 
 def _panels(
-    trace: Trace, axle: AxleTrace, stroke: Stroke, word: str, number: str
+    trace: StopTrace, axle: AxleTrace, stroke: Stroke, word: str, number: str
 ) -> tuple[Panel, ...]:
     """The three panels of one axle; ``number`` is that of its torque figure in the paper."""
     name = word.capitalize()
@@ -61,12 +61,12 @@ def _panels(
     )
 
 
-def compensation(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
+def compensation(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Fig. 9, one axle: truth, nominal, the gradient law and the estimate with its interval."""
     seen = [axle.lower, axle.upper]
-    if RIVAL in axle.rivals:
-        ax.plot(trace.time, axle.rivals[RIVAL], label=r"gradient law on $D(\eta)$", **LAW)
-        seen.append(axle.rivals[RIVAL])
+    if BASELINE in axle.baselines:
+        ax.plot(trace.time, axle.baselines[BASELINE], label=r"gradient law on $D(\eta)$", **LAW)
+        seen.append(axle.baselines[BASELINE])
     pad_estimate(ax, trace, axle, stroke)
     if axle.true_pad is not None:
         seen.append(axle.true_pad)
@@ -75,7 +75,7 @@ def compensation(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> N
     frame(ax, trace, "pad friction [1]")
 
 
-def torque(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
+def torque(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Figs. 10 and 11: the left wheel's torque, true, with nominal pads and compensated."""
     if axle.nominal_torque is not None:
         noisy(ax, trace.time, 0.5 * axle.nominal_torque, NOMINAL, "uncompensated")
@@ -85,14 +85,16 @@ def torque(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
     frame(ax, trace, "wheel torque [N m]")
 
 
-def error(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
+def error(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """What the torques of the left wheel are off, where the estimator stands behind the sample."""
     true = axle.true_wheel_torque
     if true is None:
         return
     shown = [("compensated", axle.wheel_torque, {**stroke, "linewidth": 1.7})]
-    if RIVAL in axle.rivals:
-        shown.insert(0, ("gradient law", axle.rivals[RIVAL] / axle.pad * axle.wheel_torque, LAW))
+    if BASELINE in axle.baselines:
+        shown.insert(
+            0, ("gradient law", axle.baselines[BASELINE] / axle.pad * axle.wheel_torque, LAW)
+        )
     if axle.nominal_torque is not None:
         shown.insert(0, ("uncompensated", 0.5 * axle.nominal_torque, NOMINAL))
     ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
@@ -103,7 +105,7 @@ def error(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
     frame(ax, trace, "torque error [%]")
 
 
-def relative(found: Array, true: Array, trace: Trace) -> Array:
+def relative(found: Array, true: Array, trace: StopTrace) -> Array:
     """Error of ``found`` over ``true`` [%], (n,); NaN where not valid or where nothing brakes."""
     known = trace.valid & (true > 0.0)
     return np.where(known, 100.0 * (found / np.where(known, true, 1.0) - 1.0), np.nan)

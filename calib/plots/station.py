@@ -7,8 +7,8 @@ import numpy as np
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import FRONT, REAR, band, shade, smooth, view
 from calib.plots.table import sheet as table_sheet
-from calib.table import Table
-from calib.validate import Validation
+from calib.table.table import Table
+from calib.validation.validate import Validation
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

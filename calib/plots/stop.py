@@ -24,7 +24,7 @@ from calib.plots.style import (
     smooth,
     view,
 )
-from calib.plots.trace import AxleTrace, Trace
+from calib.plots.trace import AxleTrace, StopTrace
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,7 +42,7 @@ WHEEL_STROKES: dict[str, Stroke] = {
 RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
 SLIP_MEAN = 0.3
 """Slip is the difference of two nearly equal speeds: it takes a longer mean [s] to be seen."""
-RIVALS: dict[str, tuple[str, Stroke]] = {
+BASELINES: dict[str, tuple[str, Stroke]] = {
     "mean_gain": ("one mean gain", LEVEL),
     "gradient_paper": ("gradient law, paper look-up", LAW),
     "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
@@ -50,7 +50,7 @@ RIVALS: dict[str, tuple[str, Stroke]] = {
 """Methods drawn thin beside the estimate: one of each kind, more would hide it."""
 
 
-def sheet(trace: Trace) -> Sheet:
+def sheet(trace: StopTrace) -> Sheet:
     """Return the sheet of one stop. Panels for which the source has no data are left out."""
     panels = stop_panels(trace)
     names = [panel.name for panel in panels]
@@ -67,13 +67,13 @@ def sheet(trace: Trace) -> Sheet:
     )
 
 
-def note(trace: Trace) -> str:
+def note(trace: StopTrace) -> str:
     """Foot of the page: where it comes from and what the marks mean."""
     changed = (CHANGED,) if trace.changes else ()
     return " ".join((*trace.notes, SHADED, *changed, "Bands are 95 %."))
 
 
-def stop_panels(trace: Trace) -> tuple[Panel, ...]:
+def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
     """Panels of a stop in the order of Fig. 13."""
     front, rear = trace.front, trace.rear
     speeds = Panel("wheel-speeds", "Wheel speeds", lambda ax: wheel_speeds(ax, trace), 5)
@@ -100,7 +100,7 @@ def stop_panels(trace: Trace) -> tuple[Panel, ...]:
     )
 
 
-def frame(ax: "Axes", trace: Trace, ylabel: str) -> None:
+def frame(ax: "Axes", trace: StopTrace, ylabel: str) -> None:
     """Shade, mark and label an axis over time."""
     shade(ax, trace.time, ~trace.valid)
     for time in trace.changes:
@@ -109,7 +109,7 @@ def frame(ax: "Axes", trace: Trace, ylabel: str) -> None:
     ax.set_xlim(trace.time[0], trace.time[-1])
 
 
-def wheel_speeds(ax: "Axes", trace: Trace) -> None:
+def wheel_speeds(ax: "Axes", trace: StopTrace) -> None:
     """Panel (a)."""
     if trace.v_wheel is not None:  # first, so that it lies below the wheels
         ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=1.0, **BODY)
@@ -118,14 +118,14 @@ def wheel_speeds(ax: "Axes", trace: Trace) -> None:
     frame(ax, trace, "wheel speed [rad/s]")
 
 
-def deceleration(ax: "Axes", trace: Trace) -> None:
+def deceleration(ax: "Axes", trace: StopTrace) -> None:
     """Panel (b)."""
     noisy(ax, trace.time, trace.z, BODY, "$z = -a_x/g$")
     view(ax, smooth(trace.time, trace.z), zero=True)
     frame(ax, trace, "deceleration [g]")
 
 
-def normalised_forces(ax: "Axes", trace: Trace) -> None:
+def normalised_forces(ax: "Axes", trace: StopTrace) -> None:
     """Panel (c)."""
     noisy(ax, trace.time, trace.front.force, FRONT, "front $F_f$")
     noisy(ax, trace.time, trace.rear.force, REAR, "rear $F_r$")
@@ -134,7 +134,7 @@ def normalised_forces(ax: "Axes", trace: Trace) -> None:
     frame(ax, trace, "normalised force [1]")
 
 
-def slip(ax: "Axes", trace: Trace) -> None:
+def slip(ax: "Axes", trace: StopTrace) -> None:
     """Slips where v is known, and eta: what they look like from the wheels alone."""
     shown = []
     for values, stroke, label in (
@@ -149,17 +149,19 @@ def slip(ax: "Axes", trace: Trace) -> None:
     frame(ax, trace, r"slip, $\eta - 1$ [%]" if len(shown) > 1 else r"$\eta - 1$ [%]")
 
 
-def pad(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
-    """Panel (d), one axle: the estimate with its interval, truth, nominal, and rivals thin."""
-    for name, (label, thin) in RIVALS.items():
-        if name in axle.rivals:
-            ax.plot(trace.time, axle.rivals[name], label=label, linewidth=0.9, **thin)
+def pad(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
+    """Panel (d), one axle: the estimate with its interval, truth, nominal, and baselines thin."""
+    for name, (label, thin) in BASELINES.items():
+        if name in axle.baselines:
+            ax.plot(trace.time, axle.baselines[name], label=label, linewidth=0.9, **thin)
     pad_estimate(ax, trace, axle, stroke)
-    _view_pads(ax, trace, axle, [axle.rivals[name] for name in RIVALS if name in axle.rivals])
+    _view_pads(
+        ax, trace, axle, [axle.baselines[name] for name in BASELINES if name in axle.baselines]
+    )
     frame(ax, trace, "pad friction [1]")
 
 
-def pad_estimate(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> None:
+def pad_estimate(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Draw the estimate with its interval, the nominal pad and the truth, as far as known."""
     band(ax, trace.time, axle.lower, axle.upper, stroke)
     label = r"estimate $\mu_{p,c}$, 95 %"
@@ -170,20 +172,20 @@ def pad_estimate(ax: "Axes", trace: Trace, axle: AxleTrace, stroke: Stroke) -> N
         ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
 
 
-def _view_pads(ax: "Axes", trace: Trace, axle: AxleTrace, rivals: list[Array]) -> None:
-    """Range by the valid samples; rivals may run out of it, but not out of all sight."""
+def _view_pads(ax: "Axes", trace: StopTrace, axle: AxleTrace, baselines: list[Array]) -> None:
+    """Range by the valid samples; baselines may run out of it, but not out of all sight."""
     valid = trace.valid
     core = [axle.lower[valid], axle.upper[valid]]
     core += [np.array([axle.nominal])] if axle.nominal is not None else []
     core += [axle.true_pad[valid]] if axle.true_pad is not None else []
-    thin = [np.nanpercentile(r[valid], [5, 95]) for r in rivals if np.isfinite(r[valid]).any()]
+    thin = [np.nanpercentile(r[valid], [5, 95]) for r in baselines if np.isfinite(r[valid]).any()]
     view(ax, *core, *thin)
 
 
 NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
 
 
-def axle_torques(ax: "Axes", trace: Trace) -> None:
+def axle_torques(ax: "Axes", trace: StopTrace) -> None:
     """Panel (e): per axle, with nominal pads and compensated."""
     for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
         noisy(ax, trace.time, axle.torque / 1e3, stroke, f"{word} compensated")
@@ -193,7 +195,7 @@ def axle_torques(ax: "Axes", trace: Trace) -> None:
     frame(ax, trace, "axle torque [kN m]")
 
 
-def force_sum(ax: "Axes", trace: Trace) -> None:
+def force_sum(ax: "Axes", trace: StopTrace) -> None:
     """Panel (f). It is circular: with (18) it holds for any table, and the panel says so."""
     if trace.force_sum is None or trace.inertia is None:
         return

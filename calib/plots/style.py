@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.course import centred_mean
+from calib.signals.driving_record import centred_mean
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

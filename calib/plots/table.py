@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.curves import MIN_COUNT
+from calib.fitting.curves import MIN_COUNT
 from calib.plots import ramp as ramp_figures
 from calib.plots.distribution import distribution
 from calib.plots.measured import MeasuredRamp, grouped
 from calib.plots.ramp import points
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DASHED, DOTTED, FRONT, IDENTIFIED, NOMINAL, REAR, Stroke, band
-from calib.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
+from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,16 +8,16 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from calib import forces
-from calib.course import BITE
-from calib.effects.catalogue import total_body_force
-from calib.effects.effect import Motion
-from calib.estimator import AxleEstimate, Estimate, calibrated, known_resistance
+from calib.estimation.estimator import AxleEstimate, Estimate, calibrated, known_resistance
 from calib.logs.log import Log
 from calib.names import WHEELS
-from calib.plots.result import Result
-from calib.table import Table
-from calib.vehicle import Axle, Vehicle
+from calib.physics import forces
+from calib.physics.effects.catalogue import total_body_force
+from calib.physics.effects.effect import Motion
+from calib.physics.vehicle import Axle, Vehicle
+from calib.plots.result import StoredResult
+from calib.signals.driving_record import BITE
+from calib.table.table import Table
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -29,7 +29,7 @@ class AxleTrace:
 
     ``force`` F [1]; ``pad`` friction with its 95 % interval ``lower``, ``upper`` [1]; ``torque`` of
     the axle [N m]; ``wheel_torque`` of its left wheel [N m]; ``nominal`` pad friction [1] and
-    ``nominal_torque`` of the axle [N m]; ``slip`` [1]; ``rivals`` pad friction by other methods;
+    ``nominal_torque`` of the axle [N m]; ``slip`` [1]; ``baselines`` pad friction by other methods;
     ``true_pad`` [1] and ``true_wheel_torque`` [N m] of a simulation.
     """
 
@@ -42,13 +42,13 @@ class AxleTrace:
     nominal: float | None = None
     nominal_torque: Array | None = None
     slip: Array | None = None
-    rivals: dict[str, Array] = field(default_factory=dict)
+    baselines: dict[str, Array] = field(default_factory=dict)
     true_pad: Array | None = None
     true_wheel_torque: Array | None = None
 
 
 @dataclass(frozen=True)
-class Trace:
+class StopTrace:
     """A stop over ``time`` [s], shapes (n,).
 
     ``z``, ``eta`` [1]; ``front``, ``rear``; ``valid`` the estimator stands behind the sample;
@@ -80,7 +80,7 @@ class Trace:
 
 def from_estimate(
     table: Table, name: str, log: Log, estimate: Estimate, vehicle: Vehicle | None = None
-) -> Trace:
+) -> StopTrace:
     """Trace of an ``estimate`` that the table ``name`` gave on ``log`` with ``vehicle``."""
     car = vehicle or calibrated(table)
     front = _axle(car.front, estimate.front, estimate, 0, log)
@@ -91,7 +91,7 @@ def from_estimate(
         Motion(estimate.speed, *forces.axle_loads(car, estimate.z)),
     )
     total = _force_sum(car, estimate.z, front, rear) + air
-    return Trace(
+    return StopTrace(
         name=log.name,
         time=estimate.time,
         z=estimate.z,
@@ -109,12 +109,12 @@ def from_estimate(
     )
 
 
-def from_result(result: Result, vehicle: Vehicle | None = None) -> Trace:
+def from_result(result: StoredResult, vehicle: Vehicle | None = None) -> StopTrace:
     """Trace of a stored result; ``vehicle`` adds the sum of forces and the nominal pads."""
     front = _stored_axle(result, "f", vehicle.front if vehicle else None)
     rear = _stored_axle(result, "r", vehicle.rear if vehicle else None)
     total = _force_sum(vehicle, result["z"], front, rear) if vehicle else None
-    return Trace(
+    return StopTrace(
         name=result.name,
         time=result["time"],
         z=result["z"],
@@ -148,7 +148,7 @@ def _axle(axle: Axle, found: AxleEstimate, estimate: Estimate, i: int, log: Log)
         nominal=axle.pad_friction,
         nominal_torque=2.0 * forces.brake_torque(axle, axle.pad_friction, held),
         slip=(estimate.slip_f, estimate.slip_r)[i],
-        rivals={n: pads[i] for n, pads in estimate.rivals.items() if n != "nominal"},
+        baselines={n: pads[i] for n, pads in estimate.baselines.items() if n != "nominal"},
         true_pad=_true_pad(axle, log, "fr"[i], estimate),
         true_wheel_torque=log.truth.get(f"true_Tb_{left}"),
     )
@@ -172,7 +172,7 @@ def _true_pad(axle: Axle, log: Log, side: str, estimate: Estimate) -> Array | No
     return np.where(biting, pad, np.nan)
 
 
-def _stored_axle(result: Result, side: str, axle: Axle | None) -> AxleTrace:
+def _stored_axle(result: StoredResult, side: str, axle: Axle | None) -> AxleTrace:
     left, right = (result[f"brake_torque_{side}{hand}"] for hand in "lr")
     pad = result[f"pad_friction_{side}"]
     return AxleTrace(

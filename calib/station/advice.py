@@ -5,7 +5,7 @@ A limit that is not met must name a next step: whoever stands at the line has a 
 
 from dataclasses import dataclass
 
-from calib.limits import Limit
+from calib.validation.limits import Limit
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,14 @@ from typing import Any
 
 from calib import __version__
 from calib.station.advice import action
-from calib.station.station import Check, Outcome
-from calib.validate import to_dict as validation_dict
-from calib.version import Stored
+from calib.station.station import Check, StationOutcome
+from calib.table.version import Stored
+from calib.validation.validate import to_dict as validation_dict
 
 SCHEMA = 1
 
 
-def to_dict(found: Outcome, stored: Stored, files: list[str]) -> dict[str, Any]:
+def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str, Any]:
     """The document as plain data; ``files`` are those that lie beside it."""
     return {
         "schema": SCHEMA,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.table import Table
+from calib.table.table import Table
 
 Array = NDArray[np.float64]
 

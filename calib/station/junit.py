@@ -5,14 +5,14 @@ A warning passes and says so in `system-out`; a figure that is not known is skip
 
 from xml.etree import ElementTree
 
-from calib.limits import FAILED, NOT_KNOWN, WARNING
 from calib.station.advice import action
-from calib.station.station import Check, Outcome
+from calib.station.station import Check, StationOutcome
 from calib.station.words import sentence
-from calib.version import Stored
+from calib.table.version import Stored
+from calib.validation.limits import FAILED, NOT_KNOWN, WARNING
 
 
-def junit_xml(found: Outcome, stored: Stored) -> bytes:
+def junit_xml(found: StationOutcome, stored: Stored) -> bytes:
     """The document. Times are nought: the same car gives the same bytes."""
     n = found.counts()
     totals = {

@@ -1,9 +1,9 @@
 """The documented limits file that `brake-cal limits init` writes, ready to be edited."""
 
-from calib.limits import SCHEMA
-from calib.scores import FIGURES as OF_STOPS
 from calib.station.advice import ADVICE, Advice
-from calib.station.figures import FIGURES as OF_CAR
+from calib.station.metrics import METRICS as OF_CAR
+from calib.validation.limits import SCHEMA
+from calib.validation.metrics import METRICS as OF_STOPS
 
 HEAD = f"""\
 # Limits for `brake-cal station --limits` and `brake-cal validate --limits`.

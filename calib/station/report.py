@@ -1,19 +1,19 @@
 """The report of a car: verdict on top, what to do, figures, limits, where it all comes from."""
 
 from calib import __version__
-from calib.html import figure, folded, listing, page, paragraph, section, table, terms
-from calib.limits import FAILED, NOT_KNOWN, PASSED, WARNING
 from calib.plots.sheet import Sheet
 from calib.plots.station import sheet
+from calib.reports.html import figure, folded, listing, page, paragraph, section, table, terms
 from calib.station.advice import action, reason
 from calib.station.identity import TITLES
-from calib.station.station import Check, Outcome
+from calib.station.station import Check, StationOutcome
 from calib.station.words import HEADINGS, bounds, in_full, summary, value_of
-from calib.validate import Validation
-from calib.version import Stored
+from calib.table.version import Stored
+from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING
+from calib.validation.validate import Validation
 
 
-def report_html(found: Outcome, stored: Stored) -> str:
+def report_html(found: StationOutcome, stored: Stored) -> str:
     """Return the report as one HTML document, without a clock or a path in it."""
     drawn = sheet(found.table, found.results)
     parts = [
@@ -29,7 +29,7 @@ def report_html(found: Outcome, stored: Stored) -> str:
     return page(f"{HEADINGS[found.verdict]}: {name}", parts)
 
 
-def _head(found: Outcome, stored: Stored) -> str:
+def _head(found: StationOutcome, stored: Stored) -> str:
     given = [(TITLES[name], value) for name, value in found.identity.given().items()]
     rows = [("Vehicle", found.table.vehicle.name), *given, ("Table", stored.id)]
     return (
@@ -39,7 +39,7 @@ def _head(found: Outcome, stored: Stored) -> str:
     )
 
 
-def _next(found: Outcome) -> str:
+def _next(found: StationOutcome) -> str:
     """One sentence for each check that fails or warns, and what can be done about it."""
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
     if not bad:
@@ -57,7 +57,7 @@ def _next(found: Outcome) -> str:
     )
 
 
-def _limits(found: Outcome) -> str:
+def _limits(found: StationOutcome) -> str:
     car = [check for check in found.checks if check.of_car]
     meant = {check.figure: check.meaning for check in found.checks}
     reasons = [(name, f"{meant[name]}: {reason(name)}.") for name in meant]
@@ -88,7 +88,7 @@ def _of_car(checks: list[Check]) -> str:
     return table("The car as a whole.", heads, rows, kinds, "checks")
 
 
-def _of_stops(found: Outcome) -> str:
+def _of_stops(found: StationOutcome) -> str:
     """One row a figure, one column a stop; what does not pass says so in its cell."""
     by_figure: dict[str, list[Check]] = {}
     for check in found.checks:
@@ -118,7 +118,7 @@ def _worst(checks: list[Check]) -> str:
     return next(word for word in (FAILED, WARNING, PASSED, NOT_KNOWN) if word in words)
 
 
-def _pads(found: Outcome, drawn: Sheet) -> str:
+def _pads(found: StationOutcome, drawn: Sheet) -> str:
     rows = [
         (f"{i}: {r.log}", *_value(r, "f"), *_value(r, "r")) for i, r in enumerate(found.results, 1)
     ]
@@ -149,7 +149,7 @@ def _value(result: Validation, axle: str) -> tuple[str, str]:
     return f"{mu:.3f}", f"{mu - mu * width:.3f} to {mu + mu * width:.3f}"
 
 
-def _curves(found: Outcome, drawn: Sheet) -> str:
+def _curves(found: StationOutcome, drawn: Sheet) -> str:
     p = found.table.paper
     picked = sorted({round(i * (len(p.eta) - 1) / 15) for i in range(16)})
     rows = [
@@ -178,7 +178,7 @@ def _curves(found: Outcome, drawn: Sheet) -> str:
     )
 
 
-def _stops(found: Outcome, drawn: Sheet) -> str:
+def _stops(found: StationOutcome, drawn: Sheet) -> str:
     names = [f"stop-{i}" for i in range(1, len(found.results) + 1)]
     rows = [tuple(names[i : i + 2]) for i in range(0, len(names) - 1, 2)]
     if len(names) % 2:
@@ -203,7 +203,7 @@ def _stops(found: Outcome, drawn: Sheet) -> str:
     )
 
 
-def _provenance(found: Outcome, stored: Stored) -> str:
+def _provenance(found: StationOutcome, stored: Stored) -> str:
     logs = [(log.name, "ramp", log.digest[:16]) for log in found.ramps]
     logs += [(log.name, "coast", log.digest[:16]) for log in found.coasts]
     logs += [(r.log, r.role, r.digest[:16]) for r in found.results]

@@ -9,11 +9,11 @@ Needs a reference speed. A bend or a crowned road looks the same as a difference
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.axles import BLOCK, Estimate
-from calib.course import MOVING, Course, course_of
-from calib.forces import slip
+from calib.checks.wheel_checks import BLOCK, IntervalEstimate
 from calib.logs.log import Log
-from calib.table import Table, TyreCurve
+from calib.physics.forces import slip
+from calib.signals.driving_record import MOVING, DrivingRecord, driving_record
+from calib.table.table import Table, TyreCurve
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ FEWEST = 8
 """Blocks of 0.2 s below which a scatter says nothing."""
 
 
-def side_difference(table: Table, log: Log, axle: str) -> Estimate | None:
+def side_difference(table: Table, log: Log, axle: str) -> IntervalEstimate | None:
     """Brake force left less right over their mean [1], of ``axle`` "f" or "r".
 
     Where the log knows both pressures of the axle their difference is taken out, so that what is
@@ -38,7 +38,7 @@ def side_difference(table: Table, log: Log, axle: str) -> Estimate | None:
     """
     if "v" not in log:
         return None
-    course = course_of(log)
+    course = driving_record(log)
     slips = [_slip(table, log, course, f"{axle}{side}") for side in "lr"]
     free = [_means(s, course.unbraked, course) for s in slips]
     use = course.braked & (course.z > LOW) & (course.z < HIGH) & (course.speed > MOVING)
@@ -55,16 +55,16 @@ def side_difference(table: Table, log: Log, axle: str) -> Estimate | None:
     found = _slope(0.5 * (F_l + F_r), F_l - F_r, stiffness * (free[0] - free[1]))
     if found is None or found.half > WIDEST:
         return None
-    return Estimate(found.value - _pressures(log, axle, use), found.half)
+    return IntervalEstimate(found.value - _pressures(log, axle, use), found.half)
 
 
-def _slip(table: Table, log: Log, course: Course, wheel: str) -> Array:
+def _slip(table: Table, log: Log, course: DrivingRecord, wheel: str) -> Array:
     """Slip of one wheel [1] (n,), (19), (20), not zeroed."""
     of = table.vehicle.front if wheel[0] == "f" else table.vehicle.rear
     return slip(of, log[f"omega_{wheel}"], np.maximum(log["v"], 1.0))
 
 
-def _means(x: Array, mask: NDArray[np.bool_], course: Course) -> Array:
+def _means(x: Array, mask: NDArray[np.bool_], course: DrivingRecord) -> Array:
     n = max(1, round(BLOCK / course.step))
     count = int(mask.sum()) // n
     return np.asarray(x[mask][: count * n].reshape(count, n).mean(axis=1))
@@ -75,7 +75,7 @@ def _force(tyre: TyreCurve, s: Array) -> Array:
     return np.asarray(np.sign(s) * np.interp(np.abs(s), tyre.slip, tyre.force))
 
 
-def _slope(x: Array, y: Array, free: Array) -> Estimate | None:
+def _slope(x: Array, y: Array, free: Array) -> IntervalEstimate | None:
     """Slope of y = d x through nought, its interval with that of the zero of ``free``."""
     power = float(x @ x)
     if power == 0.0:
@@ -85,7 +85,9 @@ def _slope(x: Array, y: Array, free: Array) -> Estimate | None:
     slope = float(x @ y) / power
     spread = float(np.std(y - slope * x, ddof=1)) / np.sqrt(power)
     zero = float(np.std(free, ddof=1)) / np.sqrt(free.size) * abs(float(np.sum(x))) / power
-    return Estimate(slope, float(stdtrit(y.size - 1, 0.975)) * float(np.hypot(spread, zero)))
+    return IntervalEstimate(
+        slope, float(stdtrit(y.size - 1, 0.975)) * float(np.hypot(spread, zero))
+    )
 
 
 def _pressures(log: Log, axle: str, use: NDArray[np.bool_]) -> float:

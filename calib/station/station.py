@@ -6,18 +6,18 @@ ramps, coasts --> table --> stops --> figures --> checks --> passed, warning or 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from calib.check import check
+from calib.checks.check import check
 from calib.errors import LogError
-from calib.fit import fit
-from calib.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
+from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.scores import FIGURES as OF_STOPS
-from calib.station.figures import FIGURES as OF_CAR
-from calib.station.figures import Car, figures_of
+from calib.physics.vehicle import Vehicle
 from calib.station.identity import Identity
-from calib.table import Table
-from calib.validate import Validation, validate_one
-from calib.vehicle import Vehicle
+from calib.station.metrics import METRICS as OF_CAR
+from calib.station.metrics import Car, metrics_of
+from calib.table.table import Table
+from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
+from calib.validation.metrics import METRICS as OF_STOPS
+from calib.validation.validate import Validation, validate_one
 
 CAR = "car"
 """What the scope of a check on the car as a whole is called."""
@@ -57,7 +57,7 @@ class Check:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StationOutcome:
     """All that is known of the car after its run at the station.
 
     ``logs`` of the ramps and coasts first, as given; ``results`` of the hold-outs in their order;
@@ -129,14 +129,14 @@ def validated(table: Table, log: Log, limits: Sequence[Limit]) -> Validation:
 
 def outcome(
     car: Car, coasts: Sequence[Log], limits: Sequence[Limit], identity: Identity, golden: str = ""
-) -> Outcome:
+) -> StationOutcome:
     """Judge the car and gather everything. ``golden`` is the id of ``car.golden``."""
     logs = (*car.ramps, *coasts, *car.stops)
-    figures = figures_of(car)
+    figures = metrics_of(car)
     of_car = judge(tuple(x for x in limits if x.figure in OF_CAR), figures)
     checks = [Check(None, j) for j in of_car]
     checks += [Check(r.log, j) for r in car.results for j in r.judgements]
-    return Outcome(
+    return StationOutcome(
         table=car.table,
         identity=identity,
         ramps=tuple(car.ramps),

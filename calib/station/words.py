@@ -1,8 +1,8 @@
 """A check in words: value, limit and what became of it, for people and for line systems alike."""
 
-from calib.limits import FAILED, NOT_KNOWN, WARNING
-from calib.station.figures import CUT
-from calib.station.station import Check, Outcome
+from calib.station.metrics import CUT
+from calib.station.station import Check, StationOutcome
+from calib.validation.limits import FAILED, NOT_KNOWN, WARNING
 
 HEADINGS = {
     "passed": "Passed",
@@ -60,7 +60,7 @@ def _limit(check: Check) -> str:
     return bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
 
 
-def summary(found: Outcome) -> str:
+def summary(found: StationOutcome) -> str:
     """The verdict in a sentence with its counts."""
     n = found.counts()
     parts = [f"{n[FAILED]} failed", f"{n[WARNING]} with a warning", f"{n[NOT_KNOWN]} not known"]

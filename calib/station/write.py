@@ -4,19 +4,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from calib.exports.build import build
-from calib.exports.formats import FORMATS, Order
-from calib.exports.quality import read_quality
 from calib.files import write_whole
-from calib.results import SUMMARY, write_results
 from calib.station.document import to_dict, to_text
 from calib.station.folder import DOCUMENT, JUNIT, REPORT
 from calib.station.junit import junit_xml
 from calib.station.report import report_html
-from calib.station.station import Outcome
-from calib.store import foreseen, save
-from calib.validate import to_dict as validation_dict
-from calib.version import Stored
+from calib.station.station import StationOutcome
+from calib.table.exports.build import build
+from calib.table.exports.formats import FORMATS, Order
+from calib.table.exports.quality import read_quality
+from calib.table.store import foreseen, save
+from calib.table.version import Stored
+from calib.validation.results import SUMMARY, write_results
+from calib.validation.validate import to_dict as validation_dict
 
 ENDINGS = {
     "json": "json",
@@ -39,7 +39,7 @@ def export_name(form: str) -> str:
 
 
 def store_and_write(
-    found: Outcome, store: Path, forms: Sequence[str], date: str, work: Path
+    found: StationOutcome, store: Path, forms: Sequence[str], date: str, work: Path
 ) -> tuple[Stored, dict[str, Any]]:
     """Write everything into ``work``, then store the table; return it and the document.
 
@@ -55,7 +55,7 @@ def store_and_write(
 
 
 def write_all(
-    found: Outcome, stored: Stored, forms: Sequence[str], date: str, work: Path
+    found: StationOutcome, stored: Stored, forms: Sequence[str], date: str, work: Path
 ) -> dict[str, Any]:
     """Write everything into ``work`` and return the document of `station.json`.
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.course import centred_mean
+from calib.checks.rules import PRESSURE, RADIUS
 from calib.logs.channel_map import Mapping
 from calib.names import G
-from calib.suggest.physics import LATE, Clock, correlation, lead, slope
+from calib.signals.driving_record import centred_mean
+from calib.suggest.physics import LATE, ColumnClock, correlation, lead, slope
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
 from calib.suggest.series import Series
 from calib.suggest.words import (
@@ -25,7 +26,6 @@ from calib.suggest.words import (
     score,
     words,
 )
-from calib.verdict import PRESSURE, RADIUS
 
 Array = NDArray[np.float64]
 
@@ -96,7 +96,7 @@ def find_speed(series: list[Series], wheels: Array | None) -> Found:
 
 
 def find_acceleration(
-    series: list[Series], rate: Array | None, clock: Clock, metres: bool
+    series: list[Series], rate: Array | None, clock: ColumnClock, metres: bool
 ) -> Found:
     """The longitudinal acceleration: by unit, and it is the derivative of speed up to a sign.
 
@@ -133,14 +133,14 @@ def find_acceleration(
     return Found(found.proposal, found.doubts, (*refused, *found.refused), found.series)
 
 
-def _follows(item: Series, rate: Array, clock: Clock) -> float:
+def _follows(item: Series, rate: Array, clock: ColumnClock) -> float:
     """Correlation with the derivative of speed at the best lag, with its sign [1]."""
     smooth = centred_mean(item.values, clock.width(0.2))
     forward, back = lead(smooth, rate, clock)[1], lead(-smooth, rate, clock)[1]
     return forward if forward >= back else -back
 
 
-def _acceleration(item: Series, rate: Array | None, clock: Clock, metres: bool) -> Proposal:
+def _acceleration(item: Series, rate: Array | None, clock: ColumnClock, metres: bool) -> Proposal:
     named = item.name == "a_x" or score(item.name, LONG, NO_LONG) > 0
     reasons = [*(["name"] if named else []), f"unit {item.column.unit}"]
     if rate is None:
@@ -158,7 +158,7 @@ def _acceleration(item: Series, rate: Array | None, clock: Clock, metres: bool) 
 
 
 def _wrong_unit(
-    item: Series | None, rate: Array | None, clock: Clock, metres: bool
+    item: Series | None, rate: Array | None, clock: ColumnClock, metres: bool
 ) -> Doubt | None:
     """A doubt where the size of the acceleration contradicts its unit."""
     if item is None or rate is None:
@@ -175,7 +175,7 @@ def _wrong_unit(
     return Doubt("a_x", (item.name,), why, "say its unit: --take 'a_x=NAME [UNIT]'")
 
 
-def find_pressure(series: list[Series], braking: Array | None, clock: Clock) -> Found:
+def find_pressure(series: list[Series], braking: Array | None, clock: ColumnClock) -> Found:
     """The brake pressure: a pressure by unit, that comes before the deceleration and goes with it.
 
     ``braking`` is the deceleration, shape (n,), or None where speed does not change. A column
@@ -217,7 +217,7 @@ def _presses(item: Series) -> bool:
     return bool(said & {"pressure", "press", "prs", "druck", "bremsdruck", "p"})
 
 
-def _no_brake(item: Series, points: int, braking: Array | None, clock: Clock) -> str | None:
+def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClock) -> str | None:
     """Why a pressure is not that of the brake, or None."""
     if item.values.max() > PRESSURE:
         return f"a pressure of {item.values.max() / 1e5:.0f} bar is no brake's"
@@ -232,7 +232,7 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: Clock) ->
     return None
 
 
-def _pressure(item: Series, braking: Array | None, clock: Clock) -> Proposal:
+def _pressure(item: Series, braking: Array | None, clock: ColumnClock) -> Proposal:
     reasons = ["name", f"unit {item.column.unit}"] if _said(item) else [f"unit {item.column.unit}"]
     applied = float(np.ptp(item.values)) > PRESSED
     if braking is None or not applied or np.ptp(braking) < ACCELERATED:

@@ -2,18 +2,18 @@
 
 import numpy as np
 
+from calib.checks.rules import RATES
 from calib.logs.channel_map import Mapping
-from calib.suggest.physics import Clock
+from calib.suggest.physics import ColumnClock
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
 from calib.suggest.series import Series
 from calib.suggest.words import TIME, words
-from calib.verdict import RATES
 
 SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 """Units that a clock without one may have [s]; the rates that must work tell them apart."""
 
 
-def find_clock(series: list[Series]) -> tuple[Proposal | None, Clock | None, list[Doubt]]:
+def find_clock(series: list[Series]) -> tuple[Proposal | None, ColumnClock | None, list[Doubt]]:
     """The clock of a log: it runs forward, is called so, and has a unit of time.
 
     A unit that is missing is found from the rate: of seconds, milliseconds and microseconds only
@@ -41,16 +41,16 @@ def _doubt(candidates: list[Series], why: str, do: str) -> Doubt:
     return Doubt("time", tuple(s.name for s in candidates), why, do)
 
 
-def _proposal(series: Series) -> tuple[Proposal | None, Clock | None, list[Doubt]]:
+def _proposal(series: Series) -> tuple[Proposal | None, ColumnClock | None, list[Doubt]]:
     step = float(np.median(np.diff(series.values)))
     if series.si == "s":
         reasons = ("name", f"unit {series.column.unit}", "runs forward")
         found = Proposal("time", Mapping(series.name), SURE, reasons)
-        return found, Clock(series.values, step), []
+        return found, ColumnClock(series.values, step), []
     for unit, scale in SCALES.items():
         if RATES[0] <= 1.0 / (step * scale) <= RATES[1]:
             reasons = ("name", "runs forward", f"only as {unit} it runs at 40 Hz to 1 kHz")
             found = Proposal("time", Mapping(series.name, unit), LIKELY, reasons)
-            return found, Clock(series.values * scale, step * scale), []
+            return found, ColumnClock(series.values * scale, step * scale), []
     do = "say it: --take 'time=NAME [s]'"
     return None, None, [_doubt([series], f"no unit, and steps of {step:.4g}", do)]

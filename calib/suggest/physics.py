@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.course import centred_mean, runs
+from calib.signals.driving_record import centred_mean, runs
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ TOGETHER, RATIO = 0.99, 0.1
 
 
 @dataclass(frozen=True)
-class Clock:
+class ColumnClock:
     """Seconds [s] of each row, and the median step [s]."""
 
     time: Array
@@ -49,7 +49,7 @@ def together(four: list[Array]) -> bool:
     return steady or float(np.corrcoef(four).min()) > TOGETHER
 
 
-def rate_of(speed: Array, clock: Clock) -> Array:
+def rate_of(speed: Array, clock: ColumnClock) -> Array:
     """Derivative of a speed, smoothed over `SMOOTH` [unit/s]."""
     width = clock.width(SMOOTH)
     return centred_mean(np.gradient(centred_mean(speed, width), clock.time), width)
@@ -67,7 +67,7 @@ def slope(y: Array, x: Array) -> float:
     return float(np.cov(y, x)[0, 1] / np.var(x, ddof=1))
 
 
-def lead(first: Array, then: Array, clock: Clock, latest: float = LAG) -> tuple[float, float]:
+def lead(first: Array, then: Array, clock: ColumnClock, latest: float = LAG) -> tuple[float, float]:
     """By how much ``first`` comes before ``then`` [s], and their correlation at that lag [1].
 
     It is not looked for more than ``latest`` [s] behind. A slow ramp alone says little of a lag.
@@ -83,7 +83,7 @@ def _lagged(first: Array, then: Array, k: int) -> float:
     return correlation(first[max(0, -k) : n - max(0, k)], then[max(0, k) : n - max(0, -k)])
 
 
-def moving(speed: Array, clock: Clock) -> slice:
+def moving(speed: Array, clock: ColumnClock) -> slice:
     """The longest stretch in which the car moves, less what the smoothing blurs at its ends."""
     fast = speed > SLOW * float(speed.max())
     start, end = max(runs(fast), key=lambda run: run[1] - run[0], default=(0, speed.size))

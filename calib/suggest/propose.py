@@ -11,15 +11,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.copies import factor_between
+from calib.checks.computed_channels import factor_between
 from calib.errors import InputError
 from calib.logs.channel_map import Mapping
-from calib.logs.header import column_from_cell
-from calib.logs.source import Column, Source
+from calib.logs.source import Column, ColumnSource
+from calib.logs.text.header import column_from_cell
 from calib.names import CHANNELS, WHEELS
 from calib.suggest.body import Found, find_acceleration, find_pressure, find_speed
 from calib.suggest.clock import find_clock
-from calib.suggest.physics import Clock, moving, rate_of
+from calib.suggest.physics import ColumnClock, moving, rate_of
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal, Suggestion
 from calib.suggest.series import Series, read_series
 from calib.suggest.wheels import find_wheels, groups
@@ -32,7 +32,7 @@ REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 
 
 def suggest(
-    source: Source,
+    source: ColumnSource,
     where: str,
     *,
     told: Named[str, str] | None = None,
@@ -72,9 +72,9 @@ class _Work:
     radius: float | None
     proposals: dict[str, Proposal] = field(default_factory=dict)
     doubts: list[Doubt] = field(default_factory=list)
-    clock: Clock | None = None
+    clock: ColumnClock | None = None
 
-    def tell(self, channel: str, cell: str, source: Source, where: str) -> None:
+    def tell(self, channel: str, cell: str, source: ColumnSource, where: str) -> None:
         """Take what the user says."""
         if channel not in CHANNELS:
             raise InputError(f"no channel is called {channel!r}", expected=", ".join(CHANNELS))
@@ -111,14 +111,16 @@ class _Work:
         self._wheel_pressures()
         self._by_name()
 
-    def _while_moving(self, motion: Array | None, clock: Clock) -> tuple[Array | None, Clock]:
+    def _while_moving(
+        self, motion: Array | None, clock: ColumnClock
+    ) -> tuple[Array | None, ColumnClock]:
         """Derivative of the speed; from here on only rows in which the car moves are looked at."""
         if motion is None:
             return None, clock
         part = moving(motion, clock)
         rate = rate_of(motion, clock)[part]
         self.series = [replace(s, values=s.values[part]) for s in self.series]
-        return rate, Clock(clock.time[part], clock.step)
+        return rate, ColumnClock(clock.time[part], clock.step)
 
     def _free(self) -> list[Series]:
         """Columns that nothing has taken; one told for a channel that is looked for is not free."""
@@ -130,7 +132,7 @@ class _Work:
             series = [_told(s, self.proposals["time"]) for s in self.series]
             named = next((s for s in series if s is not None), None)
             if named is not None:
-                self.clock = Clock(named, float(np.median(np.diff(named))))
+                self.clock = ColumnClock(named, float(np.median(np.diff(named))))
             return
         found, self.clock, doubts = find_clock(self._free())
         self.doubts += doubts
@@ -241,7 +243,7 @@ def _why_missing(name: str) -> str:
     return why.get(name, "no four columns are wheel speeds by name, unit and course")
 
 
-def _column_called(cell: str, source: Source) -> Column | None:
+def _column_called(cell: str, source: ColumnSource) -> Column | None:
     """The column that a user means: by its name, the whole cell, or the name with another unit."""
     for name in (cell, column_from_cell(cell).name):
         for column in source.columns:

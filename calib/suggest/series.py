@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import LogError
-from calib.logs.source import Column, Source
+from calib.logs.source import Column, ColumnSource
 from calib.names import CHANNELS
 from calib.units import UnknownUnit, is_unit, si_of, to_si
 
@@ -35,7 +35,7 @@ class Series:
         return bool(np.ptp(self.values) > 0.0)
 
 
-def read_series(source: Source) -> tuple[list[Series], dict[str, str]]:
+def read_series(source: ColumnSource) -> tuple[list[Series], dict[str, str]]:
     """The columns of numbers, and of the others by name why they are none."""
     found, left = [], {}
     for column, values in zip(source.columns, _arrays(source), strict=True):
@@ -51,7 +51,7 @@ def read_series(source: Source) -> tuple[list[Series], dict[str, str]]:
     return found, left
 
 
-def _arrays(source: Source) -> list[Array | str]:
+def _arrays(source: ColumnSource) -> list[Array | str]:
     """Every column, or why it cannot be read; all at once where that works."""
     try:
         return list(source.read(range(len(source.columns))))
@@ -59,7 +59,7 @@ def _arrays(source: Source) -> list[Array | str]:
         return [_one(source, index) for index in range(len(source.columns))]
 
 
-def _one(source: Source, index: int) -> Array | str:
+def _one(source: ColumnSource, index: int) -> Array | str:
     try:
         return source.read([index])[0]
     except LogError as error:

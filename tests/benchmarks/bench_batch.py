@@ -21,17 +21,17 @@ import pandas as pd
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from calib import adaptive, estimator  # noqa: E402
+from calib.estimation import adaptive, estimator  # noqa: E402
 from calib.fleet.job import Job  # noqa: E402
 from calib.fleet.pool import Pool  # noqa: E402
 from calib.fleet.run import run_batch  # noqa: E402
 from calib.fleet.work import Item, run_items  # noqa: E402
-from calib.limits import DEFAULTS  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.names import G  # noqa: E402
-from calib.signals import blocks, signals  # noqa: E402
-from calib.table import Table  # noqa: E402
-from calib.vehicle import read_vehicle  # noqa: E402
+from calib.physics.vehicle import read_vehicle  # noqa: E402
+from calib.signals.axle_signals import blocks, signals  # noqa: E402
+from calib.table.table import Table  # noqa: E402
+from calib.validation.limits import DEFAULTS  # noqa: E402
 from tests.benchmarks.timing import best  # noqa: E402
 from tests.studies.fleet_logs import linked, table_of, write_logs  # noqa: E402
 
@@ -155,7 +155,7 @@ def one_core(job: Job, paths: list[Path]) -> None:
         print(f"{name:<52}{1e3 * seconds:8.2f} ms a log {seconds / ours:8.1f} x")
     log = read_log(paths[0])
     print(f"  of it reading {'':<36}{1e3 * best(lambda: read_log(paths[0]), 20):8.2f} ms")
-    alone = best(lambda: estimator.estimate(job.table, log, rival_laws=False), 20)
+    alone = best(lambda: estimator.estimate(job.table, log, with_laws=False), 20)
     print(f"  of it estimating {'':<33}{1e3 * alone:8.2f} ms")
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.hidden.cases import KINDS, draw, write
+from tests.support.hidden.cases import KINDS, draw, write
 
 
 def main() -> None:

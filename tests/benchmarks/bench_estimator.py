@@ -17,12 +17,12 @@ import numpy as np
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from calib import adaptive, estimator, rivals  # noqa: E402
-from calib.balance import balance  # noqa: E402
-from calib.fit import fit  # noqa: E402
+from calib.estimation import adaptive, baselines, estimator  # noqa: E402
+from calib.estimation.balance import balance  # noqa: E402
+from calib.fitting.fit import fit  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
-from calib.signals import blocks, signals  # noqa: E402
-from calib.vehicle import read_vehicle  # noqa: E402
+from calib.physics.vehicle import read_vehicle  # noqa: E402
+from calib.signals.axle_signals import blocks, signals  # noqa: E402
 from tests.benchmarks.timing import best  # noqa: E402
 
 SAMPLES = ROOT / "sample_logs"
@@ -96,8 +96,8 @@ def chain() -> None:
         zero = np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])
         eta = s.omega_r / s.omega_f / zero
         now = balance(plan.nominal, plan.known.effects, s)
-        reading = rivals.read(table, plan.nominal, s, now, eta, "difference")
-        rivals.adapt(plan.nominal, s, now, reading, "gradient")
+        reading = baselines.read(table, plan.nominal, s, now, eta, "difference")
+        baselines.adapt(plan.nominal, s, now, reading, "gradient")
 
     split = best(lambda: estimator.split_of(plan, s, b, level), REPEAT)
     parts = [
@@ -105,7 +105,7 @@ def chain() -> None:
         ("common level", best(lambda: estimator.level_of(plan, s, forces), REPEAT)),
         ("split filter (20 Hz)", split),
         ("paper chain: zero, D look-up, law (25)", best(paper_chain, REPEAT)),
-        ("estimate, with all rivals", best(lambda: estimator.estimate(table, stop), REPEAT)),
+        ("estimate, with all baselines", best(lambda: estimator.estimate(table, stop), REPEAT)),
     ]
     for name, seconds in parts:
         print(f"{name:<40} {1e9 * seconds / n:10.1f} ns a sample   {1e3 * seconds:8.2f} ms a log")

@@ -33,15 +33,15 @@ mark("imports: matplotlib")
 import cli.main
 from calib.logs.read import read_log
 from calib.station.advice import LIMITS
-from calib.station.figures import Car
+from calib.station.metrics import Car
 from calib.files import workshop
 from calib.station.folder import publish
 from calib.station.identity import Identity
 from calib.station.report import report_html
 from calib.station.station import outcome, table_of, validated
 from calib.station.write import write_all
-from calib.store import save
-from calib.vehicle import read_vehicle
+from calib.table.store import save
+from calib.physics.vehicle import read_vehicle
 mark("imports: brake-cal")
 car = read_vehicle(sedan / "vehicle.toml")
 logs = [read_log(sedan / f"{n}.csv") for n in ("ramp_wet_asphalt", "coast")]

@@ -1,7 +1,8 @@
 """Bad input at the command line: one line that names the file, exit code 3, nothing written.
 
-What each reader and check says in detail is tried beside them (tests/logs, tests/test_check.py).
-Here each way to spoil an input goes through `fit` and `validate` as a user would type them.
+What each reader and check says in detail is tried beside them (tests/logs,
+tests/checks/test_check.py). Here each way to spoil an input goes through `fit` and `validate` as a
+user would type them.
 """
 
 import subprocess
@@ -11,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.fit import fit
+from calib.fitting.fit import fit
 from calib.logs.write import write_csv, write_parquet
-from calib.store import save
-from tests.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, swapped, without
+from calib.table.store import save
+from tests.support.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, swapped, without
 
 WHEELS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")
 

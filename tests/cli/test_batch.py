@@ -5,13 +5,13 @@ import json
 import pyarrow.parquet as pq
 import pytest
 
-from calib.fit import fit
+from calib.fitting.fit import fit
 from calib.fleet.columns import COLUMNS, HEAD
-from calib.scores import FIGURES
-from calib.store import save
-from calib.table import Table
-from tests.fleet.made import many
-from tests.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, with_pads
+from calib.table.store import save
+from calib.table.table import Table
+from calib.validation.metrics import METRICS
+from tests.support.fleet_logs import many
+from tests.support.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, with_pads
 
 
 @pytest.fixture(scope="module")
@@ -48,9 +48,9 @@ def test_validate_says_what_it_did_and_the_columns_have_units(batch, tmp_path):
     assert "validate on 2 workers" in ran.err
     assert "3 of 3 logs" in ran.err
     schema = pq.read_schema(tmp_path / "out/results.parquet")
-    assert schema.names == ["log", "digest", "status", "error", *FIGURES, "not_held"]
+    assert schema.names == ["log", "digest", "status", "error", *METRICS, "not_held"]
     assert all(field.metadata[b"unit"] for field in schema)
-    assert {str(schema.field(name).type) for name in FIGURES} == {"double"}
+    assert {str(schema.field(name).type) for name in METRICS} == {"double"}
     again = batch("validate", "logs", "--table", CAR.name, "--json", out=tmp_path / "out")
     assert json.loads(again.out)["done_now"] == 0
 

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from calib.errors import ChannelMapError
 from calib.logs.write import write_csv
 from cli.check import check
-from tests.made_runs import changed, made_run
+from tests.support.made_runs import changed, made_run
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
 

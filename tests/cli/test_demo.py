@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 import typer.main
 
-from calib.samples import sample_logs
+from calib.demo.samples import sample_logs
 from cli.main import app, main
 
 ROOT = Path(__file__).parents[2]

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from calib.samples import sample_logs
+from calib.demo.samples import sample_logs
 from cli.diagnose import HOLDOUT
 
 CASE = sample_logs() / "hidden" / "case_0"

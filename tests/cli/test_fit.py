@@ -6,9 +6,9 @@ import shlex
 import pytest
 
 from calib.logs.write import write_csv
-from calib.store import load
+from calib.table.store import load
 from cli.fit import EPILOG
-from tests.reference_car import CAR, REAL, SEDAN, noisy, ramp, with_pads
+from tests.support.reference_car import CAR, REAL, SEDAN, noisy, ramp, with_pads
 
 VEHICLE = SEDAN / "vehicle.toml"
 

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from tests.fleet_made import results
+from tests.support.fleet_results import results
 
 
 def test_a_report_is_written_and_told(brake_cal, tmp_path):

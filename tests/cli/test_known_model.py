@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from calib.samples import sample_logs
+from calib.demo.samples import sample_logs
 
 CASE = sample_logs() / "hidden" / "case_3"
 RAMP, COAST = (CASE / "calibration" / f"{name}.parquet" for name in ("ramp", "coast"))

@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 import typer.main
 
-import calib.store
+import calib.table.store
 from calib import __version__
 from calib.errors import BrakeCalError, InputError, StoreError
-from calib.store import save
+from calib.table.store import save
 from cli.main import app
-from tests.tables_made import made_table
+from tests.support.tables import made_table
 
 ROOT = Path(__file__).parents[2]
 
@@ -80,7 +80,7 @@ def test_an_error_is_a_line_on_stderr_and_an_exit_code(brake_cal, monkeypatch, e
     def fail(store):
         raise error
 
-    monkeypatch.setattr(calib.store, "listing", fail)
+    monkeypatch.setattr(calib.table.store, "listing", fail)
     ran = brake_cal("tables", "list", *json)
     assert (ran.code, ran.out, ran.err) == (code, "", f"error: {error}\n")
 
@@ -89,7 +89,7 @@ def test_a_bug_is_not_dressed_up(monkeypatch):
     def fail(store):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(calib.store, "listing", fail)
+    monkeypatch.setattr(calib.table.store, "listing", fail)
     monkeypatch.setattr(sys, "argv", ["brake-cal", "tables", "list"])
     with pytest.raises(ZeroDivisionError):
         app()
@@ -99,7 +99,7 @@ def test_an_interrupt_ends_with_130(brake_cal, monkeypatch):
     def interrupt(store):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(calib.store, "listing", interrupt)
+    monkeypatch.setattr(calib.table.store, "listing", interrupt)
     assert brake_cal("tables", "list").code == 130
 
 

@@ -3,11 +3,11 @@ from pathlib import Path
 
 import pytest
 
-from calib.fit import fit
+from calib.fitting.fit import fit
 from calib.logs.read import read_log
-from calib.store import save
-from calib.vehicle import read_vehicle
-from tests.tables_made import made_table
+from calib.physics.vehicle import read_vehicle
+from calib.table.store import save
+from tests.support.tables import made_table
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
 SEDAN = LOGS / "sedan"

@@ -2,8 +2,8 @@ import json
 
 import pytest
 
-from calib.store import save
-from tests.tables_made import made_table
+from calib.table.store import save
+from tests.support.tables import made_table
 
 
 @pytest.fixture

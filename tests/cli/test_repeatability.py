@@ -5,7 +5,7 @@ import json
 import pytest
 
 from calib.logs.write import write_csv
-from tests.reference_car import REAL, SEDAN, noisy, ramp, with_pads
+from tests.support.reference_car import REAL, SEDAN, noisy, ramp, with_pads
 
 VEHICLE = SEDAN / "vehicle.toml"
 PADS = {"a": 0.33, "b": 0.38, "c": 0.42}

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from calib.store import save
+from calib.table.store import save
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 RAMP, REPEAT, COAST, DRY, ONTO_BASALT, WET, VEHICLE = (

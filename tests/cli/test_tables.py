@@ -2,8 +2,8 @@ import json
 
 import pytest
 
-from calib.store import load, save
-from tests.tables_made import C, made_table
+from calib.table.store import load, save
+from tests.support.tables import C, made_table
 
 
 @pytest.fixture
@@ -137,7 +137,7 @@ def test_verify_ends_with_4_and_says_where(tables, two):
     assert ran.code == 4
     verdicts = document(ran)["versions"]
     assert [v["sound"] for v in verdicts] == [False, True, True]
-    assert "paper.parquet" in verdicts[0]["flaws"][0]
+    assert "paper.parquet" in verdicts[0]["violations"][0]
     ran = tables("verify")
     assert ran.code == 4
     assert "paper.parquet" in ran.out

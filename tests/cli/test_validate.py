@@ -7,13 +7,13 @@ from dataclasses import replace
 import pyarrow.parquet as pq
 import pytest
 
-from calib.fit import fit
+from calib.fitting.fit import fit
 from calib.logs.write import write_csv, write_parquet
-from calib.scores import FIGURES
-from calib.store import save
-from calib.vehicle import write_vehicle
+from calib.physics.vehicle import write_vehicle
+from calib.table.store import save
+from calib.validation.metrics import METRICS
 from cli.validate import EPILOG
-from tests.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, with_pads
+from tests.support.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, with_pads
 
 LOGS = ("wet.csv", "harder.parquet", "bad.csv")
 WET = with_pads(REAL, 0.31, 0.27)
@@ -89,7 +89,7 @@ def test_json_is_one_document(run, tmp_path, bound, code):
     document = json.loads(ran.out)
     assert document["table"] == "sedan-2up@1"
     assert document["verdict"] == ("failed" if code else "passed")
-    assert set(document["logs"][0]["figures"]) == set(FIGURES)
+    assert set(document["logs"][0]["figures"]) == set(METRICS)
 
 
 def test_out_holds_a_file_per_log_and_the_summary(run, tmp_path):

@@ -12,8 +12,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.fleet.journal import NAME
-from tests.fleet.made import many
-from tests.reference_car import REAL, noisy, stop
+from tests.support.fleet_logs import many
+from tests.support.reference_car import REAL, noisy, stop
 
 ROOT = Path(__file__).parents[2]
 

@@ -1,9 +1,9 @@
 import pytest
 
-from calib.fit import fit
-from calib.table import Table
-from tests.fleet.made import many
-from tests.reference_car import CAR, REAL, cut, noisy, ramp, stop, with_pads
+from calib.fitting.fit import fit
+from calib.table.table import Table
+from tests.support.fleet_logs import many
+from tests.support.reference_car import CAR, REAL, cut, noisy, ramp, stop, with_pads
 
 WET = with_pads(REAL, 0.31, 0.27)
 

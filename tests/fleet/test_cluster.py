@@ -12,7 +12,7 @@ import pytest
 
 from calib.fleet.journal import NAME
 from calib.fleet.run import run_batch
-from tests.fleet.made import Here, validating
+from tests.support.fleet_logs import Here, validating
 
 pytest.importorskip("distributed", reason="dask[distributed], the extra `dist`, is not installed")
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from calib.errors import BatchError
 from calib.fleet.journal import NAME, open_journal
+from calib.fleet.results_file import STATUSES
 from calib.fleet.row import Row, from_line, to_line
-from calib.fleet_columns import STATUSES
 
 SETTINGS = {"command": "check", "table": "none"}
 

@@ -14,8 +14,8 @@ from calib.fleet import pool as module
 from calib.fleet.journal import NAME
 from calib.fleet.pool import Pool
 from calib.fleet.run import run_batch
-from calib.store import save
-from tests.fleet.made import Here, validating
+from calib.table.store import save
+from tests.support.fleet_logs import Here, validating
 
 ROOT = Path(__file__).parents[2]
 

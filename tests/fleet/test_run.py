@@ -12,13 +12,13 @@ from calib.fleet.job import Job
 from calib.fleet.journal import NAME, Journal
 from calib.fleet.run import AHEAD, run_batch
 from calib.fleet.work import run_items
-from calib.limits import Limit
 from calib.logs.channel_map import ChannelMap, Mapping
-from calib.logs.dialect import TextFormat
 from calib.logs.read import read_log
-from calib.scores import FIGURES
-from calib.validate import validate_one
-from tests.fleet.made import Here, many, validating
+from calib.logs.text.dialect import TextFormat
+from calib.validation.limits import Limit
+from calib.validation.metrics import METRICS
+from calib.validation.validate import validate_one
+from tests.support.fleet_logs import Here, many, validating
 
 
 @pytest.fixture
@@ -40,11 +40,11 @@ def test_rows_are_those_of_validate_to_the_last_bit(job, six):
         assert row["digest"] == log.digest
         if row["status"] == "passed":
             alone = validate_one(job.table, log, None, job.limits).figures
-            assert {name: row[name] for name in FIGURES} == alone
+            assert {name: row[name] for name in METRICS} == alone
         else:
             assert "steady rolling" in row["error"]
             assert row["error"].startswith(row["log"])
-            assert all(row[name] is None for name in FIGURES)
+            assert all(row[name] is None for name in METRICS)
 
 
 def test_a_second_run_does_nothing_again(job, six):

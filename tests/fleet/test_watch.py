@@ -15,7 +15,7 @@ from calib.fleet.job import Job
 from calib.fleet.journal import NAME
 from calib.fleet.run import run_batch
 from calib.fleet.watch import Settled, watch
-from tests.fleet.made import Here, validating
+from tests.support.fleet_logs import Here, validating
 
 
 class Bench(Event):

@@ -6,7 +6,7 @@ import pytest
 
 from calib.errors import LogError
 from calib.logs.extra import need
-from tests.recordings_made import write_bus, write_dbc, write_map, write_mdf
+from tests.support.recordings import write_bus, write_dbc, write_map, write_mdf
 
 
 def test_it_is_imported():

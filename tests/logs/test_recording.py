@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.check import check
-from calib.fit import fit
+from calib.checks.check import check
+from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.store import load, save
-from calib.table import Table
-from calib.vehicle import read_vehicle
-from tests.recordings_made import SEDAN, ramp, write_bus, write_dbc, write_map, write_mdf
+from calib.physics.vehicle import read_vehicle
+from calib.table.store import load, save
+from calib.table.table import Table
+from tests.support.recordings import SEDAN, ramp, write_bus, write_dbc, write_map, write_mdf
 
 TOLERANCE = 0.25
 """Of the half-width of the 95 % band, half a sigma: of a_x, p_mc and v every other sample is gone,

@@ -6,14 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import LogError
-from calib.logs.recording import Trace
+from calib.logs.recording import ChannelTrace
 from calib.logs.resample import BRIDGE, Wanted, on_one_clock
 
 
 def wanted(name, time, values=None, hold=False, clock=None):
     time = np.asarray(time, float)
     values = 3.0 * time + 1.0 if values is None else np.asarray(values, float)
-    return Wanted(name, Trace(clock or name, time, values), hold)
+    return Wanted(name, ChannelTrace(clock or name, time, values), hold)
 
 
 @given(

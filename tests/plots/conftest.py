@@ -2,16 +2,16 @@ from pathlib import Path
 
 import pytest
 
-from calib.estimator import estimate
-from calib.fit import fit
+from calib.estimation.estimator import estimate
+from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
+from calib.physics.vehicle import read_vehicle
 from calib.plots import compare, log, simulation, stop, table
 from calib.plots.measured import measure
-from calib.plots.trace import Trace, from_estimate
-from calib.table import Table
-from calib.vehicle import read_vehicle
-from tests.tables_made import made_table
+from calib.plots.trace import StopTrace, from_estimate
+from calib.table.table import Table
+from tests.support.tables import made_table
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
 SEDAN, SIMULATION = LOGS / "sedan", LOGS / "simulation_study"
@@ -33,12 +33,12 @@ def sedan(ramp) -> Table:
 
 
 @pytest.fixture(scope="session")
-def trace(sedan, transition) -> Trace:
+def trace(sedan, transition) -> StopTrace:
     return from_estimate(sedan, "sedan@1", transition, estimate(sedan, transition))
 
 
 @pytest.fixture(scope="session")
-def simulated() -> Trace:
+def simulated() -> StopTrace:
     """The paper's Section IV: the estimator is told 0.5 and 0.6 where the pads are 0.4."""
     found = fit(
         read_vehicle(SIMULATION / "vehicle.toml"), [read_log(SIMULATION / "ramp_noisy.parquet")]

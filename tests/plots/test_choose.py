@@ -5,7 +5,7 @@ import pytest
 
 from calib.logs.read import read_log
 from calib.plots.choose import Given, sheets
-from calib.version import Stored
+from calib.table.version import Stored
 from tests.plots.conftest import SEDAN, SIMULATION
 from tests.plots.test_trace import made_result
 

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from calib.plots import compare
-from tests.plots.lines import axes, line
-from tests.tables_made import C, made_table
+from tests.support.plot_lines import axes, line
+from tests.support.tables import C, made_table
 
 FIRST, SECOND = made_table(), made_table(28.0, rows=31)
 

@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.forces import front_biased_up_to
+from calib.physics.forces import front_biased_up_to
 from calib.plots.distribution import DECELERATIONS, beta_point, distribution, ideal, rear_per_front
-from tests.plots.lines import axes, labels, line
-from tests.tables_made import VEHICLE, made_table
+from tests.support.plot_lines import axes, labels, line
+from tests.support.tables import VEHICLE, made_table
 
 WEIGHT, L, L_F, L_R, H, R = 1744.0 * 9.80665, 2.805, 1.1556, 1.6494, 0.615, 0.322
 

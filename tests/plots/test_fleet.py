@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.fleet_columns import open_fleet
-from calib.fleet_summary import summarise
+from calib.fleet.results_file import open_fleet
+from calib.fleet.summary import summarise
 from calib.plots.fleet import distribution, in_order, picture_name, sheet, window
 from calib.plots.save import render
-from tests.fleet_made import results
-from tests.plots.lines import axes, labels, line
+from tests.support.fleet_results import results
+from tests.support.plot_lines import axes, labels, line
 
 
 @pytest.fixture(scope="module")

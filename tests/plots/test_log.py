@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.plots import log as figures
-from tests.plots.lines import axes, drawn, labels, line
+from tests.support.plot_lines import axes, drawn, labels, line
 
 
 def without(log, *names):

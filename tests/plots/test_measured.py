@@ -3,10 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.fit import fit
+from calib.fitting.fit import fit
 from calib.logs.read import read_log
+from calib.physics.vehicle import read_vehicle
 from calib.plots.measured import GROUP, grouped, measure
-from calib.vehicle import read_vehicle
 from tests.plots.conftest import SIMULATION
 
 

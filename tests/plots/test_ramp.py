@@ -3,7 +3,7 @@ import numpy as np
 from calib.plots import ramp as figures
 from calib.plots.measured import measure
 from calib.plots.style import FRONT
-from tests.plots.lines import axes, drawn, labels, line
+from tests.support.plot_lines import axes, drawn, labels, line
 
 
 def test_pressure_is_drawn_in_bar(sedan, ramp):

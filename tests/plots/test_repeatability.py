@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
+from calib.gauge.study import study
 from calib.plots.repeatability import by_car, components, sheet
 from calib.plots.save import render
-from calib.repeatability import study
-from tests.plots.lines import axes, drawn, labels
-from tests.test_repeatability import readings
+from tests.gauge.test_study import readings
+from tests.support.plot_lines import axes, drawn, labels
 
 
 @pytest.fixture(scope="module")

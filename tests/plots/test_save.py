@@ -8,7 +8,7 @@ import pytest
 
 from calib.plots import table
 from calib.plots.save import ENDINGS, render, render_pages, save
-from tests.tables_made import made_table
+from tests.support.tables import made_table
 
 MAGIC = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF-"}
 ROOT = Path(__file__).parents[2]
@@ -35,7 +35,7 @@ def test_an_ending_gives_its_format_whole(figure, ending):
 def test_the_same_figure_gives_the_same_bytes_in_another_process(figure, ending):
     code = (
         "import hashlib; from calib.plots import table; from calib.plots.save import render; "
-        "from tests.tables_made import made_table; "
+        "from tests.support.tables import made_table; "
         "figure = table.sheet(made_table(), 'sedan@1').figure('coverage'); "
         f"print(hashlib.sha256(render(figure, {ending!r})).hexdigest())"
     )

@@ -3,7 +3,7 @@ import pytest
 
 from calib.plots import simulation
 from calib.plots.style import FRONT, REAR
-from tests.plots.lines import axes, drawn, labels, line
+from tests.support.plot_lines import axes, drawn, labels, line
 
 
 def test_the_page_has_figures_9_to_11_and_the_stop_by_name(simulated):
@@ -23,7 +23,7 @@ def test_compensation_shows_truth_nominal_law_and_estimate(simulated):
     ax = axes()
     simulation.compensation(ax, simulated, simulated.rear, REAR)
     law = line(ax, r"gradient law on $D(\eta)$")[1]
-    assert np.array_equal(law, simulated.rear.rivals["gradient_difference"])
+    assert np.array_equal(law, simulated.rear.baselines["gradient_difference"])
     assert line(ax, r"nominal $\mu_{p,n}$")[1] == [0.6, 0.6]
     truth = line(ax, "truth")[1][simulated.valid]
     assert truth == pytest.approx(np.full(truth.size, 0.4), rel=0.02)

@@ -5,7 +5,7 @@ import pytest
 
 from calib.plots import stop
 from calib.plots.style import FRONT
-from tests.plots.lines import axes, drawn, labels, line
+from tests.support.plot_lines import axes, drawn, labels, line
 
 
 def test_panels_in_the_order_of_the_paper(trace):
@@ -58,8 +58,8 @@ def test_pad_friction_with_interval_nominal_and_rivals(trace):
         line(ax, r"estimate $\mu_{p,c}$, 95 %")[1], trace.front.pad, equal_nan=True
     )
     assert line(ax, r"nominal $\mu_{p,n}$")[1] == [trace.front.nominal] * 2
-    for name, (label, _) in stop.RIVALS.items():
-        assert np.array_equal(line(ax, label)[1], trace.front.rivals[name], equal_nan=True)
+    for name, (label, _) in stop.BASELINES.items():
+        assert np.array_equal(line(ax, label)[1], trace.front.baselines[name], equal_nan=True)
     low, high = ax.get_ylim()
     held = trace.valid
     assert low < trace.front.lower[held].min()

@@ -4,7 +4,7 @@ import pytest
 
 from calib.plots import style
 from calib.plots.style import noisy, shade, smooth, styled, view
-from tests.plots.lines import axes, drawn, line
+from tests.support.plot_lines import axes, drawn, line
 
 TIME = np.arange(0.0, 2.0, 0.005)
 

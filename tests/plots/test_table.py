@@ -5,9 +5,9 @@ import pytest
 
 from calib.plots import table as figures
 from calib.plots.measured import measure
-from calib.table import EXTRAPOLATED, INTERPOLATED, MEASURED
-from tests.plots.lines import axes, drawn, labels, line
-from tests.tables_made import C, made_table
+from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED
+from tests.support.plot_lines import axes, drawn, labels, line
+from tests.support.tables import C, made_table
 
 TABLE = made_table()
 PERCENT = 100.0 * (TABLE.paper.eta - 1.0)

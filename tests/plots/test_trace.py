@@ -3,11 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.estimator import estimate
-from calib.plots.result import COLUMNS, Result, read_result
+from calib.estimation.estimator import estimate
+from calib.physics.vehicle import read_vehicle
+from calib.plots.result import COLUMNS, StoredResult, read_result
 from calib.plots.trace import from_estimate, from_result
-from calib.results import write_result
-from calib.vehicle import read_vehicle
+from calib.validation.results import write_result
 from tests.plots.conftest import SEDAN
 
 WEIGHT = 1744.0 * 9.80665
@@ -74,7 +74,7 @@ def made_result():
     n = 40
     values = dict.fromkeys(COLUMNS, np.full(n, 0.4)) | {"time": 0.01 * np.arange(n)}
     values |= {f"brake_torque_{w}": np.full(n, 100.0) for w in ("fl", "fr", "rl", "rr")}
-    return Result("stop", "ab" * 32, values, np.ones(n, bool))
+    return StoredResult("stop", "ab" * 32, values, np.ones(n, bool))
 
 
 def test_a_result_alone_has_no_nominal_pads():

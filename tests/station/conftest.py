@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 
 from calib.logs.read import read_log
+from calib.physics.vehicle import read_vehicle
 from calib.station.advice import LIMITS
-from calib.station.figures import Car
 from calib.station.identity import Identity
-from calib.station.station import Outcome, outcome, table_of, validated
-from calib.store import save
-from calib.vehicle import read_vehicle
-from calib.version import Stored
+from calib.station.metrics import Car
+from calib.station.station import StationOutcome, outcome, table_of, validated
+from calib.table.store import save
+from calib.table.version import Stored
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 MARKUP = "<img src=x onerror=alert(1)>&\"'$"
@@ -20,7 +20,7 @@ MARKUP = "<img src=x onerror=alert(1)>&\"'$"
 
 
 @pytest.fixture(scope="session")
-def found() -> Outcome:
+def found() -> StationOutcome:
     """A car with a log and a serial number named in markup; basalt with wet pads fails it."""
     car = replace(read_vehicle(SEDAN / "vehicle.toml"), name="sedan")
     ramp, coast = (read_log(SEDAN / f"{n}.csv") for n in ("ramp_wet_asphalt", "coast"))
@@ -33,5 +33,5 @@ def found() -> Outcome:
 
 
 @pytest.fixture(scope="session")
-def kept(found: Outcome, tmp_path_factory: pytest.TempPathFactory) -> Stored:
+def kept(found: StationOutcome, tmp_path_factory: pytest.TempPathFactory) -> Stored:
     return save(found.table, tmp_path_factory.mktemp("line") / "tables")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.station.golden import distance
-from tests.tables_made import made_table
+from tests.support.tables import made_table
 
 
 def test_a_table_lies_on_itself():

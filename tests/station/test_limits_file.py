@@ -1,10 +1,10 @@
 """The file that `limits init` writes says what the program does."""
 
-from calib.limits import read_limits
-from calib.scores import FIGURES as OF_STOPS
 from calib.station.advice import ADVICE, LIMITS
-from calib.station.figures import FIGURES as OF_CAR
 from calib.station.limits_file import limits_file
+from calib.station.metrics import METRICS as OF_CAR
+from calib.validation.limits import read_limits
+from calib.validation.metrics import METRICS as OF_STOPS
 
 
 def test_it_reads_back_as_the_defaults(tmp_path):

@@ -8,8 +8,8 @@ from itertools import pairwise
 import pytest
 
 from calib.station.report import report_html
-from tests.browser import BROWSER, Browser
 from tests.station.conftest import MARKUP
+from tests.support.browser import BROWSER, Browser
 
 needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium here; apt install chromium")
 

@@ -7,8 +7,8 @@ import pytest
 
 from calib.names import G
 from calib.station.sides import side_difference
-from tests.made_runs import changed, made_run, ramp
-from tests.tables_made import made_table
+from tests.support.made_runs import changed, made_run, ramp
+from tests.support.tables import made_table
 
 TABLE = made_table()
 

@@ -5,16 +5,16 @@ from dataclasses import replace
 import pytest
 
 from calib.errors import LogError
-from calib.limits import Limit
 from calib.logs.read import read_log
-from calib.scores import FIGURES as OF_STOPS
+from calib.physics.vehicle import read_vehicle
 from calib.station.advice import ADVICE, LIMITS
-from calib.station.figures import FIGURES as OF_CAR
-from calib.station.figures import Car
 from calib.station.identity import Identity
+from calib.station.metrics import METRICS as OF_CAR
+from calib.station.metrics import Car
 from calib.station.station import outcome, table_of, validated
 from calib.station.words import in_full, sentence
-from calib.vehicle import read_vehicle
+from calib.validation.limits import Limit
+from calib.validation.metrics import METRICS as OF_STOPS
 from tests.station.conftest import SEDAN
 
 GOOD = ("dry_asphalt_stop", "transition_dry_to_basalt")

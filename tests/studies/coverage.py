@@ -16,10 +16,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.estimator import Estimate, estimate
-from calib.fit import fit
+from calib.estimation.estimator import Estimate, estimate
+from calib.fitting.fit import fit
 from calib.logs.log import Log
-from calib.table import Table
+from calib.table.table import Table
 from tests.studies.ensemble import SURFACES, Case, cases
 
 METHODS = ("kalman", "nominal", "mean_gain", "gradient_paper", "rls_paper", "rls_difference")
@@ -83,7 +83,7 @@ def row(index: int, table: Table, log: Log, surface: str, alike: bool) -> Row:
 
 def method_errors(e: Estimate, truths: list[np.ndarray]) -> dict[str, tuple[float, float]]:
     """Rms relative error of each method over the valid samples, front and rear [1]."""
-    pads = {"kalman": (e.front.pad_friction, e.rear.pad_friction), **e.rivals}
+    pads = {"kalman": (e.front.pad_friction, e.rear.pad_friction), **e.baselines}
     return {
         name: tuple(
             float(np.sqrt(np.mean((mu / t - 1.0)[e.valid] ** 2)))

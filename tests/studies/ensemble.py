@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.logs.log import Log
-from calib.noise import LEVELS, add_noise
-from calib.vehicle import Axle, Vehicle
-from tests.plant import Plant, as_log, brush, drive, magic
+from calib.physics.vehicle import Axle, Vehicle
+from calib.simulation.sensor_noise import LEVELS, add_noise
+from tests.support.plant import Plant, as_log, brush, drive, magic
 
 SURFACES = {
     # name: stiffness factors, peak factors, deceleration aimed at, common pad level

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.fit import fit
+from calib.fitting.fit import fit
 from calib.logs.write import write_csv
-from calib.manoeuvre import ramp
-from calib.model import default_model
-from calib.noise import add_noise
-from calib.simulate import simulate
-from calib.table import Table
-from calib.vehicle import Vehicle
+from calib.physics.model import default_model
+from calib.physics.vehicle import Vehicle
+from calib.simulation.manoeuvre import ramp
+from calib.simulation.sensor_noise import add_noise
+from calib.simulation.simulate import simulate
+from calib.table.table import Table
 
 SAMPLES, RATE = 2000, 200.0
 

@@ -13,14 +13,14 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.estimator import Estimate, estimate
-from calib.fit import fit
+from calib.demo.samples import sample_logs
+from calib.estimation.estimator import Estimate, estimate
+from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.samples import sample_logs
-from calib.scores import accuracy, truth_of
-from calib.table import Table
-from calib.vehicle import Vehicle, read_vehicle
+from calib.physics.vehicle import Vehicle, read_vehicle
+from calib.table.table import Table
+from calib.validation.metrics import accuracy, truth_of
 
 HERE = sample_logs()
 SEDAN_PADS = {

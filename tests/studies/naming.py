@@ -25,8 +25,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.hidden.cases import KINDS, HiddenCase, draw, write
-from tests.hidden.score import FAINT, Replays, Score, score
+from tests.support.hidden.cases import KINDS, HiddenCase, draw, write
+from tests.support.hidden.score import FAINT, Replays, Score, score
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def carry_out(job: Job) -> Row:
 
 def diagnosed(case: HiddenCase) -> tuple[Mapping[str, Any], Replays, Replays]:
     """Run the program on what it may see."""
-    from calib.diagnose.diagnose import diagnose
+    from calib.diagnosis.diagnose import diagnose
 
     found = diagnose(list(case.calibration), list(case.holdout), case.vehicle)
     return told(found), replays(found.before), replays(found.after)

@@ -14,8 +14,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.anova import BOTH, CAR, REPEAT, STATION, anova, terms_of
-from calib.components import GAUGE, NDC, TOTAL, gauge
+from calib.gauge.anova import BOTH, CAR, REPEAT, STATION, anova, terms_of
+from calib.gauge.gauge_rr import GAUGE, NDC, TOTAL, gauge
 
 GAUGES = {
     # standard deviations of car, station, car by station, repeat

@@ -22,18 +22,18 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from calib.errors import BrakeCalError
-from calib.limits import FAILED, PASSED, WARNING
 from calib.logs.log import Log
-from calib.noise import LEVELS, Level, add_noise
+from calib.physics.vehicle import Vehicle
+from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
 from calib.station.advice import ADVICE
-from calib.station.figures import Car
 from calib.station.identity import Identity
+from calib.station.metrics import Car
 from calib.station.station import outcome, table_of, validated
-from calib.table import Table
-from calib.vehicle import Vehicle
-from tests.plant import Plant, Pressure, as_log, drive
+from calib.table.table import Table
+from calib.validation.limits import FAILED, PASSED, WARNING
 from tests.studies.ensemble import car, per_pascal, tyre
 from tests.studies.naming import wilson
+from tests.support.plant import Plant, Pressure, as_log, drive
 
 LIMITS = tuple(row.limit for row in ADVICE)
 STOPS = ("hold", "hard", "wave")
@@ -46,7 +46,7 @@ class Model:
 
     vehicle: Vehicle
     plant: Plant
-    levels: dict[str, Level]
+    levels: dict[str, NoiseLevel]
     bar_per_second: float
     speed: float
 

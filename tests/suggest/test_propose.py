@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from calib.errors import InputError
 from calib.logs.channel_map import read_channel_map
 from calib.logs.read import open_log, read_log
-from calib.logs.source import Column, Source
+from calib.logs.source import Column, ColumnSource
 from calib.suggest.propose import suggest
 from calib.suggest.written import to_lines, to_toml
-from tests.made_runs import changed, made_run, stop
+from tests.support.made_runs import changed, made_run, stop
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 WHEELS = ("fl", "fr", "rl", "rr")
@@ -44,7 +44,7 @@ def foreign(run=RUN):
 def source_of(columns):
     values = list(columns.values())
     names = tuple(Column(name, unit) for name, unit in columns)
-    return Source(names, lambda indices: [values[i] for i in indices])
+    return ColumnSource(names, lambda indices: [values[i] for i in indices])
 
 
 def suggestion(columns, **told):

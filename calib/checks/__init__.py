@@ -1,0 +1,1 @@
+"""What is in a log, whether it is usable, and for what."""

@@ -1,0 +1,217 @@
+"""What is in a log, whether it is usable, and for what."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from calib.checks.computed_channels import ComputedChannel
+from calib.checks.observation import OPTIONAL, Observation, observe
+from calib.checks.rules import PURPOSES, problems
+from calib.checks.sensors import Sensor
+from calib.checks.uses import uses
+from calib.checks.warnings import warnings_of
+from calib.checks.wheel_checks import IntervalEstimate
+from calib.logs.log import Log, Origin
+from calib.names import CHANNELS
+from calib.signals.driving_record import BrakeEvent
+from calib.units import from_si, to_si
+
+
+@dataclass(frozen=True)
+class LogVerdict:
+    """Whether a log serves a purpose; ``reasons`` why not, each with what to do instead."""
+
+    purpose: str
+    usable: bool
+    reasons: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What a channel was made of: SI value = factor * written + offset; ``low``, ``high`` in SI."""
+
+    channel: str
+    source: str
+    unit: str
+    factor: float
+    offset: float
+    si: str
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        offset = f" {self.offset:+.6g}" if self.offset else ""
+        span = f"{self.low:.6g} to {self.high:.6g} {self.si}"
+        return f"from {self.source!r} [{self.unit}] x {self.factor:.6g}{offset}: {span}"
+
+    @property
+    def as_it_stands(self) -> bool:
+        """Whether the file has the channel under its own name, in the unit of our own files."""
+        quantity = CHANNELS[self.channel]
+        plain = to_si(1.0, quantity.unit, quantity.si) - to_si(0.0, quantity.unit, quantity.si)
+        same = self.source == self.channel and math.isclose(self.factor, plain)
+        return same and self.offset == to_si(0.0, quantity.unit, quantity.si)
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What `check` found in one log.
+
+    Attributes
+    ----------
+    log, source, digest : which one.
+    truth, ignored : its truth channels; columns that were not taken.
+    seen : what is in it [SI].
+    notes : what was done on reading.
+    warnings : what the user should know although it is not fatal.
+    verdicts : one for each purpose.
+    taken : which column each channel was made of.
+    uses : what can be learnt from it, whatever it is unfit for.
+    """
+
+    log: str
+    source: str
+    digest: str
+    truth: tuple[str, ...]
+    ignored: tuple[str, ...]
+    seen: Observation
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    verdicts: tuple[LogVerdict, ...]
+    taken: tuple[Taken, ...] = ()
+    uses: tuple[str, ...] = ()
+
+    @property
+    def usable(self) -> bool:
+        """Whether the log serves any purpose."""
+        return any(verdict.usable for verdict in self.verdicts)
+
+
+def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
+    """Look at a log and judge it for each purpose.
+
+    ``copies`` are pressures of the log that were computed from something else, see
+    `calib.checks.computed_channels`: they make it useless for every purpose.
+
+    Works on whatever `calib.logs.read.read_log` gives, also with ``require=()``. It judges the
+    driving and the sensors; whether the vehicle file fits the car it cannot know.
+    """
+    seen = observe(log)
+    verdicts = []
+    for purpose in PURPOSES:
+        reasons = (*map(str, copies), *problems(seen, purpose))
+        verdicts.append(LogVerdict(purpose, not reasons, reasons))
+    return Findings(
+        log=log.name,
+        source=log.source,
+        digest=log.digest,
+        truth=tuple(log.truth),
+        ignored=log.ignored,
+        seen=seen,
+        notes=log.notes,
+        warnings=tuple(warnings_of(seen)),
+        verdicts=tuple(verdicts),
+        taken=tuple(_taken(log, origin) for origin in log.origins if origin.channel in CHANNELS),
+        uses=tuple(uses(seen)),
+    )
+
+
+def _taken(log: Log, origin: Origin) -> Taken:
+    values = log[origin.channel]
+    return Taken(
+        **asdict(origin),
+        si=CHANNELS[origin.channel].si,
+        low=float(values.min()),
+        high=float(values.max()),
+    )
+
+
+def problems_for(log: Log, purpose: str) -> list[str]:
+    """Reasons to refuse a log for "fit", "validate" or "diagnose"; empty if it is usable.
+
+    For "fit" a log must hold a ramp itself: a coast or a stop beside it is judged as "diagnose".
+    """
+    return problems(observe(log, noise=False), purpose)
+
+
+def to_dict(findings: Findings) -> dict[str, Any]:
+    """The findings as plain data, numbers in SI."""
+    return {"usable": findings.usable, **asdict(findings)}
+
+
+def to_text(findings: Findings) -> str:
+    """The findings as lines of text, in the units of a log file."""
+    lines = [findings.source]
+    lines += [f"  {label:<12} {text}" for label, text in facts(findings)]
+    lines += [f"  {'read':<12} {text}" for text in findings.notes]
+    lines += [f"  {'warning':<12} {text}" for text in findings.warnings]
+    for verdict in findings.verdicts:
+        lines.append(f"  {verdict.purpose:<12} {'usable' if verdict.usable else 'not usable'}")
+        lines += [f"  {'':<12} - {reason}" for reason in verdict.reasons]
+    return "\n".join(lines)
+
+
+def facts(findings: Findings) -> Iterator[tuple[str, str]]:
+    """Label and text of what was found, without warnings and verdicts; units of a log file."""
+    seen, clock = findings.seen, findings.seen.clock
+    yield "channels", ", ".join(seen.present) + (" + truth" if findings.truth else "")
+    absent = [name for name in OPTIONAL if name not in seen.present]
+    if seen.missing:
+        yield "missing", ", ".join(seen.missing)
+    yield "not there", ", ".join(absent) or "-"
+    if findings.ignored:
+        yield "ignored", ", ".join(findings.ignored)
+    if not all(item.as_it_stands for item in findings.taken):
+        for item in findings.taken:
+            yield item.channel, str(item)
+    jitter = f"jitter {1e3 * clock.jitter:.2f} ms, {len(clock.gaps)} gaps"
+    yield "clock", f"{clock.samples} samples, {clock.duration:.2f} s, {clock.rate:.4g} Hz, {jitter}"
+    for sensor in seen.sensors:
+        yield sensor.channel, _sensor(sensor)
+    yield from _driving(findings)
+
+
+def _driving(findings: Findings) -> Iterator[tuple[str, str]]:
+    """What was driven, where ``a_x`` and the wheel speeds are there to tell."""
+    seen = findings.seen
+    if seen.axles is None:
+        return
+    yield "driven", f"up to {3.6 * seen.speed:.0f} km/h, up to {seen.z:.2f} g"
+    yield "lead-in", f"{seen.lead_in:.2f} s of steady rolling"
+    for number, event in enumerate(seen.events, start=1):
+        yield f"braking {number}", _event(event)
+    yield "eta - 1", _percent(seen.axles.front_rear) + " without braking"
+    sides = (seen.axles.left_right_f, seen.axles.left_right_r)
+    yield "right/left", f"front {_percent(sides[0])}, rear {_percent(sides[1])}"
+    for text in findings.uses:
+        yield "good for", text
+
+
+def _sensor(sensor: Sensor) -> str:
+    quantity = CHANNELS[sensor.channel]
+
+    def written(value: float, digits: int = 4) -> str:
+        return f"{from_si(value, quantity.unit, quantity.si):.{digits}g}"
+
+    parts = [f"{written(sensor.low)} to {written(sensor.high)} {quantity.unit}"]
+    parts += [f"steps of {written(sensor.resolution, 2)}"] if sensor.resolution else []
+    if sensor.noise == sensor.noise:  # not NaN
+        colour = f"autocorrelation {sensor.autocorrelation:+.2f}"
+        parts.append(f"noise {written(sensor.noise, 2)} ({colour})")
+    return ", ".join(parts)
+
+
+def _event(event: BrakeEvent) -> str:
+    pressure = "" if event.pressure is None else f", to {event.pressure / 1e5:.1f} bar"
+    return (
+        f"{event.start:.2f} to {event.end:.2f} s{pressure}, to {event.z_high:.2f} g, "
+        f"{3.6 * event.speed_start:.0f} to {3.6 * event.speed_end:.0f} km/h, "
+        f"rises for {event.rise:.1f} s by {event.rise_z:.2f} g"
+    )
+
+
+def _percent(estimate: IntervalEstimate | None) -> str:
+    if estimate is None:
+        return "not seen"
+    return f"{100 * estimate.value:+.3f} +- {100 * estimate.half:.3f} %"

@@ -1,0 +1,84 @@
+"""Channels that are another column times a number: computed, not measured."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import LogError
+from calib.logs.log import Log
+from calib.logs.source import ColumnSource
+from calib.names import CHANNELS
+from calib.units import UnknownUnit, si_of, spelling
+
+Array = NDArray[np.float64]
+
+ALIKE = 1e-3
+"""Difference of a channel and its original, over its range [1]: both were printed in decimals."""
+PRESSURES = ("p_mc", "p_fl", "p_fr", "p_rl", "p_rr")
+"""The channels that are looked at: a car's bus has the torque its brake system wants, not always
+a pressure, and decoders divide the one to get something that looks like the other."""
+
+
+@dataclass(frozen=True)
+class ComputedChannel:
+    """``channel`` is ``factor`` times the column ``source`` in ``unit``, a unit of ``quantity``."""
+
+    channel: str
+    source: str
+    unit: str
+    factor: float
+
+    def __str__(self) -> str:
+        return (
+            f"{self.channel} in bar is {self.factor:.4g} times {self.source} [{self.unit}]: it was "
+            "computed from that and is no pressure: log the pressure itself"
+        )
+
+
+def factor_between(channel: Array, other: Array) -> float | None:
+    """The number that makes ``other`` into ``channel``, or None: shapes (n,).
+
+    >>> factor_between(np.array([0.0, 1.0, 3.0, 2.0]), np.array([0.0, 100.0, 300.0, 200.0]))
+    0.01
+    """
+    extent = float(np.ptp(channel))
+    if extent == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
+        return None
+    factor = float(channel @ other / (other @ other))
+    alike = float(np.max(np.abs(channel - factor * other))) < ALIKE * extent
+    return round(factor, 12) if alike else None
+
+
+def computed_channels(log: Log, source: ColumnSource) -> tuple[ComputedChannel, ...]:
+    """The pressures of a log that are a column of another quantity times a number.
+
+    ``source`` is the opened file of ``log``. Columns of pressure are no originals here: a logger
+    may write one pressure in two units.
+    """
+    return tuple(_copies(log, source))
+
+
+def _copies(log: Log, source: ColumnSource) -> Iterator[ComputedChannel]:
+    pressures = [name for name in PRESSURES if name in log]
+    for index, column in enumerate(source.columns):
+        if column.name not in log.ignored or not pressures or not _other_quantity(column.unit):
+            continue
+        try:
+            (values,) = source.read([index])
+        except LogError:
+            continue
+        for name in pressures:
+            if values.size == log[name].size:
+                factor = factor_between(log[name] / 1e5, values)
+                if factor is not None:
+                    yield ComputedChannel(name, column.name, spelling(str(column.unit)), factor)
+
+
+def _other_quantity(unit: str | None) -> bool:
+    """Whether a unit is known and measures something else than pressure."""
+    try:
+        return unit is not None and si_of(unit) != CHANNELS["p_mc"].si
+    except UnknownUnit:
+        return False

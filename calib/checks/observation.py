@@ -1,0 +1,86 @@
+"""Everything that is looked at in a log before it is judged."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.checks.clock import Clock, clock_of
+from calib.checks.sensors import Sensor, sensors_of
+from calib.checks.wheel_checks import Axles, Slipping, axles_of, slipping
+from calib.logs.log import Log
+from calib.names import CHANNELS, WHEELS
+from calib.signals.driving_record import STEADY, BrakeEvent, brake_events, driving_record
+
+REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
+OPTIONAL = tuple(q.name for q in CHANNELS.values() if not q.required)
+STANDING = 0.5
+"""Wheel speed [rad/s] below which a car stands: 0.15 m/s."""
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What is in a log, in SI.
+
+    Attributes
+    ----------
+    present, missing : canonical channels; ``missing`` only those that every log must have.
+    clock, sensors : see there; ``time`` has no sensor.
+    events : applications of the brake, by pressure, or by deceleration where there is none.
+    lead_in : unbraked, steady and moving time before the first event [s].
+    coasting : all unbraked, steady and moving time [s].
+    lead_in_driven : whether the car was accelerated in it.
+    standing : time in which all wheels stand [s].
+    speed : highest [m/s]; rough without ``v``.
+    z : highest deceleration [1].
+    axles, slipping : None where ``a_x`` or a wheel speed is missing; so are the times above.
+    """
+
+    present: tuple[str, ...]
+    missing: tuple[str, ...]
+    clock: Clock
+    sensors: tuple[Sensor, ...]
+    events: tuple[BrakeEvent, ...] = ()
+    lead_in: float = 0.0
+    coasting: float = 0.0
+    lead_in_driven: bool = False
+    standing: float = 0.0
+    speed: float = 0.0
+    z: float = 0.0
+    axles: Axles | None = None
+    slipping: Slipping | None = None
+
+    def sensor(self, channel: str) -> Sensor | None:
+        """The sensor of a channel, or None."""
+        return next((s for s in self.sensors if s.channel == channel), None)
+
+
+def observe(log: Log, *, noise: bool = True) -> Observation:
+    """Look at a log; without ``a_x`` and all wheel speeds only at its clock and sensors.
+
+    Without ``noise`` the sensors' noise and steps, which no purpose hangs on, stay unknown (NaN).
+    """
+    present = tuple(name for name in CHANNELS if name in log)
+    missing = tuple(name for name in REQUIRED if name not in log)
+    clock = clock_of(log.time)
+    if set(missing) - {"p_mc"}:
+        return Observation(present, missing, clock, sensors_of(log, None, noise=noise))
+    course = driving_record(log)
+    events = brake_events(course)
+    rolling = course.lead_in & course.moving
+    steady = rolling & (np.abs(course.z) < STEADY)
+    wheels = np.max([log[f"omega_{w}"] for w in WHEELS], axis=0)
+    return Observation(
+        present=present,
+        missing=missing,
+        clock=clock,
+        sensors=sensors_of(log, course, noise=noise),
+        events=events,
+        lead_in=float(steady.sum() * course.step),
+        coasting=float(course.unbraked.sum() * course.step),
+        lead_in_driven=bool((course.wheel_z[rolling] < -0.1).sum() > 0.2 * rolling.sum()),
+        standing=float((wheels < STANDING).sum() * course.step),
+        speed=float(course.speed.max()),
+        z=float(course.z[course.moving].max()) if course.moving.any() else 0.0,
+        axles=axles_of(log, course),
+        slipping=slipping(log, course, events),
+    )

@@ -1,0 +1,193 @@
+"""Is a log usable, and for what: each rule in words that say what to drive or mend instead."""
+
+from collections.abc import Iterator
+
+from calib.checks.observation import Observation
+from calib.checks.sensors import Sensor
+from calib.signals.driving_record import BITE, BITE_Z, BrakeEvent
+
+PURPOSES = ("fit", "validate", "diagnose")
+
+# The slowest and fastest clocks that must work, with a little slack for a rate that is not exact.
+RATES = (38.0, 1050.0)
+LEAD_IN_FIT, LEAD_IN_GOOD, LEAD_IN_VALIDATE = 0.5, 1.0, 0.25  # [s]
+RAMP_Z, RAMP_TIME, RAMP_RISE = 0.25, 2.0, 1.0  # [g], braking [s], of which rising [s]
+BRAKING = 1.0  # [s] above 3 m/s
+COASTING = 2.0  # [s]; a coast of that length shows the zero of eta and the drag
+RADIUS = (0.12, 0.9)  # [m] that a_x over wheel deceleration may look like
+PRESSURE = 350e5  # [Pa] that no master cylinder reaches
+GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] that no road car reaches
+HOLE = 0.1  # [s] that may be missing within a braking
+
+
+def problems(seen: Observation, purpose: str) -> list[str]:
+    """Reasons why a log cannot serve a purpose, each with what to do; empty if it can.
+
+    ``purpose`` is "fit", "validate" or "diagnose".
+    """
+    rules = {"fit": _not_for_fit, "validate": _not_for_validate, "diagnose": _not_for_diagnose}
+    basic = list(_unusable(seen))
+    return basic if seen.missing else basic + list(rules[purpose](seen))
+
+
+def _unusable(seen: Observation) -> Iterator[str]:
+    """What makes a log useless for everything."""
+    for name in seen.missing:
+        yield f"{name} is missing: record it" + (
+            ", in bar, at the master cylinder" if name == "p_mc" else ""
+        )
+    if not RATES[0] <= seen.clock.rate <= RATES[1]:
+        yield f"the clock runs at {seen.clock.rate:.4g} Hz: record at 40 Hz to 1 kHz, best 200 Hz"
+    if set(seen.missing) - {"p_mc"}:
+        return
+    if seen.speed < 3.0:
+        yield f"the car stands or crawls ({seen.speed:.1f} m/s at most): drive at 30 km/h or more"
+    for sensor in seen.sensors:
+        if sensor.stuck and sensor.channel in ("a_x", "p_mc", *_wheels(seen)):
+            yield f"{hanging(sensor)}: mend the sensor and drive again"
+    for sensor in seen.sensors:
+        top = GREATEST.get(sensor.channel.split("_f")[0].split("_r")[0])
+        if top is not None and max(sensor.high, -sensor.low) > top:
+            yield (
+                f"{sensor.channel} reaches {max(sensor.high, -sensor.low):.4g}, no road car does: "
+                "mend the sensor, or its unit in the channel map"
+            )
+    yield from _wrong_a_x(seen)
+    yield from _wrong_pressure(seen)
+
+
+def _wheels(seen: Observation) -> list[str]:
+    return [name for name in seen.present if name.startswith("omega")]
+
+
+def hanging(sensor: Sensor) -> str:
+    """Where a sensor hangs, in words."""
+    times = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in sensor.stuck)
+    return f"{sensor.channel} hangs from {times} while the others move"
+
+
+def _wrong_a_x(seen: Observation) -> Iterator[str]:
+    slope = seen.axles.slope if seen.axles else None
+    if slope is None:
+        return
+    if slope < 0:
+        yield (
+            "a_x is positive while the wheels slow down: turn it round in a channel map "
+            "(sign = -1); forward is positive"
+        )
+    if not RADIUS[0] <= abs(slope) <= RADIUS[1]:
+        yield (
+            f"a_x and the wheel speeds fit together as if the wheels had a radius of "
+            f"{abs(slope):.3g} m: check the unit of both (g or m/s^2, rad/s or rpm)"
+        )
+
+
+def _wrong_pressure(seen: Observation) -> Iterator[str]:
+    sensor = seen.sensor("p_mc")
+    if sensor is None:
+        return
+    if sensor.high > PRESSURE:
+        yield f"p_mc reaches {sensor.high / 1e5:.0f} bar: check its unit"
+    if sensor.low < -3e5:
+        yield f"p_mc falls to {sensor.low / 1e5:.1f} bar: check its zero and its sign"
+    if seen.z > 2.5 * BITE_Z and sensor.high < BITE:
+        yield (
+            f"the car brakes with {seen.z:.2f} g and p_mc stays below {BITE / 1e5:g} bar: "
+            "check its unit, or whether it is the brake's pressure at all"
+        )
+
+
+def _not_for_fit(seen: Observation) -> Iterator[str]:
+    if not seen.events:
+        yield "no braking: drive a slow pressure ramp of 3 to 8 s; a coast log goes beside one"
+        return
+    if seen.lead_in < LEAD_IN_FIT:
+        yield (
+            f"{seen.lead_in:.2f} s of steady rolling at the start: "
+            "roll for a second before the ramp"
+        )
+    ramp = ramp_of(seen)
+    if ramp is None:
+        yield from _no_ramp(max(seen.events, key=lambda e: e.rise_z))
+        ramp = max(seen.events, key=lambda e: e.braking)
+    yield from _disturbed(seen, ramp)
+    yield from _blurred_eta(seen)
+
+
+def ramp_of(seen: Observation) -> BrakeEvent | None:
+    """The widest ramp of the log, or None: the braking rises steadily, long and far enough."""
+    good = [e for e in seen.events if e.braking >= RAMP_TIME and e.rise >= RAMP_RISE]
+    best = max(good, key=lambda e: e.rise_z, default=None)
+    return best if best is not None and best.rise_z >= RAMP_Z else None
+
+
+def _no_ramp(event: BrakeEvent) -> Iterator[str]:
+    if event.rise < RAMP_RISE:
+        yield (
+            f"the brake is applied within {event.rise:.1f} s: press slowly, over 3 to 8 s, "
+            "so that every level is visited"
+        )
+    elif event.braking < RAMP_TIME:
+        yield (
+            f"{event.braking:.1f} s of braking above 3 m/s: brake for {RAMP_TIME:g} s or more, "
+            "from a higher speed"
+        )
+    else:
+        yield (
+            f"the ramp spans {event.rise_z:.2f} g: go on to {RAMP_Z + 0.1:.2f} g or more, "
+            "without ABS"
+        )
+
+
+def _blurred_eta(seen: Observation) -> Iterator[str]:
+    """A table is a curve over eta: with its zero unknown by half of its rise there is none."""
+    axles = seen.axles
+    if axles is None or axles.front_rear is None or axles.eta_braked is None:
+        return
+    zero, rise = axles.front_rear, axles.eta_braked
+    if zero.half > 0.5 * abs(rise.value):
+        yield (
+            f"eta rises by {100 * rise.value:.2f} % under braking and its zero is only known to "
+            f"{100 * zero.half:.2f} %: log the wheel speeds finer and faster, or coast longer"
+        )
+
+
+def _disturbed(seen: Observation, ramp: BrakeEvent) -> Iterator[str]:
+    """What spoils a ramp although it is one."""
+    slips = seen.slipping
+    if slips and any(ramp.start <= t <= ramp.end for _, t in slips.cycles):
+        when = min(t for _, t in slips.cycles if t >= ramp.start)
+        yield f"ABS works from {when:.2f} s on: end the ramp before, or use a road with more grip"
+    if slips and slips.locked:
+        yield f"wheel {', '.join(slips.locked)} locks: end the ramp before"
+    for name in ("p_mc", "a_x", *_wheels(seen)):
+        sensor = seen.sensor(name)
+        if sensor and sensor.saturated:
+            yield f"{name} is at the end of its range for {sensor.saturated:.2f} s: widen the range"
+    for when, length in seen.clock.gaps:
+        if length > HOLE and ramp.start <= when <= ramp.end:
+            yield f"{length:.2f} s are missing from {when:.2f} s on, within the ramp: drive again"
+
+
+def _not_for_validate(seen: Observation) -> Iterator[str]:
+    if not seen.events:
+        yield "no braking: drive a stop from 50 km/h or more"
+        return
+    if seen.lead_in < LEAD_IN_VALIDATE:
+        yield (
+            f"{seen.lead_in:.2f} s of steady rolling at the start: "
+            "roll for a second before the stop"
+        )
+    braking = sum(event.braking for event in seen.events)
+    if braking < BRAKING:
+        yield f"{braking:.1f} s of braking above 3 m/s: brake for {BRAKING:g} s or more"
+
+
+def _not_for_diagnose(seen: Observation) -> Iterator[str]:
+    if seen.events:
+        yield from _not_for_validate(seen)
+    elif seen.coasting < COASTING:
+        yield (
+            f"no braking, and only {seen.coasting:.1f} s of coasting: drive a stop, or coast for "
+            f"{COASTING:g} s or more"
+        )

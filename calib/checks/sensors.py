@@ -1,0 +1,174 @@
+"""What each channel says of its sensor: range, steps, noise, and whether it hangs or saturates."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.logs.log import Log
+from calib.names import CHANNELS
+from calib.signals.driving_record import SMOOTH, DrivingRecord, Mask, centred_mean, runs
+
+Array = NDArray[np.float64]
+
+HANGING = 1.0
+"""A value that stays the same for longer than this while others move is not measured [s]."""
+HELD = 0.1
+"""A highest value that is held for longer than this may be the end of the range [s]."""
+HIGH_PASS = 0.2
+"""Noise is what is faster than this [s]: a braking takes longer to build up."""
+
+UNKNOWN = (float("nan"),) * 3
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """One channel of a log, in SI.
+
+    Attributes
+    ----------
+    low, high : range.
+    resolution : step of the values; 0 where none is seen.
+    noise : standard deviation of what is faster than 0.2 s, on the unbraked part; NaN if that is
+        too short.
+    white : its part that differs from sample to sample.
+    autocorrelation : of the noise, from one sample to the next [1].
+    flat : share of the unbraked part in which it has its commonest value there [1].
+    stuck : (from, to) where it hangs while others move [s].
+    saturated : seconds for which it holds its highest (``a_x``: lowest) value, if that is odd.
+    """
+
+    channel: str
+    low: float
+    high: float
+    resolution: float
+    noise: float
+    white: float
+    autocorrelation: float
+    flat: float
+    stuck: tuple[tuple[float, float], ...]
+    saturated: float
+
+
+def sensors_of(log: Log, course: DrivingRecord | None, *, noise: bool = True) -> tuple[Sensor, ...]:
+    """Look at every measured channel but time. Without a ``course`` nothing is known to move.
+
+    Without ``noise`` its figures, ``resolution`` and ``flat`` are NaN: they take most of the time.
+    """
+    names = [name for name in CHANNELS if name in log and name != "time"]
+    return tuple(_sensor(name, log[name], log, course, noise) for name in names)
+
+
+def _sensor(name: str, x: Array, log: Log, course: DrivingRecord | None, full: bool) -> Sensor:
+    step = log.sample_time
+    quiet = np.ones(x.size, bool) if course is None else course.unbraked
+    noise, white, colour = noise_of(x, quiet, step) if full else UNKNOWN
+    return Sensor(
+        channel=name,
+        low=float(x.min()),
+        high=float(x.max()),
+        resolution=resolution_of(x) if full else UNKNOWN[0],
+        noise=noise,
+        white=white,
+        autocorrelation=colour,
+        flat=flatness(x[quiet]) if full else UNKNOWN[0],
+        stuck=() if course is None else _stuck(name, x, log, course),
+        saturated=saturation(-x if name == "a_x" else x, step),
+    )
+
+
+def resolution_of(x: Array) -> float:
+    """The step of which all values are multiples, or 0 if there is none.
+
+    Takes the smallest difference between two values and believes it if the other differences are
+    whole multiples of it. Fails, with 0, on values that were filtered or interpolated.
+    """
+    gaps = np.diff(np.unique(x))
+    gaps = gaps[gaps > 1e-9 * max(np.ptp(x), 1e-12)]
+    if gaps.size < 3:
+        return 0.0
+    step = float(gaps.min())
+    ratio = gaps[gaps < 100 * step] / step
+    return step if np.all(np.abs(ratio - np.round(ratio)) < 0.1) else 0.0
+
+
+def noise_of(x: Array, quiet: Mask, step: float) -> tuple[float, float, float]:
+    """Noise, its white part, and its autocorrelation over one sample.
+
+    Parameters
+    ----------
+    x : a channel, shape (n,).
+    quiet : where it carries little but noise.
+    step : sampling time [s].
+
+    Returns
+    -------
+    Three numbers, NaN with fewer than 20 quiet samples. Outliers beyond five times the usual are
+    left out. The high-pass takes about 1/k of the variance with it, k samples in 0.2 s; that is
+    put back, exactly so for white noise.
+    """
+    if quiet.sum() < 20:
+        return float("nan"), float("nan"), float("nan")
+    k = max(5, round(HIGH_PASS / step)) | 1
+    rest = (x - centred_mean(x, k))[quiet] / np.sqrt(1.0 - 1.0 / k)
+    usual = np.quantile(np.abs(rest), 0.84)
+    rest = rest[np.abs(rest) <= 5.0 * usual] if usual > 0 else rest
+    variance = float(np.mean(rest**2))
+    if variance <= (1e-12 * max(np.abs(x).max(), 1e-12)) ** 2:  # rounding of the mean
+        return 0.0, 0.0, 0.0
+    white = float(np.sqrt(np.mean(np.diff(rest) ** 2) / 2.0))
+    colour = float(np.mean(rest[1:] * rest[:-1])) / variance
+    return float(np.sqrt(variance)), white, colour
+
+
+def flatness(x: Array) -> float:
+    """Share of the samples that have the commonest value [1]; 0 without samples."""
+    return float(np.unique(x, return_counts=True)[1].max() / x.size) if x.size else 0.0
+
+
+def saturation(x: Array, step: float) -> float:
+    """Seconds for which the highest value is held, if no other value is ever held so long; else 0.
+
+    A value held from the first sample on is a signal at rest, not one at its limit.
+    """
+    if np.ptp(x) == 0:
+        return 0.0
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1, [x.size]])
+    length, value = np.diff(edges), x[edges[:-1]]
+    at_top = value == x.max()
+    at_top[0] = False
+    longest = int(length[at_top].max(initial=0))
+    other = int(length[value < x.max()].max(initial=1))
+    odd = longest >= 10 and longest * step >= HELD and longest >= 5 * other
+    return longest * step if odd else 0.0
+
+
+def _stuck(name: str, x: Array, log: Log, course: DrivingRecord) -> tuple[tuple[float, float], ...]:
+    """Stretches of one value, longer than a second, while the car says otherwise."""
+    same = np.concatenate([[False], np.diff(x) == 0])
+    found = []
+    for start, end in runs(same, int(HANGING / course.step) - 1):
+        part = slice(start - 1, end)
+        if (end - start) * course.step >= HANGING and _others_move(name, log, course, part):
+            found.append((float(course.time[start - 1]), float(course.time[end - 1])))
+    return tuple(found)
+
+
+def _others_move(name: str, log: Log, course: DrivingRecord, part: slice) -> bool:
+    """Whether the other channels say that this one should have changed."""
+    if name == "v" or name.startswith("omega"):
+        others = [w for w in log.channels if w.startswith("omega") and w != name]
+        wheel = np.mean([log[w][part] for w in others], axis=0)
+        return bool(np.ptp(wheel) > max(1.0, 0.05 * wheel.max()))
+    # Smoothing reaches across both ends of the stretch: look inside.
+    edge = round(SMOOTH / course.step)
+    inside = slice(part.start + edge, part.stop - edge)
+    moving = course.moving[inside]
+    if name == "a_x":
+        spin = course.wheel_z[inside][moving]
+        return spin.size > 0 and bool(np.ptp(spin) > 0.1)
+    if name == "p_mc":
+        z = course.z[inside][moving]
+        braked = z.size > 0 and float(np.ptp(z)) > 0.15
+        return braked and (log[name][part.start] != 0 or float(z.max()) > 0.3)
+    return False

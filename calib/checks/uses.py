@@ -1,0 +1,26 @@
+"""What a log can give, whatever it is unfit for: also one without a brake pressure."""
+
+from collections.abc import Iterator
+
+from calib.checks.observation import Observation
+
+TABLE = 5e-4
+"""Uncertainty of the zero of eta [1] that a table bears: eta rises by 0.1 to 0.8 %."""
+
+
+def uses(seen: Observation) -> Iterator[str]:
+    """What can be learnt from a log, each with how well, in words."""
+    axles = seen.axles
+    if axles is None:
+        return
+    zero = axles.front_rear
+    if zero is not None:
+        enough = "fine" if zero.half <= TABLE else "too coarse"
+        yield (
+            f"the zero of eta to {100 * zero.half:.3f} % ({enough} for a table), if the car rolled "
+            "without its engine"
+        )
+    if axles.slope is not None and axles.slope > 0:
+        yield f"sign and size of a_x: with the wheels it makes a radius of {axles.slope:.2f} m"
+    if seen.events and "p_mc" in seen.missing:
+        yield f"deceleration and slip of {len(seen.events)} braking(s); without pressure no torque"

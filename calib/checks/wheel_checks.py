@@ -1,0 +1,159 @@
+"""What the four wheels say of each other: radii, swapped axles, sign of a_x, ABS, locked wheels."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.logs.log import Log
+from calib.names import WHEELS, G
+from calib.signals.driving_record import (
+    MOVING,
+    NOMINAL_RADIUS,
+    BrakeEvent,
+    DrivingRecord,
+    Mask,
+    centred_mean,
+    runs,
+)
+
+Array = NDArray[np.float64]
+
+BLOCK = 0.2
+"""Wheel noise is averaged over this before an interval is made of it [s]."""
+
+
+@dataclass(frozen=True)
+class IntervalEstimate:
+    """A figure with its 95 % interval: value +- half."""
+
+    value: float
+    half: float
+
+
+def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | None:
+    """Ratio b/a - 1 of two wheel speeds where ``mask`` holds [1], from means over 0.2 s.
+
+    None with fewer than three blocks. The interval takes the blocks as independent; a slow drift,
+    such as of a car on a long bend, it does not see.
+    """
+    n = max(1, round(BLOCK / step))
+    count = int(mask.sum()) // n
+    if count < 3:
+        return None
+    from scipy.special import stdtrit
+
+    means = [x[mask][: count * n].reshape(count, n).mean(axis=1) for x in (a, b)]
+    ratio = means[1] / means[0] - 1.0
+    spread = float(np.std(ratio, ddof=1)) / np.sqrt(count)
+    return IntervalEstimate(float(np.mean(ratio)), float(stdtrit(count - 1, 0.975)) * spread)
+
+
+@dataclass(frozen=True)
+class Axles:
+    """How the wheels agree.
+
+    Attributes
+    ----------
+    front_rear : eta - 1 on the unbraked part [1]: positive if the rear radius is the smaller.
+    left_right_f, left_right_r : right over left wheel speed - 1, unbraked [1].
+    slope : change of ``-a_x`` with the wheels' deceleration [m]: the rolling radius if all is
+        right; negative for a wrong sign. None if it cannot be told.
+    eta_braked : eta over its unbraked value - 1, mean while braked with 0.2 to 0.5 g [1].
+    """
+
+    front_rear: IntervalEstimate | None
+    left_right_f: IntervalEstimate | None
+    left_right_r: IntervalEstimate | None
+    slope: float | None
+    eta_braked: IntervalEstimate | None
+
+
+def axles_of(log: Log, course: DrivingRecord) -> Axles:
+    """Compare the wheels. The log must have ``a_x`` and the four wheel speeds."""
+    fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
+    front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), course.unbraked
+    zero = mismatch(front, rear, free, course.step)
+    hard = course.braked & (course.wheel_z > 0.2) & (course.wheel_z < 0.5) & (course.speed > 5.0)
+    braked = mismatch(front, rear, hard, course.step)
+    if braked is not None and zero is not None:
+        braked = IntervalEstimate(
+            braked.value - zero.value, float(np.hypot(braked.half, zero.half))
+        )
+    return Axles(
+        front_rear=zero,
+        left_right_f=mismatch(fl, fr, free, course.step),
+        left_right_r=mismatch(rl, rr, free, course.step),
+        slope=_against_wheels(course),
+        eta_braked=braked if zero is not None else None,
+    )
+
+
+def _against_wheels(course: DrivingRecord) -> float | None:
+    """Slope of the measured deceleration against that of the wheels [m].
+
+    Both are smoothed over 0.3 s, because slip builds up faster in a wheel than the car slows. A
+    correlation below 0.8 gives None: a wet road with much slip, or an ``a_x`` that is none.
+    """
+    width = max(1, round(0.3 / course.step))
+    spin = centred_mean(course.wheel_z * G / NOMINAL_RADIUS, width)[course.moving]
+    a = centred_mean(course.z * G, width)[course.moving]
+    if spin.size < 20 or np.ptp(spin) < 3.0 or np.ptp(a) == 0.0:  # 3 rad/s^2 are about 0.1 g
+        return None
+    if abs(np.corrcoef(a, spin)[0, 1]) < 0.8:
+        return None
+    return float(np.cov(a, spin)[0, 1] / np.var(spin, ddof=1))
+
+
+DEEP, BACK = 0.15, 0.07
+"""A wheel whose slip exceeds DEEP and comes back below BACK has been let go by an ABS [1]."""
+LOCKED = 0.9
+"""Slip of a wheel that stands while the car moves [1]."""
+CYCLE = 1.5
+"""A wheel that needs longer than this to come back was not controlled [s]."""
+
+
+@dataclass(frozen=True)
+class Slipping:
+    """What wheels did at their limit: ABS cycles as (wheel, start [s]); wheels that locked."""
+
+    cycles: tuple[tuple[str, float], ...]
+    locked: tuple[str, ...]
+
+
+def slipping(log: Log, course: DrivingRecord, events: tuple[BrakeEvent, ...]) -> Slipping:
+    """Look for ABS and locked wheels within the brake events.
+
+    Slip is against the reference speed; without one against the fastest wheel, which misses the
+    moments in which all four slip together.
+    """
+    slips = _slips(log, course)
+    inside = np.zeros(course.time.size, bool)
+    for event in events:
+        inside[event.first : event.last + 1] = True
+    inside &= course.speed > MOVING
+    cycles, locked = [], []
+    for wheel, slip in slips.items():
+        for start, end in runs(inside & (slip > BACK)):
+            part = slip[start:end]
+            if part.max() > LOCKED:
+                locked.append(wheel)
+            came_back = end < inside.size and inside[end]
+            if part.max() > DEEP and came_back and (end - start) * course.step < CYCLE:
+                cycles.append((wheel, float(course.time[start])))
+    return Slipping(tuple(sorted(cycles, key=lambda c: c[1])), tuple(dict.fromkeys(locked)))
+
+
+def _slips(log: Log, course: DrivingRecord) -> dict[str, Array]:
+    """Slip of each wheel [1], smoothed over 30 ms, zero on the unbraked part where that is seen."""
+    width = max(1, round(0.03 / course.step))
+    omega = {w: centred_mean(log[f"omega_{w}"], width) for w in WHEELS}
+    free = course.unbraked
+    if "v" in log and free.any():
+        v = centred_mean(log["v"], width)
+        scale = {w: float(np.median(v[free] / omega[w][free])) for w in WHEELS}
+    else:
+        v = np.max(list(omega.values()), axis=0)
+        scale = dict.fromkeys(WHEELS, 1.0)
+    floor = np.maximum(v, 1e-6)
+    return {w: 1.0 - scale[w] * omega[w] / floor for w in WHEELS}

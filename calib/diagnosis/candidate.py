@@ -1,0 +1,223 @@
+"""A candidate explanation: the base parameters and up to two effects, fitted to all runs together.
+
+Base parameters are re-fitted with every candidate, so that pads, mass and drag cannot trade places
+unseen. The fit is least squares in the whitened channels (`calib.diagnosis.channels`) with bounds
+from the cards and weak priors where a run may not say anything: the peak of a tyre that was never
+near it, the second parameter of an effect.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.channels import (
+    ChannelNoise,
+    noise_of,
+    residuals,
+    thinned,
+    unbraked_length,
+    whiten,
+)
+from calib.diagnosis.predict import Base, ObservedRun, predict
+from calib.physics.effects.catalogue import Effects, effect_named
+from calib.physics.effects.effect import Card
+from calib.physics.effects.empirical import Empirical
+from calib.physics.model import TERM
+from calib.physics.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+
+STIFFNESS, PEAK = 25.0, 0.95
+"""Where the tyre of a passenger car starts: per unit of slip, and its peak, both per load [1]."""
+
+BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35])
+"""Priors on the logarithms of pads, stiffness and peak: wide, but not without end."""
+
+SECOND_SIGMA = 2.0
+"""Prior on the further parameters of an effect, in spreads of their cards."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """All runs of a case and their noise."""
+
+    vehicle: Vehicle
+    runs: tuple[ObservedRun, ...]
+    noise: ChannelNoise
+
+    def whitened(self, base: Base, effects: Effects) -> list[list[Array]]:
+        """Innovations by run and channel."""
+        return [
+            whiten(residuals(run, predict(self.vehicle, base, effects, run)), self.noise)
+            for run in self.runs
+        ]
+
+    def flat(self, base: Base, effects: Effects) -> Array:
+        """All innovations in one row."""
+        return np.concatenate([c for run in self.whitened(base, effects) for c in run])
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A fitted explanation.
+
+    ``names`` of its effects; ``x`` the fitted vector (see `unpack`) with its ``covariance``;
+    ``chi2`` the sum of squared innovations, over ``count`` of them.
+    """
+
+    names: tuple[str, ...]
+    base: Base
+    effects: dict[str, dict[str, float]]
+    x: Array
+    covariance: Array
+    chi2: float
+    count: int
+
+    @property
+    def reduced(self) -> float:
+        """Mean squared innovation: one if nothing is left to explain."""
+        return self.chi2 / self.count
+
+
+def problem_of(vehicle: Vehicle, runs: list[ObservedRun]) -> Problem:
+    """Set a problem up: the noise comes from the unbraked parts, where no base parameter acts."""
+    nominal = base_of(vehicle, np.zeros(4))
+    parts = []
+    for run in runs:
+        whole = residuals(run, predict(vehicle, nominal, {}, run))
+        parts.append(whole[:, : unbraked_length(run)])
+    noise = noise_of(parts)
+    turned = tuple(turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
+    return Problem(vehicle, turned, noise)
+
+
+def turned_to_ripple(
+    vehicle: Vehicle, base: Base, run: ObservedRun, noise: ChannelNoise
+) -> ObservedRun:
+    """Count the wheel angle of a run from where its torque ripples, if it does.
+
+    Every run begins at another angle of the disc. Where the front torque is high, the car and its
+    front wheels slow: a_x and front less rear go with -sin(angle).
+    """
+    white = whiten(residuals(run, predict(vehicle, base, {}, run)), noise)
+    angle = thinned(run, run.angle_f)
+    torque = np.maximum(thinned(run, run.p_mc), 0.0)
+    ripple = 0.0j
+    for channel in (0, 3):
+        m = white[channel].size
+        ripple += np.sum(white[channel] * torque[-m:] * np.exp(1j * angle[-m:]))
+    return replace(run, angle_f=run.angle_f - float(np.angle(ripple)) - 0.5 * np.pi)
+
+
+def base_of(vehicle: Vehicle, x: Array) -> Base:
+    """Base parameters from the first four of the vector, logarithms over the nominal."""
+    return Base(
+        pad_friction_f=vehicle.front.pad_friction * float(np.exp(x[0])),
+        pad_friction_r=vehicle.rear.pad_friction * float(np.exp(x[1])),
+        stiffness=STIFFNESS * float(np.exp(x[2])),
+        peak=PEAK * float(np.exp(x[3])),
+    )
+
+
+def unpack(
+    vehicle: Vehicle, names: tuple[str, ...], x: Array
+) -> tuple[Base, dict[str, dict[str, float]]]:
+    """Base and effects from a vector: four logarithms, then parameters in spreads from neutral.
+
+    A strength counts from where it is neutral, any other parameter from its typical value.
+    """
+    effects, i = {}, 4
+    for name in names:
+        card = effect_named(name).card
+        values = {}
+        for j, p in enumerate(card.parameters):
+            values[p.name] = _origin(card, j) + float(x[i]) * p.spread
+            i += 1
+        effects[name] = values
+    return base_of(vehicle, x), effects
+
+
+def _origin(card: Card, index: int) -> float:
+    return card.neutral if index == 0 else card.parameters[index].typical
+
+
+def bounds(names: tuple[str, ...]) -> tuple[Array, Array]:
+    """Bounds of the vector: the cards' ranges."""
+    low, high = [-2.0] * 4, [2.0] * 4
+    for name in names:
+        card = effect_named(name).card
+        for j, p in enumerate(card.parameters):
+            origin = _origin(card, j)
+            low.append((p.low - origin) / p.spread)
+            high.append((p.high - origin) / p.spread)
+    return np.array(low) - 1e-9, np.array(high) + 1e-9
+
+
+def prior_rows(names: tuple[str, ...], x: Array) -> Array:
+    """Residuals of the weak priors; the strengths have none."""
+    rows = list(x[:4] / BASE_SIGMA)
+    i = 4
+    for name in names:
+        count = len(effect_named(name).card.parameters)
+        rows += [float(v) / SECOND_SIGMA for v in x[i + 1 : i + count]]
+        i += count
+    return np.asarray(rows)
+
+
+MakeTerm = Callable[[Array], Empirical]
+"""An empirical term from its values at the knots."""
+
+
+def fit(
+    problem: Problem,
+    names: tuple[str, ...],
+    start: Array,
+    evaluations: int = 12,
+    term: tuple[MakeTerm, int] | None = None,
+) -> Candidate:
+    """Fit base and effects from ``start`` (a vector of `unpack`).
+
+    With a ``term``, its values at so many knots stand at the end of the vector.
+    """
+    from scipy.optimize import least_squares
+
+    low, high = bounds(names)
+    knots = term[1] if term else 0
+    low = np.concatenate([low, np.full(knots, -0.9)])
+    high = np.concatenate([high, np.full(knots, 0.9)])
+    own = low.size - knots
+
+    def objective(x: Array) -> Array:
+        base, effects = unpack(problem.vehicle, names, x[:own])
+        present: Effects = {**effects, TERM: term[0](x[own:])} if term else effects
+        # a term is only as bent as it must be
+        bent = np.diff(x[own:]) / 0.5
+        rows = [problem.flat(base, present), prior_rows(names, x[:own]), bent]
+        return np.concatenate([*rows, x[own:] / 2.0])
+
+    first = np.clip(start, low + 1e-6, high - 1e-6)
+    scale = np.concatenate([np.full(4, 0.1), np.ones(own - 4), np.full(knots, 0.1)])
+    found = least_squares(
+        objective,
+        first,
+        bounds=(low, high),
+        x_scale=scale,
+        diff_step=1e-3,
+        max_nfev=evaluations,
+        ftol=1e-5,
+        xtol=1e-5,
+    )
+    priors = prior_rows(names, found.x[:own]).size + (2 * knots - 1 if knots else 0)
+    innovations = found.fun[:-priors]
+    base, effects = unpack(problem.vehicle, names, found.x[:own])
+    return Candidate(
+        names=names,
+        base=base,
+        effects=effects,
+        x=found.x,
+        covariance=np.linalg.pinv(found.jac.T @ found.jac),
+        chi2=float(innovations @ innovations),
+        count=innovations.size,
+    )

@@ -1,0 +1,122 @@
+"""Six channels of evidence from a run, and what their noise is.
+
+    a_x          accelerometer                       [m/s^2]
+    v            speed against the integral of a_x   [m/s]     drift of the speed
+    rim          mean wheel speed against v          [rad/s]   mean slip
+    front_rear   front less rear                     [rad/s]   the split: v cancels
+    front_sides  left less right, front              [rad/s]
+    rear_sides   left less right, rear               [rad/s]
+
+The noise is read from the unbraked parts, as an AR process per channel, and taken out: a whitened
+residual is white with variance one if the model is right. The drift of v is a random walk under
+white noise; its whitening filter is (1 - B)/(1 - 0.9 B).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.predict import ObservedRun, Prediction
+from calib.signals.driving_record import BITE, MOVING
+
+Array = NDArray[np.float64]
+
+CHANNELS = ("a_x", "v", "rim", "front_rear", "front_sides", "rear_sides")
+UNITS = ("m/s^2", "m/s", "rad/s", "rad/s", "rad/s", "rad/s")
+
+STEP = 0.02
+"""Clock of the evidence [s]."""
+
+ORDER = 3
+"""Order of the AR noise: road-coloured noise of 0.1 s at 50 Hz needs two to three."""
+
+WALK = 0.9
+"""Pole of the whitening filter of v: lets the model drift by about a tenth of the noise a step."""
+
+FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
+"""Least innovation believed of each channel, in its unit: a noise-free log is a simulation."""
+
+
+@dataclass(frozen=True)
+class ChannelNoise:
+    """AR coefficients (6, ORDER) and innovation sd (6,) of the channels, in their units."""
+
+    coefficients: Array
+    sigma: Array
+
+
+def residuals(run: ObservedRun, told: Prediction) -> Array:
+    """Measured less predicted, (6, m) at the clock of the evidence, as long as the car moves."""
+    w = run.omega - told.omega
+    drift = run.v - told.gained
+    stacked = np.stack(
+        [
+            run.a_x - told.a_x,
+            drift,
+            w.mean(axis=0),
+            0.5 * (w[0] + w[1] - w[2] - w[3]),
+            w[0] - w[1],
+            w[2] - w[3],
+        ]
+    )
+    return _thin(run, stacked)
+
+
+def _thin(run: ObservedRun, x: Array) -> Array:
+    """Means over the steps of the evidence, up to where the car crawls."""
+    n = max(1, round(STEP / run.step))
+    stop = np.flatnonzero(run.v_smooth < MOVING)
+    length = int(stop[0]) if stop.size else run.time.size
+    m = length // n
+    return np.asarray(x[..., : m * n].reshape(*x.shape[:-1], m, n).mean(axis=-1))
+
+
+def thinned(run: ObservedRun, x: Array) -> Array:
+    """A driver (n,) on the clock of the evidence, (m,)."""
+    return _thin(run, x)
+
+
+def unbraked_length(run: ObservedRun) -> int:
+    """Steps of evidence before the brake first bites, less a margin."""
+    p = _thin(run, run.p_mc)
+    braked = np.flatnonzero(p > 0.5 * BITE)
+    return max(int(braked[0]) - 8, 0) if braked.size else p.size
+
+
+def noise_of(parts: list[Array]) -> ChannelNoise:
+    """Noise from unbraked residuals, (6, m) each; a parabola is taken out of every part."""
+    coefficients, sigma = [], []
+    for c in range(len(CHANNELS)):
+        rows, sides = [], []
+        for part in parts:
+            m = part.shape[1]
+            if m < 10 * ORDER:
+                continue
+            t = np.linspace(-1.0, 1.0, m)
+            x = part[c] - np.polyval(np.polyfit(t, part[c], 2), t)
+            rows.append(np.stack([x[ORDER - k - 1 : m - k - 1] for k in range(ORDER)], axis=1))
+            sides.append(x[ORDER:])
+        A, y = np.vstack(rows), np.concatenate(sides)
+        fitted = np.linalg.lstsq(A, y, rcond=None)[0]
+        coefficients.append(fitted)
+        sigma.append(max(float(np.std(y - A @ fitted)), FLOOR[c]))
+    return ChannelNoise(np.array(coefficients), np.array(sigma))
+
+
+def whiten(residual: Array, noise: ChannelNoise) -> list[Array]:
+    """The channels' innovations over their sigma, one array each."""
+    from scipy.signal import lfilter
+
+    out = []
+    for c in range(len(CHANNELS)):
+        x = residual[c]
+        if c == 1:
+            drift = np.diff(x)
+            # a difference of white noise, smoothed back: variance 2/(1 + WALK) of the noise
+            kept = lfilter([1.0], [1.0, -WALK], drift)
+            out.append(kept / (noise.sigma[c] * np.sqrt(2.0 / (1.0 + WALK))))
+        else:
+            filtered = np.convolve(x, np.concatenate([[1.0], -noise.coefficients[c]]), "valid")
+            out.append(filtered / noise.sigma[c])
+    return out

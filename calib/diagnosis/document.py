@@ -1,0 +1,112 @@
+"""diagnosis.json: the answer as the contract has it."""
+
+import json
+import math
+from typing import Any
+
+from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate
+from calib.diagnosis.gap import UNITS, Gap
+from calib.diagnosis.unexplained import UnexplainedTerm
+from calib.physics.effects.empirical import DRIVERS
+
+SCHEMA = 1
+
+
+def to_dict(found: Diagnosis) -> dict[str, Any]:
+    """The whole diagnosis, JSON-able."""
+    return {
+        "schema": SCHEMA,
+        "verdict": found.verdict,
+        "effects": [_effect(effect) for effect in found.effects],
+        "unexplained": None if found.unexplained is None else _structure(found.unexplained),
+        "not_resolved": list(found.not_resolved),
+        "base": {name: _estimate(value) for name, value in found.base.items()},
+        "innovation": {"before": found.reduced_before, "after": found.reduced_after},
+        "gap": _gap(found.gap),
+    }
+
+
+def text_of(found: Diagnosis) -> str:
+    """The document as it is written; a number that is not finite is null."""
+    return json.dumps(_finite(to_dict(found)), indent=2, allow_nan=False) + "\n"
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(part) for key, part in value.items()}
+    if isinstance(value, list):
+        return [_finite(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _estimate(value: ParameterEstimate) -> dict[str, Any]:
+    return {"value": value.value, "unit": value.unit, "ci95": list(value.ci95)}
+
+
+def _effect(effect: Named) -> dict[str, Any]:
+    where = effect.where
+    return {
+        "name": effect.name,
+        "parameters": {name: _estimate(value) for name, value in effect.parameters.items()},
+        "where": {
+            "channel": where.channel,
+            "axle": where.axle,
+            "pressure": {"range": list(where.pressure), "unit": "Pa"},
+            "speed": {"range": list(where.speed), "unit": "m/s"},
+            "temperature": None
+            if where.temperature is None
+            else {"range": list(where.temperature), "unit": "degC"},
+        },
+        "evidence": {
+            "innovation_gain": effect.gain,
+            "innovation_gain_holdout": effect.gain_holdout,
+        },
+        "runner_up": None
+        if effect.runner_up is None
+        else {"name": effect.runner_up[0], "innovation_gain": effect.runner_up[1]},
+        "indistinguishable_from": list(effect.indistinguishable_from),
+        "separate_by": effect.separate_by,
+    }
+
+
+def _structure(found: UnexplainedTerm) -> dict[str, Any]:
+    term = found.term
+    return {
+        "place": term.place,
+        "axle": found.axle,
+        "wheel": found.wheel,
+        "driver": found.driver,
+        "explained": found.explained,
+        "turning": found.turning,
+        "term": {
+            "driver": term.driver,
+            "driver_unit": DRIVERS[term.driver],
+            "knots": list(term.knots),
+            "values": list(term.values),
+        },
+        "runners_up": [
+            {"place": place, "driver": driver, "explained": share}
+            for place, driver, share in found.runners_up
+        ],
+    }
+
+
+def _gap(gap: Gap) -> dict[str, Any]:
+    return {
+        "before": gap.before,
+        "after": gap.after,
+        "closed": gap.closed,
+        "unit": "rms over the noise of the sensors",
+        "by_channel": {
+            name: {
+                "before": c.before,
+                "after": c.after,
+                "noise": c.noise,
+                "unit": UNITS[name],
+            }
+            for name, c in gap.by_channel.items()
+        },
+        "by_log": {
+            name: {"before": before, "after": after} for name, (before, after) in gap.by_log.items()
+        },
+    }

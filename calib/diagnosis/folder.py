@@ -1,0 +1,64 @@
+"""What a diagnosis leaves behind: document, model, report and replays, all of them or none.
+
+DIR/diagnosis.json  model.toml  report.html  sim/before/<log>.csv  sim/after/<log>.csv
+"""
+
+import os
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+from calib.diagnosis.diagnose import Diagnosis
+from calib.files import workshop, write_whole
+from calib.logs.log import Log
+from calib.logs.write import write_csv
+from calib.names import WHEELS
+from calib.physics.model import write_model
+
+DOCUMENT, MODEL, REPORT = "diagnosis.json", "model.toml", "report.html"
+COLUMNS = ("time", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
+"""Channels of a replay on disk."""
+
+
+def files_of(stems: list[str]) -> list[Path]:
+    """Every file that a diagnosis with these hold-outs writes, relative to its folder."""
+    sims = [Path("sim", when, f"{s}.csv") for when in ("before", "after") for s in stems]
+    return [Path(DOCUMENT), Path(MODEL), Path(REPORT), *sims]
+
+
+def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> list[Path]:
+    """Write everything to ``out`` and return the paths.
+
+    All is made in a hidden folder within ``out`` first and then moved into place, file by file;
+    what else lies in ``out`` stays. Raises OSError if it cannot be written.
+    """
+    made = not out.exists()
+    with workshop(out) as work:
+        _fill(found, document, report, work)
+        files = files_of([log.name for log in found.measured])
+        try:
+            for file in files:
+                (out / file).parent.mkdir(parents=True, exist_ok=True)
+            for file in files:
+                os.replace(work / file, out / file)
+        except BaseException:
+            if made:
+                shutil.rmtree(out, ignore_errors=True)
+            raise
+    return [out / file for file in files]
+
+
+def _fill(found: Diagnosis, document: str, report: str, work: Path) -> None:
+    write_whole(work / DOCUMENT, document.encode())
+    write_model(found.model_after, work / MODEL)
+    write_whole(work / REPORT, report.encode())
+    for when, sims in (("before", found.before), ("after", found.after)):
+        folder = work / "sim" / when
+        folder.mkdir(parents=True)
+        for sim in sims:
+            write_csv(_replayed(sim), folder / f"{sim.name}.csv")
+
+
+def _replayed(sim: Log) -> Log:
+    """A replay with the channels that are told, and no truth."""
+    return replace(sim, channels={name: sim[name] for name in COLUMNS}, truth={})

@@ -1,0 +1,98 @@
+"""The gap on hold-outs: open-loop replays against what was measured, over the sensors' noise.
+
+A replay knows the pressure and the first speed only, so an error of force adds up in v. The noise
+of a channel is what its differences from sample to sample show; it is taken out in squares, so that
+a perfect model has no gap.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.logs.log import Log
+from calib.names import WHEELS
+from calib.physics.model import Model
+from calib.simulation.replay import replay
+
+Array = NDArray[np.float64]
+
+CHANNELS = ("a_x", *(f"omega_{w}" for w in WHEELS), "v")
+UNITS = {"a_x": "m/s^2", "v": "m/s", **{f"omega_{w}": "rad/s" for w in WHEELS}}
+
+
+@dataclass(frozen=True)
+class ChannelGap:
+    """Rms of replay less measurement before and after, its noise taken out; unit of the channel."""
+
+    before: float
+    after: float
+    noise: float
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Gap over all hold-outs, channels in units of their noise.
+
+    ``before`` without, ``after`` with the effects; ``closed`` share of it that is gone [1];
+    ``by_channel``, ``by_log`` (before, after).
+    """
+
+    before: float
+    after: float
+    closed: float
+    by_channel: dict[str, ChannelGap]
+    by_log: dict[str, tuple[float, float]]
+
+
+def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log]) -> Gap:
+    """Compare replays with their logs; a replay that ends early is compared as far as it goes."""
+    noise = {c: float(np.median([noise_of(log[c]) for log in measured])) for c in CHANNELS}
+    squares = {"before": squares_of(before, measured), "after": squares_of(after, measured)}
+    floor = np.array([noise[c] for c in CHANNELS])
+    excess = {key: np.maximum(value - floor**2, 0.0) for key, value in squares.items()}
+    scaled = {key: value / floor**2 for key, value in excess.items()}
+    total = {key: float(np.sqrt(np.mean(value))) for key, value in scaled.items()}
+    by_log = {
+        log.name: (
+            float(np.sqrt(np.mean(scaled["before"][i]))),
+            float(np.sqrt(np.mean(scaled["after"][i]))),
+        )
+        for i, log in enumerate(measured)
+    }
+    by_channel = {
+        c: ChannelGap(
+            before=float(np.sqrt(np.mean(excess["before"][:, j]))),
+            after=float(np.sqrt(np.mean(excess["after"][:, j]))),
+            noise=noise[c],
+        )
+        for j, c in enumerate(CHANNELS)
+    }
+    closed = 1.0 - total["after"] / total["before"] if total["before"] > 0.0 else 0.0
+    return Gap(total["before"], total["after"], closed, by_channel, by_log)
+
+
+def squares_of(simulated: Sequence[Log], measured: Sequence[Log]) -> Array:
+    """Mean squares by log and channel."""
+    pairs = zip(simulated, measured, strict=True)
+    return np.array([[square(sim, log, c) for c in CHANNELS] for sim, log in pairs])
+
+
+def noise_of(x: Array) -> float:
+    """Sd of the noise of a channel: its third differences hold almost no motion.
+
+    The slow part of a coloured noise is missed; 1.3 makes up for the colour of road noise.
+    """
+    return max(1.3 * float(np.std(np.diff(x, 3)) / np.sqrt(20.0)), 1e-4)
+
+
+def square(simulated: Log, measured: Log, channel: str) -> float:
+    """Mean square of replay less measurement over what both have, above 1 m/s."""
+    n = min(simulated.time.size, measured.time.size)
+    return float(np.mean((simulated[channel][:n] - measured[channel][:n]) ** 2))
+
+
+def replays(model: Model, logs: Sequence[Log]) -> list[Log]:
+    """Replay every log with a model."""
+    return [replay(model, log) for log in logs]

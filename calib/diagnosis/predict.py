@@ -1,0 +1,249 @@
+"""What a model says the sensors should read, along the speed that was measured.
+
+    p_mc --> pressures --> torques --> tyre forces --> z --> a_x, v
+                                         |
+                                         +--> slips --> wheel speeds
+
+The measured speed stands where the state would be, so nothing drifts and a whole run is one pass of
+arrays: cheap enough to ask it a thousand times. The open-loop replay (`calib.simulation.simulate`)
+is for showing; this is for fitting. The wheel follows its torque with the time constant J v/(R^2
+F_z K) of 2 to 10 ms, the slope K taken at rest.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import LogError
+from calib.logs.log import Log
+from calib.names import WHEELS, G
+from calib.physics.effects.catalogue import (
+    Effects,
+    as_driven,
+    as_read,
+    caliper_pressure,
+    line_pressure,
+    pad_factors,
+    total_axle_moment,
+    total_body_force,
+    total_load_shift,
+    wheel_factors,
+)
+from calib.physics.effects.effect import Motion, Pair, RunHistory
+from calib.physics.forces import axle_loads, tyre_force
+from calib.physics.vehicle import Vehicle
+from calib.signals.pedal import as_pressed, centred_mean
+
+Array = NDArray[np.float64]
+
+GRID = 0.01
+"""Clock on which a run is predicted [s]; a disc turns at most 20 times a second."""
+
+SHAPE = 1.65
+"""Shape factor of the Magic Formula that stands for any tyre here."""
+
+EDGE = 0.985
+"""Share of the peak up to which the rising branch is inverted; forces past it are held there."""
+
+
+@dataclass(frozen=True)
+class Base:
+    """What is re-identified always: pad friction of the axles [1], tyre stiffness and peak [1]."""
+
+    pad_friction_f: float
+    pad_friction_r: float
+    stiffness: float
+    peak: float
+
+
+@dataclass(frozen=True)
+class ObservedRun:
+    """A log on the grid: means over its steps, shapes (n,), SI.
+
+    ``omega`` (4, n) in the order of `WHEELS`; ``v_smooth`` the speed without sensor noise, for
+    forces; ``temperature_f``, ``temperature_r`` smoothed, or None; ``angle`` of the front wheels.
+    """
+
+    name: str
+    time: Array
+    step: float
+    p_mc: Array
+    a_x: Array
+    v: Array
+    omega: Array
+    v_smooth: Array
+    temperature_f: Array | None
+    temperature_r: Array | None
+    angle_f: Array
+    angle_r: Array
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """``a_x`` [m/s^2] as read, ``gained`` speed since the first sample [m/s], ``omega`` [rad/s]."""
+
+    a_x: Array
+    gained: Array
+    omega: Array
+
+
+def run_of(log: Log) -> ObservedRun:
+    """Put a log on the grid. Raises LogError without a reference speed."""
+    if "v" not in log:
+        raise LogError(
+            "no reference speed v",
+            where=log.source,
+            expected="v [m/s]",
+            do="a diagnosis needs it: wheel speeds alone cannot tell slip from speed",
+        )
+    n = max(1, round(GRID / log.sample_time))
+    count = log.time.size // n
+
+    def mean(x: Array) -> Array:
+        return np.asarray(x[: count * n].reshape(count, n).mean(axis=1))
+
+    step = n * log.sample_time
+    omega = np.stack([mean(log[f"omega_{w}"]) for w in WHEELS])
+    v = mean(log["v"])
+    slow = max(1, round(0.5 / step))
+    heat = [
+        centred_mean(mean(log[name]), slow) if name in log else None
+        for name in ("T_disc_f", "T_disc_r")
+    ]
+    return ObservedRun(
+        name=log.name,
+        time=mean(log.time),
+        step=step,
+        p_mc=as_pressed(mean(log["p_mc"]), step),
+        a_x=mean(log["a_x"]),
+        v=v,
+        omega=omega,
+        v_smooth=centred_mean(v, max(1, round(0.1 / step))),
+        temperature_f=heat[0],
+        temperature_r=heat[1],
+        angle_f=np.cumsum(0.5 * (omega[0] + omega[1])) * step,
+        angle_r=np.cumsum(0.5 * (omega[2] + omega[3])) * step,
+    )
+
+
+def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) -> Prediction:
+    """Predict a run. Loads and what depends on them are passed through three times: they settle."""
+    car = as_driven(vehicle, effects)
+    z = -run.a_x / G
+    energy = (np.zeros_like(z), np.zeros_like(z))
+    arrives = line_pressure(effects, trace_of(run))
+    clamps = caliper_pressure(effects, trace_of(run), *arrives)
+    for _ in range(3):
+        trace = _trace(run, z, energy)
+        torques = _torques(car, base, effects, trace, clamps)
+        energy = _energy(run, torques)
+        forces, loads, z = _balance(car, base, effects, trace, torques)
+    slips: list[Array] = []
+    for i, force in enumerate(forces):
+        twin = i % 2 == 1 and force is forces[i - 1]
+        slips.append(slips[-1] if twin else _slip(base, force, loads[i]))
+    a_true = -G * z
+    a_read = as_read(car, effects, _trace(run, z, energy), a_true)
+    gained = np.concatenate([[0.0], np.cumsum(0.5 * (a_true[1:] + a_true[:-1])) * run.step])
+    axles = (car.front, car.front, car.rear, car.rear)
+    omega = np.stack(
+        [run.v * (1.0 - s) / axle.rolling_radius for s, axle in zip(slips, axles, strict=True)]
+    )
+    return Prediction(a_read, gained, omega)
+
+
+def trace_of(run: ObservedRun) -> RunHistory:
+    """The run as an effect sees it before anything is predicted: measured z, no energy."""
+    nothing = np.zeros_like(run.time)
+    return _trace(run, -run.a_x / G, (nothing, nothing))
+
+
+def _trace(run: ObservedRun, z: Array, energy: tuple[Array, Array]) -> RunHistory:
+    return RunHistory(
+        time=run.time,
+        v=run.v_smooth,
+        z=z,
+        p_mc=run.p_mc,
+        temperature_f=run.temperature_f,
+        temperature_r=run.temperature_r,
+        angle_f=run.angle_f,
+        angle_r=run.angle_r,
+        energy_f=energy[0],
+        energy_r=energy[1],
+    )
+
+
+def _energy(run: ObservedRun, torques: list[Array]) -> tuple[Array, Array]:
+    """Energy turned into heat by one brake of each axle so far [J]."""
+    front = np.cumsum(0.5 * (torques[0] + torques[1]) * run.omega[0]) * run.step
+    rear = np.cumsum(0.5 * (torques[2] + torques[3]) * run.omega[2]) * run.step
+    return front, rear
+
+
+def _torques(
+    car: Vehicle, base: Base, effects: Effects, trace: RunHistory, clamps: Pair
+) -> list[Array]:
+    """Brake torque of every wheel [N m] in the order of `WHEELS`."""
+    k_f, k_r = pad_factors(effects, trace, *clamps)
+    front = base.pad_friction_f * k_f * car.front.torque_gain * clamps[0]
+    rear = base.pad_friction_r * k_r * car.rear.torque_gain * clamps[1]
+    uneven = wheel_factors(effects, trace)
+    even = (front, front, rear, rear)
+    return [
+        torque * uneven[w] if w in uneven else torque
+        for w, torque in zip(WHEELS, even, strict=True)
+    ]
+
+
+def _balance(
+    car: Vehicle, base: Base, effects: Effects, trace: RunHistory, torques: list[Array]
+) -> tuple[list[Array], list[Array], Array]:
+    """Tyre forces and loads of every wheel [N], and z [1], from z of the last pass."""
+    late = car.weight * total_load_shift(car, effects, trace)
+    load_f, load_r = axle_loads(car, trace.z)
+    halves = (0.5 * (load_f - late), 0.5 * (load_r + late))
+    motion = Motion(trace.v, 2.0 * halves[0], 2.0 * halves[1], trace)
+    moments = total_axle_moment(car, effects, motion)
+    step = float(trace.time[1] - trace.time[0])
+    forces: list[Array] = []
+    for i, torque in enumerate(torques):
+        if i % 2 == 1 and torque is torques[i - 1]:  # left and right alike
+            forces.append(forces[-1])
+            continue
+        side = i // 2
+        axle = (car.front, car.rear)[side]
+        spin = -G * trace.z / axle.rolling_radius
+        steady = tyre_force(axle, torque, spin, 0.5 * moments[side])
+        lag = axle.wheel_inertia * trace.v / axle.rolling_radius**2 / base.stiffness
+        forces.append(follow(steady, lag / halves[side], step))
+    loads = [halves[0], halves[0], halves[1], halves[1]]
+    total = forces[0] + forces[1] + forces[2] + forces[3]
+    return forces, loads, (total + total_body_force(car, effects, motion)) / car.weight
+
+
+def _slip(base: Base, force: Array, load: Array) -> Array:
+    """Slip [1] on the rising branch of the Magic Formula."""
+    x = np.clip(force / np.maximum(load, 1.0) / base.peak, -EDGE, EDGE)
+    return np.asarray(SHAPE * base.peak / base.stiffness * np.tan(np.arcsin(x) / SHAPE))
+
+
+def follow(x: Array, time_constant: Array, step: float) -> Array:
+    """First-order lag of ``x`` (n,) with a time constant [s] that changes along it (n,).
+
+    Exact for an input that is linear between samples; starts in balance.
+    """
+    from scipy.linalg.lapack import dtbtrs
+
+    tau = np.maximum(time_constant, 1e-6)
+    decay = np.exp(-step / tau)
+    slope = tau / step * (1.0 - decay)
+    right = (1.0 - slope) * x
+    right[1:] += (slope - decay)[1:] * x[:-1]
+    right[0] = x[0]
+    band = np.empty((2, x.size), order="F")
+    band[0] = 1.0
+    band[1, :-1] = -decay[1:]
+    band[1, -1] = 0.0
+    out, _ = dtbtrs(band, right[:, None], uplo="L", diag="U", overwrite_b=1)
+    return np.asarray(out[:, 0])

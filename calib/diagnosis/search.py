@@ -1,0 +1,145 @@
+"""Which effect would help: every effect of the catalogue asked in one step, the best ones fitted.
+
+One step: put the effect in at its usual size, see how the innovations change, take out what the
+base parameters could do as well, and see how much of the present innovations lies along what is
+left. That is cheap, and ranks; a few are then fitted in full, since lag and hysteresis are not
+linear.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.candidate import Candidate, Problem, fit, unpack
+from calib.physics.effects.catalogue import CATALOGUE
+
+Array = NDArray[np.float64]
+
+REFINED = 6
+"""Effects that are fitted in full after the first ranking."""
+
+STARTS = (0.3, 1.0)
+"""Strengths tried, in spreads; both signs where the card allows."""
+
+
+@dataclass(frozen=True)
+class Hint:
+    """What one step promises: ``gain`` in chi-square, and the vector ``start`` to fit from."""
+
+    name: str
+    gain: float
+    start: Array
+
+
+def base_directions(problem: Problem, at: Candidate, innovations: Array) -> Array:
+    """Orthonormal directions (n, k) in which base and present effects move the innovations."""
+    columns = []
+    for i in range(at.x.size):
+        step = 1e-3
+        x = at.x.copy()
+        x[i] += step
+        base, effects = unpack(problem.vehicle, at.names, x)
+        columns.append((problem.flat(base, effects) - innovations) / step)
+    q, _ = np.linalg.qr(np.stack(columns, axis=1))
+    return np.asarray(q)
+
+
+def along(innovations: Array, directions: Array, change: Array) -> tuple[float, float]:
+    """Gain in chi-square along a change of the innovations, and how much of it to take."""
+    free = change - directions @ (directions.T @ change)
+    length = float(free @ free)
+    if length < 1e-9 * max(float(change @ change), 1e-30):
+        return 0.0, 0.0
+    rest = innovations - directions @ (directions.T @ innovations)
+    amount = -float(rest @ free) / length
+    return amount * amount * length, amount
+
+
+def hints(problem: Problem, at: Candidate) -> list[Hint]:
+    """One-step gains of every effect not yet in ``at``, best first."""
+    innovations = problem.flat(at.base, at.effects)
+    directions = base_directions(problem, at, innovations)
+    found = []
+    for name, effect in CATALOGUE.items():
+        if name in at.names:
+            continue
+        best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(effect.card.parameters))]))
+        for trial in trials(name):
+            _, effects = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(4), trial]))
+            change = problem.flat(at.base, {**at.effects, **effects}) - innovations
+            gain, amount = along(innovations, directions, change)
+            if amount > 0.0 and gain > best.gain:
+                begin = trial.copy()
+                begin[0] *= min(max(amount, 0.3), 4.0)
+                best = Hint(name, gain, np.concatenate([at.x, begin]))
+        found.append(best)
+    return sorted(found, key=lambda hint: -hint.gain)
+
+
+def unresolved(problem: Problem, at: Candidate, least: float) -> tuple[str, ...]:
+    """Effects that these runs could not have shown at their usual size.
+
+    Their gain in the mean squared innovation, less what base and present effects would take of it,
+    stays below ``least``.
+    """
+    innovations = problem.flat(at.base, at.effects)
+    directions = base_directions(problem, at, innovations)
+    faint = []
+    for name, effect in CATALOGUE.items():
+        if name in at.names:
+            continue
+        strength, *others = effect.card.parameters
+        usual = strength.typical
+        if usual == effect.card.neutral:
+            usual += strength.spread
+        values = {strength.name: usual} | {p.name: p.typical for p in others}
+        change = problem.flat(at.base, {**at.effects, name: values}) - innovations
+        free = change - directions @ (directions.T @ change)
+        if float(free @ free) < least * at.count:
+            faint.append(name)
+    return tuple(faint)
+
+
+def trials(name: str) -> list[Array]:
+    """Points at which an effect is asked, in spreads from neutral: strengths, then seconds."""
+    card = CATALOGUE[name].card
+    strength = card.parameters[0]
+    low = (strength.low - card.neutral) / strength.spread
+    high = (strength.high - card.neutral) / strength.spread
+    points = []
+    for size in STARTS:
+        for sign in (1.0, -1.0):
+            if not low <= sign * size <= high:
+                continue
+            seconds = [np.zeros(len(card.parameters) - 1)]
+            if size == STARTS[-1]:
+                for j, p in enumerate(card.parameters[1:]):
+                    for shift in (-1.0, 1.0):
+                        if p.low <= p.typical + shift * p.spread <= p.high:
+                            other = np.zeros(len(card.parameters) - 1)
+                            other[j] = shift
+                            seconds.append(other)
+            points += [np.concatenate([[sign * size], second]) for second in seconds]
+    return points
+
+
+def refine(problem: Problem, at: Candidate, count: int = REFINED) -> list[Candidate]:
+    """Fit the most promising effects on top of ``at``; best first."""
+    fitted = [_fitted(problem, at, hint) for hint in hints(problem, at)[:count] if hint.gain > 0.0]
+    return sorted(fitted, key=lambda candidate: candidate.chi2)
+
+
+def _fitted(problem: Problem, at: Candidate, hint: Hint) -> Candidate:
+    """Fit an effect; from a full spread again if the fit falls short of its own hint.
+
+    A loop narrower than the noise of the pressure does nothing good, so that a fit which begins
+    there stays there.
+    """
+    names = (*at.names, hint.name)
+    first = fit(problem, names, hint.start)
+    if at.chi2 - first.chi2 > 0.5 * hint.gain:
+        return first
+    further = hint.start.copy()
+    further[at.x.size] = np.copysign(1.0, further[at.x.size])
+    return min(first, fit(problem, names, further), key=lambda candidate: candidate.chi2)

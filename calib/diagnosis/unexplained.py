@@ -1,0 +1,194 @@
+"""Where the unexplained part sits: on which place of the car, and on what it depends.
+
+A place (front brakes, rear brakes, body, front wheels, rear wheels) is given an empirical term: a
+piecewise linear function of a driver (pressure, speed, disc temperature, time since the bite,
+deceleration, or none). The pair that explains most is where to look. The term is no physics and
+says so. What turns with the wheels begins at another angle in every run, so no term can follow it:
+its share is found by its harmonics.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.candidate import Candidate, Problem, fit
+from calib.diagnosis.channels import CHANNELS, thinned
+from calib.diagnosis.predict import trace_of
+from calib.diagnosis.search import base_directions
+from calib.physics.effects.empirical import DRIVERS, PLACES, Empirical, driver_along
+from calib.physics.model import TERM
+from calib.signals.driving_record import BITE
+
+Array = NDArray[np.float64]
+
+KNOTS = 5
+"""Knots of a term over the range of its driver."""
+
+FITTED = 4
+"""Terms fitted in full after the linear ranking."""
+
+PLAIN = 0.03
+"""Share of the excess that a term must explain beyond a constant one for its driver to be named."""
+
+ONE_SIDED = 0.3
+"""Share of the excess in left less right from which one wheel of an axle is named."""
+
+WHEEL_ANGLE = "wheel_angle"
+
+HARMONICS = (1, 2)
+"""Of a turn of the wheel: what is out of round or unevenly spaced shows in the first."""
+
+
+@dataclass(frozen=True)
+class UnexplainedTerm:
+    """The empirical term that explains most of what is left.
+
+    ``term`` and the ``axle`` it acts on; ``explained`` share of the excess [1]; ``at`` the
+    candidate with its base parameters fitted beside the term; ``runners_up`` as (place, driver,
+    share); ``driver`` what it depends on: the term's, or `WHEEL_ANGLE` where ``turning``, the share
+    that goes with the angle of the wheels, is larger; ``wheel`` the one that is slower than its
+    twin, where that is most of it.
+    """
+
+    term: Empirical
+    axle: str
+    driver: str
+    explained: float
+    turning: float
+    wheel: str | None
+    at: Candidate
+    runners_up: tuple[tuple[str, str, float], ...]
+
+
+def locate(problem: Problem, at: Candidate) -> UnexplainedTerm:
+    """Try every place with every driver on top of ``at``, in one linear step each."""
+    innovations = problem.flat(at.base, at.effects)
+    directions = base_directions(problem, at, innovations)
+    rest = innovations - directions @ (directions.T @ innovations)
+    excess = max(at.chi2 - at.count, 1e-9)
+    found: list[Found] = []
+    for driver in DRIVERS:
+        if driver == "temperature" and any(run.temperature_f is None for run in problem.runs):
+            continue
+        signals = [driver_along(trace_of(run), driver) for run in problem.runs]
+        knots = knots_of(driver, signals)
+        for place in PLACES:
+            gain, values = _explain(
+                problem, at, (place, driver), knots, (innovations, directions, rest)
+            )
+            found.append((gain / excess, place, driver, knots, values, at))
+    found.sort(key=lambda item: -item[0])
+    tried = found[:FITTED]
+    tried += _constant_beside(tried[0], found)
+    fitted = [_fitted(problem, at, item, excess) for item in tried]
+    fitted.sort(key=lambda item: -item[0])
+    best = next(
+        (f for f in fitted if f[2] == "constant" and f[0] > fitted[0][0] - PLAIN), fitted[0]
+    )
+    turning, axle = _turning(problem, at, excess)
+    turns = turning > max(float(best[0]), 0.1)
+    return UnexplainedTerm(
+        term=Empirical(best[1], best[2], tuple(best[3].tolist()), tuple(best[4].tolist())),
+        axle=axle if turns else PLACES[best[1]],
+        driver=WHEEL_ANGLE if turns else best[2],
+        explained=float(best[0]),
+        turning=turning,
+        wheel=_one_sided(problem, at, excess),
+        at=best[5],
+        runners_up=tuple(
+            (place, driver, float(s))
+            for s, place, driver, *_ in fitted
+            if (place, driver) != best[1:3]
+        )[:3],
+    )
+
+
+def _constant_beside(best: "Found", found: "list[Found]") -> "list[Found]":
+    """The constant term on the place of the best one, unless that is among the first anyway."""
+    return [f for f in found[FITTED:] if f[1] == best[1] and f[2] == "constant"]
+
+
+def _turning(problem: Problem, at: Candidate, excess: float) -> tuple[float, str]:
+    """Share of the excess that goes with the angle of the front or rear wheels, and which [1]."""
+    shares = {}
+    whitened = problem.whitened(at.base, at.effects)
+    for axle, own in (("front", "front_sides"), ("rear", "rear_sides")):
+        gain = 0.0
+        for run, channels in zip(problem.runs, whitened, strict=True):
+            angle = thinned(run, run.angle_f if axle == "front" else run.angle_r)
+            for name in ("rim", "front_rear", own):
+                x = channels[CHANNELS.index(name)]
+                turn = np.exp(1j * np.outer(HARMONICS, angle[-x.size :]))
+                # noise alone gives two per harmonic: cosine and sine
+                gain += float(np.sum(2.0 * np.abs(turn @ x) ** 2 / x.size - 2.0))
+        shares[axle] = gain / excess
+    best = max(shares, key=lambda axle: shares[axle])
+    return min(shares[best], 1.0), best
+
+
+def _one_sided(problem: Problem, at: Candidate, excess: float) -> str | None:
+    """The wheel that is slower than its twin, where left less right holds most of the excess."""
+    whitened = problem.whitened(at.base, at.effects)
+    sides = {}
+    for axle in ("front", "rear"):
+        x = np.concatenate([run[CHANNELS.index(f"{axle}_sides")] for run in whitened])
+        sides[axle] = (float(x @ x) - x.size, float(np.mean(x)))
+    axle = max(sides, key=lambda a: sides[a][0])
+    beyond, mean = sides[axle]
+    if beyond < ONE_SIDED * excess or abs(mean) * np.sqrt(at.count / len(CHANNELS)) < 5.0:
+        return None
+    return f"{axle}_{'left' if mean < 0.0 else 'right'}"
+
+
+Found = tuple[float, str, str, Array, Array, Candidate]
+
+
+def _fitted(problem: Problem, at: Candidate, item: Found, excess: float) -> Found:
+    """A term fitted in full with the base: one linear step from a wrong base points wrong."""
+    _, place, driver, knots, _, _ = item
+
+    def make(values: Array) -> Empirical:
+        return _term(place, driver, knots, values)
+
+    start = np.concatenate([at.x, np.zeros(knots.size)])
+    with_term = fit(problem, at.names, start, 8, (make, knots.size))
+    share = (at.chi2 - with_term.chi2) / excess
+    return share, place, driver, knots, with_term.x[-knots.size :], with_term
+
+
+def knots_of(driver: str, signals: list[Array]) -> Array:
+    """Knots over the middle 98 % of a driver; of pressure, one where the pads bite."""
+    if driver == "constant":
+        return np.zeros(1)
+    low, high = np.percentile(np.concatenate(signals), [1.0, 99.0])
+    if driver == "pressure":
+        return np.concatenate([[0.0], np.linspace(BITE, max(high, 2.0 * BITE), KNOTS - 1)])
+    return np.linspace(low, max(high, low + 1e-9), KNOTS)
+
+
+def _explain(
+    problem: Problem,
+    at: Candidate,
+    where: tuple[str, str],
+    knots: Array,
+    present: tuple[Array, Array, Array],
+) -> tuple[float, Array]:
+    """Gain in chi-square and values at the knots of one term."""
+    innovations, directions, rest = present
+    size = 0.05
+    columns = []
+    for k in range(knots.size):
+        hat = np.zeros(knots.size)
+        hat[k] = size
+        told = problem.flat(at.base, {**at.effects, TERM: _term(*where, knots, hat)})
+        change = (told - innovations) / size
+        columns.append(change - directions @ (directions.T @ change))
+    A = np.stack(columns, axis=1)
+    ridge = 1e-9 * float(np.trace(A.T @ A)) * np.eye(knots.size)
+    values = np.asarray(-np.linalg.solve(A.T @ A + ridge, A.T @ rest), dtype=float)
+    return float(rest @ rest - np.sum((rest + A @ values) ** 2)), values
+
+
+def _term(place: str, driver: str, knots: Array, values: Array) -> Empirical:
+    return Empirical(place, driver, tuple(knots.tolist()), tuple(values.tolist()))

@@ -1,0 +1,239 @@
+"""The diagnosis in words: what a colleague reads on the screen and at the head of the report.
+
+Numbers are SI inside; here they get the units of the field: bar, km/h, degC.
+"""
+
+import math
+
+from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate
+from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm
+
+SHOWN = {
+    "Pa": ("bar", 1e-5),
+    "m/s": ("km/h", 3.6),
+    "1/Pa": ("1/bar", 1e5),
+    "s/m": ("h/km", 1.0 / 3.6),
+    "rad": ("deg", 180.0 / math.pi),
+    "J": ("kJ", 1e-3),
+    "1": ("", 1.0),
+}
+"""SI unit to the unit that is printed, and the factor; what is not here is printed as it is."""
+
+SEEN_IN = {
+    "a_x": "the deceleration",
+    "v": "the speed, as it drifts from the deceleration",
+    "rim": "the mean slip of the wheels",
+    "front_rear": "the difference between front and rear wheel speeds",
+    "front_sides": "the difference between left and right, front wheels",
+    "rear_sides": "the difference between left and right, rear wheels",
+}
+"""Channels of evidence, in words."""
+
+AXLES = {
+    "front": "at the front axle",
+    "rear": "at the rear axle",
+    "both": "at both axles",
+    "body": "on the body",
+}
+"""Where on the car, in words."""
+
+
+def plain(name: str) -> str:
+    """A name as it is spoken; `effect_a + effect_b` too."""
+    return name.replace("_", " ")
+
+
+def listed(names: list[str] | tuple[str, ...], last: str = "and") -> str:
+    """Names in a row: `a, b and c`."""
+    words = [plain(name) for name in names]
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
+def in_shown(value: float, unit: str) -> float:
+    """A value [SI ``unit``] in the unit that is printed."""
+    return value * SHOWN.get(unit, (unit, 1.0))[1]
+
+
+def unit_shown(unit: str) -> str:
+    """The unit that is printed for an SI unit; nothing for a plain number."""
+    return SHOWN.get(unit, (unit, 1.0))[0]
+
+
+def number(value: float, step: float) -> str:
+    """A value written down to the second digit of ``step``, its half width or the like."""
+    if not math.isfinite(value) or not math.isfinite(step):
+        return "not known"
+    if step <= 0.0:
+        return f"{value:.4g}"
+    first = math.floor(math.log10(step))
+    if first < -4 and abs(value) < 1e-2:
+        digits = max(0, math.floor(math.log10(max(abs(value), step))) - first + 1)
+        return f"{value:.{digits}e}"
+    return f"{value:.{max(0, 1 - first)}f}"
+
+
+def value_of(found: ParameterEstimate) -> str:
+    """The value of a parameter with its unit."""
+    return _with_unit(number(_shown(found, found.value), _half(found)), found.unit)
+
+
+def interval_of(found: ParameterEstimate) -> str:
+    """The 95 % interval of a parameter, in the unit of `value_of`."""
+    low, high = (number(_shown(found, end), _half(found)) for end in found.ci95)
+    return f"{low} to {high}"
+
+
+def _shown(found: ParameterEstimate, value: float) -> float:
+    return in_shown(value, found.unit)
+
+
+def _half(found: ParameterEstimate) -> float:
+    low, high = found.ci95
+    return 0.5 * (in_shown(high, found.unit) - in_shown(low, found.unit))
+
+
+def _with_unit(text: str, unit: str) -> str:
+    return f"{text} {unit_shown(unit)}".rstrip()
+
+
+def span(ends: tuple[float, float], unit: str) -> str:
+    """A range [SI ``unit``] as it is printed, to three digits at most: `20 to 29 bar`."""
+    low, high = (in_shown(end, unit) for end in ends)
+    digits = 0 if high - low >= 2.0 else 1
+    text = f"{low:.{digits}f}", f"{high:.{digits}f}"
+    return _with_unit(text[0] if text[0] == text[1] else f"{text[0]} to {text[1]}", unit)
+
+
+def verdict(found: Diagnosis) -> str:
+    """What was found, in one sentence."""
+    names = [effect.name for effect in found.effects]
+    if found.verdict == "no_gap":
+        return "Nothing is missing from the model that these logs could show."
+    if found.verdict == "named":
+        return f"Missing from the model: {listed(names)}."
+    if found.verdict == "ambiguous":
+        others = [n for effect in found.effects for n in effect.indistinguishable_from]
+        rivals = sorted(set(others) - set(names))
+        return (
+            f"Missing from the model: {listed(names)}, or else {listed(rivals, 'or')}; "
+            "these logs cannot tell which."
+        )
+    if found.unexplained is None:
+        return "Something is missing from the model that the catalogue does not know."
+    left = found.unexplained
+    place = f"{left.axle} wheels" if left.driver == WHEEL_ANGLE else plain(left.term.place)
+    text = f"Something is missing that the catalogue does not know: it acts on the {place}"
+    text += (
+        " and is always there."
+        if left.driver == "constant"
+        else f" and depends on {_driver(left.driver)}."
+    )
+    if left.wheel is not None:
+        text += f" The {plain(left.wheel)} wheel is slower than its twin."
+    return text
+
+
+def _driver(driver: str) -> str:
+    return {
+        "temperature": "the temperature of the disc",
+        "time": "the time since the brake bit",
+        "elapsed": "the time since the run began",
+        "constant": "nothing",
+        WHEEL_ANGLE: "the angle of the wheels, turn by turn",
+    }.get(driver, f"the {driver}")
+
+
+def where(effect: Named) -> str:
+    """Where an effect bites, in one sentence."""
+    at = [span(effect.where.pressure, "Pa"), span(effect.where.speed, "m/s")]
+    text = (
+        f"Acts {AXLES[effect.where.axle]}; seen most in {SEEN_IN[effect.where.channel]}, "
+        f"at {' and '.join(at)}"
+    )
+    if effect.where.temperature is not None:
+        text += f", with discs of {span(effect.where.temperature, 'degC')}"
+    return text + "."
+
+
+def evidence(effect: Named, found: Diagnosis) -> str:
+    """What speaks for an effect, and who came second."""
+    text = (
+        f"With it the mean squared innovation falls from {found.reduced_before:.2f} to "
+        f"{found.reduced_after:.2f}, where 1 is noise alone"
+    )
+    if len(found.effects) > 1:
+        text = (
+            f"Without it the mean squared innovation would be {effect.gain:.2f} higher than its "
+            f"{found.reduced_after:.2f}, where 1 is noise alone"
+        )
+    if effect.runner_up is None:
+        return f"{text}. No other effect came near."
+    name, gained = effect.runner_up
+    left = found.reduced_before - gained
+    return f"{text}. Runner-up: {plain(name)}, which leaves {left:.2f}."
+
+
+def rivals(effect: Named) -> str:
+    """What cannot be told from an effect, and the test that would; empty if nothing."""
+    if not effect.indistinguishable_from:
+        return ""
+    text = f"These logs cannot tell it from {listed(effect.indistinguishable_from, 'or')}."
+    return f"{text} What would: {effect.separate_by}." if effect.separate_by else text
+
+
+def unexplained(found: UnexplainedTerm) -> str:
+    """What is known of a cause without a name."""
+    text = (
+        f"An empirical term on the {plain(found.term.place)} over {_driver(found.term.driver)} "
+        f"explains {100.0 * found.explained:.0f} % of what was left."
+    )
+    if found.driver == WHEEL_ANGLE:
+        text = (
+            f"{100.0 * found.turning:.0f} % of what was left goes with the angle of the "
+            f"{found.axle} wheels: something turns with them. {text}"
+        )
+    if found.runners_up:
+        place, driver, share = found.runners_up[0]
+        text += (
+            f" Next: {plain(place)} over {_driver(driver)}, {100.0 * share:.0f} %. "
+            "The term is no physics; it stands for a cause that has yet to be found."
+        )
+    return text
+
+
+def not_resolved(found: Diagnosis) -> str:
+    """What these logs could not have shown; empty if they show everything."""
+    if not found.not_resolved:
+        return ""
+    return (
+        f"At their usual size these logs could not have shown: {listed(found.not_resolved)}. "
+        "They may be there all the same."
+    )
+
+
+def gap(found: Diagnosis) -> str:
+    """How far simulation and measurement are apart on the hold-outs."""
+    count = len(found.measured)
+    logs = f"{count} hold-out log{'s' * (count > 1)}"
+    g = found.gap
+    if found.verdict == "no_gap":
+        return f"Replayed open loop, {logs} are met to {g.before:.1f} times the sensors' noise."
+    if g.closed <= 0.0:
+        return (
+            f"On {logs} the gap does not shrink: {g.before:.1f} times the sensors' noise before, "
+            f"{g.after:.1f} after."
+        )
+    return (
+        f"On {logs}, replayed open loop, the gap falls from {g.before:.1f} to {g.after:.1f} times "
+        f"the sensors' noise: {100.0 * g.closed:.1f} % of it is closed."
+    )
+
+
+def early_ends(found: Diagnosis) -> list[str]:
+    """Replays that could not follow their log to its end, with the reason."""
+    lines = []
+    for when, sims in (("before", found.before), ("after", found.after)):
+        for sim, log in zip(sims, found.measured, strict=True):
+            if sim.time.size < log.time.size and sim.notes and "slower than" not in sim.notes[-1]:
+                lines.append(f"{log.name}, {when}: {sim.notes[-1]}")
+    return lines

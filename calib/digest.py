@@ -1,0 +1,25 @@
+"""A SHA-256 over content, so that it does not depend on how a file format packs it."""
+
+import hashlib
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def content_digest(record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> str:
+    """SHA-256 over the record as canonical JSON and every column as little-endian float64."""
+    digest = hashlib.sha256(canonical_json(record))
+    for curve in sorted(curves):
+        for column in sorted(curves[curve]):
+            digest.update(f"\n{curve}.{column}\n".encode())
+            digest.update(np.ascontiguousarray(curves[curve][column], dtype="<f8").tobytes())
+    return digest.hexdigest()
+
+
+def canonical_json(record: dict[str, Any]) -> bytes:
+    """JSON with sorted keys, no spaces, no NaN: one content, one sequence of bytes."""
+    return json.dumps(record, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()

@@ -1,0 +1,104 @@
+"""Other ways to the pad friction, shown beside the estimate: the paper's, and what it argues with.
+
+`nominal` trusts the file. `mean_gain` puts all of the deceleration into one common factor.
+`gradient_*` is the paper's law (23)-(28) and `rls_*` recursive least squares, each on the three
+look-ups of the table.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.estimation import adaptive
+from calib.estimation.balance import Balance, low_pass
+from calib.estimation.lookup import LOOKUPS, LookupReading
+from calib.estimation.pad_level import PadLevel
+from calib.physics.vehicle import Axle, Vehicle
+from calib.signals.axle_signals import Signals
+from calib.table.table import Table
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Pair = tuple[Array, Array]
+
+RLS_MEMORY = 1.0
+"""Forgetting of the recursive least squares [s]."""
+
+
+class Baselines(NamedTuple):
+    """Pad friction (front, rear) [1] by method name, and where the tyre look-up covers the run."""
+
+    pads: dict[str, Pair]
+    covered: Mask
+
+
+def baselines(
+    table: Table,
+    car: Vehicle,
+    s: Signals,
+    b: Balance,
+    eta: Array,
+    level: PadLevel,
+    *,
+    laws: bool = True,
+) -> Baselines:
+    """All methods on one run; ``eta`` is zeroed (22) [1], ``car`` has the nominal pads.
+
+    Without ``laws`` only those that need no look-up.
+    """
+    pads: dict[str, Pair] = {
+        "nominal": (
+            np.full_like(eta, car.front.pad_friction),
+            np.full_like(eta, car.rear.pad_friction),
+        ),
+        "mean_gain": (car.front.pad_friction * level.value, car.rear.pad_friction * level.value),
+    }
+    covered = np.ones(eta.size, bool)
+    for name in LOOKUPS if laws else ("tyre",):
+        reading = read(table, car, s, b, eta, name)
+        for law in ("gradient", "rls") if laws else ():
+            pads[f"{law}_{name}"] = adapt(car, s, b, reading, law)
+        if name == "tyre":
+            covered = reading.inside
+    return Baselines(pads, covered)
+
+
+def read(
+    table: Table, car: Vehicle, s: Signals, b: Balance, eta: Array, name: str
+) -> LookupReading:
+    """Normalised forces by one look-up from filtered z and eta."""
+    z, smooth = low_pass(s, s.z), low_pass(s, eta)
+    return LOOKUPS[name](table, z, smooth, z - b.body / car.weight)
+
+
+def adapt(car: Vehicle, s: Signals, b: Balance, reading: LookupReading, law: str) -> Pair:
+    """Pad friction of both axles by an adaptive law, "gradient" or "rls"."""
+    return (
+        _adapt_axle(car.front, s, reading.F_f, b.load_f, b.moment_f, s.p_f, b.active, law),
+        _adapt_axle(car.rear, s, reading.F_r, b.load_r, b.moment_r, s.p_r, b.active, law),
+    )
+
+
+def _adapt_axle(
+    axle: Axle,
+    s: Signals,
+    force: Array,
+    load: Array,
+    moment: Array,
+    pressure: Array,
+    active: Mask,
+    law: str,
+) -> Array:
+    """mu_n + zeta of one axle [1], per wheel; the inertia is already in the moment at the road."""
+    half_load = 0.5 * low_pass(s, load)
+    half_moment = 0.5 * moment * axle.rolling_radius
+    y = adaptive.measured_output(
+        axle, force, half_load, np.zeros_like(force), pressure, half_moment
+    )
+    u = np.where(active, adaptive.regressor(axle, pressure), 0.0)
+    if law == "gradient":
+        zeta = adaptive.gradient(y, u, adaptive.gain(axle), s.sample_time)
+    else:
+        zeta = adaptive.least_squares(y, u, RLS_MEMORY, s.sample_time)
+    return axle.pad_friction + zeta

@@ -1,0 +1,1 @@
+"""From ramps to a table."""

@@ -1,0 +1,103 @@
+"""Cars that stand apart from their fleet, named so that a large fleet names few by chance.
+
+    z = (x - median)/(1.4826 MAD)      robust: an outlier cannot hide by widening the scale
+
+From 100 cars on a figure that is plainly skewed or long-tailed in its bulk is straightened first,
+see `calib.fleet.tails`; its z is that of the straightened figure. The scale is uncertain in a small
+fleet: under no outlier z follows nearly a t law with 0.37 (n - 1) degrees of freedom, the MAD being
+worth 37 % of a standard deviation (Huber, Robust Statistics, 1981, ch. 5). The rule of Benjamini
+and Hochberg (1995) then names at most a share `SHARE` wrongly, over all figures and cars together,
+if the bulk is near normal: without outliers up to 8 % of the fleets name a car. Other bulks name
+more good cars, and `Spread.expected` beside `Spread.beyond` shows it. A lognormal figure (g = 0.5)
+names 2.5 of 99 on average, 0.9 of 100 and 0.8 of 500; a t law with 5 degrees of freedom 1.2 of 99,
+7 of 1000 and 0.3 of 10,000. A figure with two humps may name more at any number.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.fleet.tails import Shape, shape
+
+Array = NDArray[np.float64]
+
+SHARE = 0.05
+"""Expected share of the named that are named by chance, if the bulk is near normal."""
+
+FEWEST = 8
+"""Cars below which no scale is worth a name."""
+
+FAR = 3.0
+"""|z| beyond which cars are counted beside the number that chance gives."""
+
+_MAD = 1.4826
+_NORMAL = Shape(1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Centre and scale of one figure, and how its cars lie about them.
+
+    ``count`` finite values; ``median``, ``scale`` in the figure's unit; ``z`` (n,) NaN where the
+    figure is not known or has no scale; ``p`` two-sided (n,), NaN likewise; ``beyond`` cars past
+    `FAR`, ``expected`` as many by chance; ``quantiles`` 5, 25, 75 and 95 %; ``shape`` of the bulk.
+    """
+
+    count: int
+    median: float
+    scale: float
+    z: Array
+    p: Array
+    beyond: int
+    expected: float
+    quantiles: tuple[float, float, float, float]
+    shape: Shape
+
+
+def spread(values: Array) -> Spread:
+    """Look at one figure over the fleet, ``values`` (n,); NaN where a car does not have it."""
+    known = values[np.isfinite(values)]
+    n = known.size
+    if n == 0:
+        nothing = np.full(values.size, np.nan)
+        return Spread(0, np.nan, np.nan, nothing, nothing, 0, 0.0, (np.nan,) * 4, _NORMAL)
+    median = float(np.median(known))
+    scale = _MAD * _small(n) * float(np.median(np.abs(known - median)))
+    form = shape(known, median, scale)
+    if n < FEWEST or scale <= 1e-12 * abs(median):
+        z = p = np.full(values.size, np.nan)
+        expected = 0.0
+    else:
+        straight = form.z(values - median)
+        z = np.where(np.isfinite(values), straight, np.nan)
+        p = _two_sided(z, n)
+        expected = n * float(_two_sided(np.array([FAR]), n)[0])
+    q = [float(x) for x in np.quantile(known, [0.05, 0.25, 0.75, 0.95])]
+    beyond = int(np.sum(np.abs(z) > FAR))
+    return Spread(n, median, scale, z, p, beyond, expected, (q[0], q[1], q[2], q[3]), form)
+
+
+def named(p: Array, share: float = SHARE) -> NDArray[np.bool_]:
+    """Which of ``p`` (any shape) are discoveries by Benjamini and Hochberg; NaN never is.
+
+    >>> named(np.array([0.001, 0.02, 0.9, 0.04]))
+    array([ True,  True, False, False])
+    """
+    known = np.sort(p[np.isfinite(p)])
+    held = np.flatnonzero(known <= share * np.arange(1, known.size + 1) / max(known.size, 1))
+    limit = known[held[-1]] if held.size else -1.0
+    return np.asarray(np.where(np.isfinite(p), p, 2.0) <= limit)
+
+
+def _small(n: int) -> float:
+    """What the MAD of ``n`` normal numbers is short of: about n/(n - 0.8)."""
+    return n / (n - 0.8)
+
+
+def _two_sided(z: Array, n: int) -> Array:
+    from scipy.stats import t
+
+    # the median errs too: its variance is pi/2n of that of one car
+    wide = np.sqrt(1.0 + 0.5 * np.pi / n)
+    return np.asarray(2.0 * t.sf(np.abs(z) / wide, 0.37 * (n - 1)))

@@ -1,0 +1,1 @@
+"""Is the calibration a good gauge: repeat, station and car."""

@@ -1,0 +1,151 @@
+r"""How much of a figure's scatter is the car, the station, and the repeat: variance components.
+
+    y = mean + car_i + station_j + (car x station)_ij + repeat      all but the mean random
+
+The sum of squares is cut into one part for each cause, in this order, each after the ones before it
+(type I, Henderson's third method). Each mean square's expectation is linear in the variances:
+
+    E[MS] = C sigma^2      C from the design alone, so  sigma^2 = C^-1 MS
+
+In a full design with equal repeats this is the textbook table (AIAG, Measurement Systems Analysis,
+4th ed., app. A; Montgomery, Design and Analysis of Experiments, ch. 13). With unequal numbers or
+missing cells it stays unbiased; only the intervals become approximate: the mean squares then
+follow a chi-square law with the degrees of freedom of Satterthwaite (1946) and are not quite
+independent.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Codes = NDArray[np.int64]
+
+CAR, STATION, BOTH, REPEAT = "car", "station", "car_by_station", "repeatability"
+RANK = 1e-9
+"""Share of the largest singular value below which a direction is none."""
+
+
+@dataclass(frozen=True)
+class VarianceSource:
+    """One row of the table: ``ss`` and ``ms`` in the figure's unit squared, ``df`` degrees.
+
+    ``expected`` how often each variance is in the mean square; ``effective`` the degrees of
+    freedom of the chi-square law that the mean square follows, or nearly does.
+    """
+
+    name: str
+    df: int
+    ss: float
+    expected: dict[str, float]
+    effective: float
+
+    @property
+    def ms(self) -> float:
+        """Mean square."""
+        return self.ss / self.df
+
+
+@dataclass(frozen=True)
+class Anova:
+    """The table, and the variances as they come out: a negative one is left negative."""
+
+    sources: tuple[VarianceSource, ...]
+    variances: dict[str, float]
+
+    @property
+    def system(self) -> Array:
+        """C: the expectation of each mean square in terms of each variance, shape (k, k)."""
+        names = [source.name for source in self.sources]
+        return np.array([[s.expected[name] for name in names] for s in self.sources])
+
+
+def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
+    """Causes that the design can tell apart, in order; ``car``, ``station`` codes (n,).
+
+    Without a repeat in any cell the interaction is part of the repeatability. Stations that share
+    no car with another cannot be told from cars.
+    """
+    names = [CAR]
+    if len(set(station)) > 1 and _adds([car], station):
+        names.append(STATION)
+        if _adds([car, station], _cell(car, station)):
+            names.append(BOTH)
+    every = np.hstack([_columns(c) for c in _codes(car, station, names)])
+    if BOTH in names and np.linalg.matrix_rank(every) == car.size:
+        names.remove(BOTH)
+    return (*names, REPEAT)
+
+
+def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = None) -> Anova:
+    """Analysis of variance of ``y`` (n,) by the causes ``terms``; those of the design if None.
+
+    Raises ValueError if a cause has no degree of freedom left.
+    """
+    names = terms or terms_of(car, station)
+    codes = _codes(car, station, names[:-1])
+    Z = dict(zip(names, [*map(_columns, codes), np.eye(y.size)], strict=True))
+    basis = np.ones((y.size, 1)) / np.sqrt(y.size)
+    parts: dict[str, Array] = {}
+    for name in names:
+        parts[name] = _new_directions(basis, Z[name])
+        if parts[name].shape[1] == 0:
+            raise ValueError(f"no degree of freedom left for {name}")
+        basis = np.hstack([basis, parts[name]])
+    rows = {n: {m: _trace(U, Z[m]) / U.shape[1] for m in names} for n, U in parts.items()}
+    about = y - np.mean(y)
+    ss = {n: float(np.sum((U.T @ about) ** 2)) for n, U in parts.items()}
+    C = np.array([[rows[n][m] for m in names] for n in names])
+    found = np.linalg.solve(C, [ss[n] / parts[n].shape[1] for n in names])
+    variances = dict(zip(names, map(float, found), strict=True))
+    return Anova(
+        tuple(
+            VarianceSource(n, U.shape[1], ss[n], rows[n], _effective(U, Z, variances))
+            for n, U in parts.items()
+        ),
+        variances,
+    )
+
+
+def _codes(car: Codes, station: Codes, names: "list[str] | tuple[str, ...]") -> list[Codes]:
+    every = {CAR: car, STATION: station, BOTH: _cell(car, station)}
+    return [every[name] for name in names]
+
+
+def _cell(car: Codes, station: Codes) -> Codes:
+    return np.asarray(car * (int(np.max(station)) + 1) + station)
+
+
+def _columns(codes: Codes) -> Array:
+    """One column of nought and one for each level, (n, levels)."""
+    return np.asarray(codes[:, None] == np.unique(codes)[None, :], dtype=np.float64)
+
+
+def _adds(before: list[Codes], codes: Codes) -> bool:
+    held = np.hstack([_columns(c) for c in before])
+    both = np.hstack([held, _columns(codes)])
+    return bool(np.linalg.matrix_rank(both) > np.linalg.matrix_rank(held))
+
+
+def _new_directions(basis: Array, columns: Array) -> Array:
+    """Orthonormal directions of ``columns`` that are not in ``basis``, (n, df)."""
+    rest = columns - basis @ (basis.T @ columns)
+    U, size, _ = np.linalg.svd(rest, full_matrices=False)
+    return np.asarray(U[:, size > RANK * max(1.0, float(np.max(np.abs(columns).sum(axis=0))))])
+
+
+def _trace(U: Array, Z: Array) -> float:
+    """tr(U U' Z Z')."""
+    return float(np.sum((U.T @ Z) ** 2))
+
+
+def _effective(U: Array, Z: dict[str, Array], variances: dict[str, float]) -> float:
+    """Satterthwaite's degrees of freedom of y' U U' y at the variances found, nought for negative.
+
+    tr(M)^2 / tr(M^2) with M = U' V U: the plain degrees where M is a multiple of one.
+    """
+    M = sum(max(variances[n], 0.0) * (U.T @ z) @ (U.T @ z).T for n, z in Z.items())
+    M = np.asarray(M)
+    square = float(np.sum(M * M))
+    return float(np.trace(M) ** 2 / square) if square > 0.0 else float(U.shape[1])

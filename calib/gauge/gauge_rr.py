@@ -1,0 +1,142 @@
+"""From an analysis of variance to what a gauge is judged by, with 95 % intervals.
+
+    GRR^2 = EV^2 + AV^2          what the measurement adds: repeatability and reproducibility
+    TV^2 = GRR^2 + PV^2          PV: the cars themselves
+    %GRR = GRR/TV                ndc = 1.41 PV/GRR, cut to a whole number (AIAG MSA, 4th ed.)
+
+AV is station and car-by-station together. Intervals are generalised confidence intervals (Burdick,
+Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): nu MS/chi2(nu)
+stands for each expected mean square, and the 2.5 and 97.5 % points of what follows are the ends.
+`tests/studies/repeatability_coverage.py` counts how often they hold the truth.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.gauge.anova import BOTH, CAR, REPEAT, STATION, Anova
+
+Array = NDArray[np.float64]
+
+REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
+NDC = 1.41
+"""Width of a 97 % interval of the parts over that of the gauge, as AIAG rounds the root of 2."""
+
+DRAWS = 20_000
+"""Draws of an interval: its ends then err by a few percent of its width."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """A variance in the figure's unit squared.
+
+    ``raw`` as it came out; ``variance`` the same, or nought where that is negative; ``low``,
+    ``high`` 95 % interval.
+    """
+
+    variance: float
+    raw: float
+    low: float
+    high: float
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation, in the figure's unit."""
+        return float(np.sqrt(self.variance))
+
+    @property
+    def sd95(self) -> tuple[float, float]:
+        """95 % interval of the standard deviation."""
+        return float(np.sqrt(self.low)), float(np.sqrt(self.high))
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """What a figure's scatter is made of.
+
+    ``components`` by name: those of the analysis, and where there are stations ``reproducibility``,
+    then ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1];
+    ``ndc`` number of distinct categories, uncut [1]; each with its 95 % interval.
+    """
+
+    components: dict[str, Component]
+    grr: float
+    grr95: tuple[float, float]
+    ndc: float
+    ndc95: tuple[float, float]
+
+    @property
+    def categories(self) -> int:
+        """Number of distinct categories, cut to a whole number."""
+        return int(min(self.ndc, 1e9))
+
+    @property
+    def negative(self) -> tuple[str, ...]:
+        """Causes whose variance came out negative and stands as nought."""
+        sums = (REPRODUCIBILITY, GAUGE, TOTAL)
+        return tuple(n for n, c in self.components.items() if c.raw < 0.0 and n not in sums)
+
+
+def gauge(found: Anova) -> Gauge:
+    """Components, %GRR and ndc of an analysis. Raises ValueError where nothing scatters."""
+    if sum(source.ss for source in found.sources) <= 0.0 or found.variances[REPEAT] <= 0.0:
+        raise ValueError("nothing scatters between repeats")
+    drawn = _drawn(found)
+    raw = _derived({name: np.asarray(value) for name, value in found.variances.items()}, clip=False)
+    point = _derived({name: np.asarray(value) for name, value in found.variances.items()})
+    spread = _derived(drawn)
+    components = {
+        name: Component(float(point[name]), float(raw[name]), *_ends(spread[name]))
+        for name in point
+    }
+    return Gauge(
+        components,
+        float(_grr(point)),
+        _ends(_grr(spread)),
+        float(_ndc(point)),
+        _ends(_ndc(spread)),
+    )
+
+
+def _drawn(found: Anova) -> dict[str, Array]:
+    """Draws of every variance, each (DRAWS,): C^-1 applied to nu MS/chi2(nu)."""
+    ms = [
+        source.ms * source.effective / _chi2(source.effective, i)
+        for i, source in enumerate(found.sources)
+    ]
+    solved = np.linalg.solve(found.system, np.array(ms))
+    return dict(zip(found.variances, solved, strict=True))
+
+
+@lru_cache(maxsize=16)  # 160 kB each, and the degrees of an uneven design seldom come again
+def _chi2(nu: float, stream: int) -> Array:
+    """Chi-square numbers (DRAWS,), the same every time: a report must not change by itself."""
+    return np.random.default_rng([20, stream]).chisquare(nu, DRAWS)
+
+
+def _derived(variances: dict[str, Array], clip: bool = True) -> dict[str, Array]:
+    """Variances and their sums; with ``clip`` a negative one counts as nought in all of them."""
+    v = {n: np.maximum(x, 0.0) if clip else x for n, x in variances.items()}
+    stations = [v[n] for n in (STATION, BOTH) if n in v]
+    out = {REPEAT: v[REPEAT]} | {n: v[n] for n in (STATION, BOTH) if n in v}
+    if stations:
+        out[REPRODUCIBILITY] = np.sum(stations, axis=0)
+    out[GAUGE] = np.sum([v[REPEAT], *stations], axis=0)
+    out[CAR] = v[CAR]
+    out[TOTAL] = out[GAUGE] + v[CAR]
+    return out
+
+
+def _grr(v: dict[str, Array]) -> Array:
+    return np.asarray(np.sqrt(v[GAUGE] / v[TOTAL]))
+
+
+def _ndc(v: dict[str, Array]) -> Array:
+    return np.asarray(NDC * np.sqrt(v[CAR] / v[GAUGE]))
+
+
+def _ends(draws: Array) -> tuple[float, float]:
+    low, high = np.quantile(draws, [0.025, 0.975])
+    return float(low), float(high)

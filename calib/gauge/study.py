@@ -1,0 +1,247 @@
+"""Is the calibration itself a good gauge: repeated ramps of several cars, judged figure by figure.
+
+ramps --fit, one table a ramp--> figures --anova--> components --limits--> verdict
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import InputError
+from calib.gauge.anova import BOTH, STATION, Anova, anova, terms_of
+from calib.gauge.gauge_rr import Gauge, gauge
+from calib.logs.log import Log
+from calib.signals.axle_signals import signals
+from calib.table.table import Table
+from calib.validation.limits import Judgement, Limit, judge
+
+Array = NDArray[np.float64]
+
+REFERENCE = 0.0015
+"""eta - 1 at which the curves are compared unless told otherwise [1]: on the rising branch of any
+usual car, and ten times what the zero of a good ramp is uncertain by."""
+
+GOOD = 0.10
+"""%GRR up to which AIAG calls a gauge good; between this and the limit it is marginal."""
+
+DEFAULTS = (Limit("grr", None, 0.30), Limit("ndc", 5.0, None))
+"""AIAG, Measurement Systems Analysis, 4th ed."""
+
+QUANTITIES = {
+    "pad_scale": "common factor on the nominal pad friction",
+    "pad_friction_f": "pad friction, front",
+    "pad_friction_r": "pad friction, rear",
+    "eta_zero": "eta - 1 on the unbraked lead-in",
+    "slip_stiffness": "normalised force per slip of the tyres at small slip",
+    "difference": "D = F_f - F_r at the reference eta",
+    "f1": "f1 at the reference eta",
+    "f2": "f2 at the reference eta",
+}
+"""What is judged of every ramp; all are bare numbers."""
+
+
+@dataclass(frozen=True)
+class GaugeReading:
+    """The figures of one ramp, by name of `QUANTITIES`; its car, station and SHA-256."""
+
+    log: str
+    car: str
+    station: str
+    figures: dict[str, float]
+    digest: str = ""
+
+
+@dataclass(frozen=True)
+class GaugeResult:
+    """One figure: its ``values`` in the order of the readings, and what they say.
+
+    ``analysis`` and ``gauge`` are None where repeats do not scatter at all. ``verdict`` good,
+    marginal, bad, or not judged.
+    """
+
+    name: str
+    values: Array
+    analysis: Anova | None
+    gauge: Gauge | None
+    judgements: tuple[Judgement, ...]
+    verdict: str
+
+
+@dataclass(frozen=True)
+class GaugeStudy:
+    """The whole study; ``notes`` say what the design can tell and what it cannot."""
+
+    readings: tuple[GaugeReading, ...]
+    results: tuple[GaugeResult, ...]
+    reference: float
+    notes: tuple[str, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether no figure is outside its limits."""
+        return all(result.verdict != "bad" for result in self.results)
+
+    @property
+    def cars(self) -> tuple[str, ...]:
+        """Names of the cars, sorted."""
+        return tuple(sorted({reading.car for reading in self.readings}))
+
+    @property
+    def stations(self) -> tuple[str, ...]:
+        """Names of the stations, sorted; empty where they are not told apart."""
+        return tuple(sorted({r.station for r in self.readings if r.station}))
+
+
+def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str, float]:
+    """Figures of one ramp from its own ``table``, the curves where eta - 1 is ``reference`` [1].
+
+    At a given deceleration the curves would follow from the pad ratio alone, which a ramp hardly
+    says; at a given eta they are what the ECU reads. Raises InputError where they do not reach it.
+    """
+    paper, eta = table.paper, 1.0 + reference
+    if not paper.eta[0] <= eta <= paper.eta[-1]:
+        raise InputError(
+            f"f1 and f2 cannot be read where eta is {100.0 * reference:g} % above one",
+            where=log.source,
+            expected=f"at most {100.0 * (paper.eta[-1] - 1.0):.2f} %, where eta turns",
+            do="give another --eta",
+        )
+    s = signals(log, table.vehicle)
+    D = table.difference
+    pads = table.calibration
+    return {
+        "pad_scale": pads.pad_scale.value,
+        "pad_friction_f": pads.pad_friction_f.value,
+        "pad_friction_r": pads.pad_friction_r.value,
+        "eta_zero": float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0,
+        "slip_stiffness": float(np.exp(-table.posterior.mean[0])),
+        "difference": float(np.interp(eta, D.eta, D.D)),
+        "f1": float(np.interp(eta, paper.eta, paper.f1)),
+        "f2": float(np.interp(eta, paper.eta, paper.f2)),
+    }
+
+
+def known_limits() -> set[str]:
+    """Names a limits file may hold: grr and ndc of all figures, or of one as ``NAME_grr``."""
+    return {"grr", "ndc"} | {f"{q}_{f}" for q in QUANTITIES for f in ("grr", "ndc")}
+
+
+def study(
+    readings: tuple[GaugeReading, ...],
+    limits: tuple[Limit, ...] = DEFAULTS,
+    reference: float = REFERENCE,
+) -> GaugeStudy:
+    """Analyse the readings, each figure by itself. Raises InputError for a design that cannot do.
+
+    At least two cars and one repeated ramp are needed; stations are optional.
+    """
+    _refuse_twice(readings)
+    car, station = (_coded([getattr(r, key) for r in readings]) for key in ("car", "station"))
+    _check_design(readings, car, station)
+    terms = terms_of(car, station)
+    results = tuple(
+        _result(name, np.array([r.figures[name] for r in readings]), car, station, terms, limits)
+        for name in readings[0].figures
+    )
+    return GaugeStudy(readings, results, reference, _notes(car, station, terms))
+
+
+def _coded(names: list[str]) -> NDArray[np.int64]:
+    return np.asarray(np.unique(names, return_inverse=True)[1], dtype=np.int64)
+
+
+Codes = NDArray[np.int64]
+
+
+def _refuse_twice(readings: tuple[GaugeReading, ...]) -> None:
+    """A run given twice would pass for a perfect repeat."""
+    seen: dict[str, str] = {}
+    for reading in readings:
+        if reading.digest in seen:
+            raise InputError(
+                f"the same run as {seen[reading.digest]}", where=reading.log, do="give it once"
+            )
+        if reading.digest:
+            seen[reading.digest] = reading.log
+
+
+def _check_design(readings: tuple[GaugeReading, ...], car: Codes, station: Codes) -> None:
+    where = f"{len(readings)} ramps"
+    if len(set(car)) < 2:
+        raise InputError(
+            "all ramps are of one car",
+            where=where,
+            expected="ramps of two cars or more; 10 is usual",
+        )
+    cells = len({*zip(car.tolist(), station.tolist(), strict=True)})
+    if cells == len(readings) and len(set(station)) < 2:
+        raise InputError(
+            "no car has a second ramp", where=where, expected="two ramps or more of some cars"
+        )
+    try:
+        anova(np.zeros(car.size), car, station)
+    except ValueError as cause:
+        raise InputError(
+            str(cause), where=where, expected="more ramps than cars and stations together"
+        ) from cause
+
+
+def _result(
+    name: str,
+    values: Array,
+    car: Codes,
+    station: Codes,
+    terms: tuple[str, ...],
+    limits: tuple[Limit, ...],
+) -> GaugeResult:
+    found = anova(values, car, station, terms)
+    try:
+        judged = gauge(found)
+    except ValueError:
+        return GaugeResult(name, values, None, None, (), "not judged")
+    have: dict[str, float | None] = {"grr": judged.grr, "ndc": float(judged.categories)}
+    judgements = judge(_limits_of(name, limits), have)
+    bad = any(j.passed is False for j in judgements)
+    verdict = "bad" if bad else "good" if judged.grr <= GOOD else "marginal"
+    return GaugeResult(name, values, found, judged, judgements, verdict)
+
+
+def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
+    """The limits of one figure: its own before the common ones."""
+    by_name = {limit.figure: limit for limit in limits}
+    both = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in ("grr", "ndc")]
+    return tuple(Limit(f, limit.low, limit.high) for f, limit in both if limit is not None)
+
+
+def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> tuple[str, ...]:
+    cells = _cells(car, station)
+    said: list[str] = []
+    if len(set(station)) < 2:
+        said.append("stations are not told apart: reproducibility is not measured")
+    elif STATION not in terms:
+        said.append("no car was on two stations: what stations do counts as the cars' own")
+    elif BOTH not in terms:
+        said.append("no car was twice on a station: car by station counts as repeatability")
+    if STATION in terms and len(set(station)) < 4:
+        said.append(
+            f"{len(set(station))} stations say little of all stations: the interval of the "
+            "reproducibility is wide"
+        )
+    if len(set(car)) < 5:
+        said.append(f"{len(set(car))} cars say little of all cars: AIAG asks for 10")
+    if cells.min() != cells.max():
+        empty = int(np.sum(cells == 0))
+        said.append(
+            "unequal numbers of ramps"
+            + (f", {empty} of {cells.size} car-station cells empty" if empty else "")
+            + ": sums of squares are type I (car, station, both), variances from their "
+            "expectations, intervals approximate"
+        )
+    return tuple(said)
+
+
+def _cells(car: Codes, station: Codes) -> NDArray[np.int64]:
+    counts = np.zeros((int(car.max()) + 1, int(station.max()) + 1), dtype=np.int64)
+    np.add.at(counts, (car, station), 1)
+    return counts

@@ -1,0 +1,1 @@
+"""Frames of a bus, decoded with a DBC."""

@@ -1,0 +1,110 @@
+"""Vector ASC through python-can, and whether its last block was ended."""
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, TextIO
+
+from calib.errors import LogError
+from calib.logs.bus.recording import recording, require_dbc
+from calib.logs.bus.text_log import Counted
+from calib.logs.extra import need
+from calib.logs.recording import Recording
+
+FRAME = re.compile(
+    r"\s*\d+\.\d+\s+(\d+\s+(\w+\s+(Tx|Rx)\b|ErrorFrame)|CANFD\s+\d+\s+(Tx|Rx)\b)", re.IGNORECASE
+)
+_HEADER = re.compile(r"\s*(date|base|//|(no\s+)?internal\s+events)", re.IGNORECASE)
+_EVENTS = re.compile(r"\s*(no\s+)?internal\s+events", re.IGNORECASE)
+_DELTA = re.compile(r"\s*base\s+\w+\s+timestamps\s+relative", re.IGNORECASE)
+_BEGIN = re.compile(r"\s*begin\s+triggerblock", re.IGNORECASE)
+_END = re.compile(r"\s*end\s+triggerblock", re.IGNORECASE)
+
+
+class _Lines(Counted):
+    """Lines of an ASC file.
+
+    python-can takes the line after the header for a part of it unless that says whether internal
+    events are logged; where the file does not say it, it is said here, so that no frame is lost.
+    """
+
+    def __init__(self, file: TextIO, path: Path):
+        super().__init__(file, FRAME, path)
+        self.begun = self.ended = self._headed = False
+        self._kept: str | None = None
+
+    def __next__(self) -> str:
+        if self._kept is not None:
+            line, self._kept = self._kept, None
+            return line
+        line = super().__next__()
+        if self._headed:
+            self._mark(line)
+            return line
+        if _DELTA.match(line):
+            raise _relative(self.path)
+        if _EVENTS.match(line):
+            self._headed = True
+            return line
+        if not line.strip() or _HEADER.match(line):
+            return line
+        self._headed = True
+        self._mark(line)
+        self._kept = line
+        return "no internal events logged\n"
+
+    def _mark(self, line: str) -> None:
+        if not line[:1].isdigit() and not line[:1].isspace():
+            self.begun |= bool(_BEGIN.match(line))
+            self.ended = bool(_END.match(line)) or (self.ended and not _BEGIN.match(line))
+
+
+def open_asc(path: Path, dbc: Sequence[Path]) -> Recording:
+    """Open an ASC file.
+
+    Raises LogError for a block that is not ended, a last line or a frame that is cut off, a line
+    that looks like a frame and cannot be read, and timestamps that count from the line before.
+    Also without python-can, a DBC, or frames that the DBC knows.
+    """
+    where = str(path)
+    can = need("can", "can", where)
+    known = require_dbc(dbc, "can", where)
+    with path.open(encoding="utf-8", errors="replace") as file:
+        lines = _Lines(file, path)
+        found = lines.gathered(_whole(can.ASCReader(lines), where), known)
+    if lines.begun and not lines.ended:
+        raise LogError(
+            f"the end is missing: {len(found.times)} frames up to {found.times[-1]:.3f} s are "
+            "there, and no 'End TriggerBlock'",
+            where=path,
+            expected="a block that is ended",
+            do="copy the log again; how much is missing the file does not say",
+        )
+    lines.require_all(found)
+    return recording(found, known, () if lines.begun else (NO_FOOTER,), where)
+
+
+NO_FOOTER = "no trigger block: a file cut at the end of a line cannot be told from a whole one"
+
+
+def _whole(messages: Any, where: str) -> Iterator[Any]:
+    """Pass frames on. Raises LogError for one with less data than its line says."""
+    for message in messages:
+        if not message.is_remote_frame and len(message.data) < message.dlc:
+            raise LogError(
+                f"a frame at {message.timestamp:.6f} s has {len(message.data)} of "
+                f"{message.dlc} bytes",
+                where=where,
+                expected="all of them",
+                do="the line is cut off: copy the log again",
+            )
+        yield message
+
+
+def _relative(path: Path) -> LogError:
+    return LogError(
+        "its timestamps count from the line before ('timestamps relative')",
+        where=path,
+        expected="timestamps absolute",
+        do="export it again with absolute timestamps: lines left out would shift all that follow",
+    )

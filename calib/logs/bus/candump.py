@@ -1,0 +1,36 @@
+"""Log of candump (``candump -L``) through python-can.
+
+(1436509052.249713) vcan0 044#2A366C2BBA
+(1436509052.449847) vcan0 0F6##1112233         two #: CAN FD, then one digit of flags
+"""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from calib.logs.bus.recording import recording, require_dbc
+from calib.logs.bus.text_log import Counted
+from calib.logs.extra import need
+from calib.logs.recording import Recording
+
+FRAME = re.compile(r"\s*\(\d+\.\d+\)\s")
+
+NO_FOOTER = (
+    "candump writes no footer: a log cut at the end of a line cannot be told from a whole one"
+)
+
+
+def open_candump(path: Path, dbc: Sequence[Path]) -> Recording:
+    """Open a log of candump.
+
+    The format has no count and no footer. Raises LogError for a last line that is cut off and for
+    any line that is not a frame; also without python-can, a DBC, or frames that the DBC knows.
+    """
+    where = str(path)
+    can = need("can", "can", where)
+    known = require_dbc(dbc, "can", where)
+    with path.open(encoding="utf-8", errors="replace") as file:
+        lines = Counted(file, FRAME, path)
+        found = lines.gathered(can.CanutilsLogReader(lines), known)
+    lines.require_all(found)
+    return recording(found, known, (NO_FOOTER,), where)

@@ -1,0 +1,77 @@
+"""Lines of a text log, counted while python-can reads them."""
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+from calib.errors import LogError
+from calib.logs.bus.dbc import Dbc
+from calib.logs.bus.frames import Gathered
+from calib.logs.bus.recording import gathered
+
+if TYPE_CHECKING:
+    import can
+
+
+class Counted:
+    """A text file that counts the lines like ``frame`` as they are read.
+
+    ``frames`` of them so far; ``last`` line that was not empty. What python-can passes over in
+    silence shows as a difference between ``frames`` and what it gave.
+    """
+
+    def __init__(self, file: TextIO, frame: re.Pattern[str], path: Path):
+        self.file, self.frame, self.path = file, frame, path
+        self.frames, self.last = 0, ""
+
+    def __iter__(self) -> Iterator[str]:
+        return self
+
+    def __next__(self) -> str:
+        line = next(self.file)
+        if self.frame.match(line):
+            self.frames += 1
+        self.last = line if line.strip() else self.last
+        return line
+
+    def close(self) -> None:
+        """Close the file."""
+        self.file.close()
+
+    def gathered(self, messages: "Iterable[can.Message]", dbc: Dbc) -> Gathered:
+        """Frames that python-can reads from these lines.
+
+        Raises LogError for a file that ends within a line, and as
+        `calib.logs.bus.recording.gathered`.
+        """
+        try:
+            found = gathered(messages, dbc, str(self.path))
+        except LogError:
+            self._require_line_end()
+            raise
+        self._require_line_end()
+        return found
+
+    def require_all(self, found: Gathered) -> None:
+        """Raise LogError if other than all lines that look like frames were read."""
+        read = len(found.times)
+        if read != self.frames:
+            raise LogError(
+                f"{read} of {self.frames} lines that look like frames can be read: "
+                f"{self.frames - read} are missing",
+                where=self.path,
+                expected="all of them",
+                do="a line is damaged: copy or export the log again",
+            )
+
+    def _require_line_end(self) -> None:
+        if self.last and not self.last.endswith("\n"):
+            whole = self.frames - bool(self.frame.match(self.last))
+            raise LogError(
+                f"cut off within the last line, after {whole} whole frames: "
+                f"{self.last.strip()[:60]!r}",
+                where=self.path,
+                expected="a line that ends",
+                do="copy the log again; how much is missing the file does not say",
+            )

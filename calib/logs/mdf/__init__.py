@@ -1,0 +1,1 @@
+"""ASAM MDF 3 and 4."""

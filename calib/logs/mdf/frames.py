@@ -1,0 +1,86 @@
+"""Frames of a CAN bus that an MDF file holds as they were on the wire."""
+
+from typing import Any
+
+import numpy as np
+
+from calib.errors import LogError
+from calib.logs.bus.frames import Frames, Key
+
+FRAME = "CAN_DataFrame"
+"""Name that the standard gives to the channel that holds data frames."""
+
+
+def bus_groups(mdf: Any) -> list[int]:
+    """Groups that hold frames of a bus instead of measured channels."""
+    return [
+        number
+        for number, group in enumerate(mdf.groups)
+        if any(c.name.startswith(("CAN_", "LIN_")) and "Frame" in c.name for c in group.channels)
+    ]
+
+
+def frames_in(mdf: Any, groups: list[int], known: frozenset[Key], where: str) -> list[Frames]:
+    """Frames of the identifiers that are known, by bus and identifier.
+
+    Raises LogError for fewer frames than a group counts, and for what asammdf cannot read.
+    """
+    found = []
+    for number in groups:
+        names = {c.name for c in mdf.groups[number].channels}
+        if f"{FRAME}.DataBytes" in names and mdf.groups[number].channel_group.cycles_nr:
+            found += _frames(mdf, number, known, where)
+    return found
+
+
+def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Frames]:
+    try:
+        identifier = mdf.get(f"{FRAME}.ID", group=number)
+        others = {k: _field(mdf, number, k) for k in ("IDE", "BusChannel", "DataLength")}
+        data = mdf.get(f"{FRAME}.DataBytes", group=number).samples
+    except Exception as cause:  # a damaged file makes asammdf raise almost anything
+        raise LogError(
+            f"asammdf cannot read the frames: {str(cause) or type(cause).__name__}",
+            where=where,
+            expected="a whole and undamaged MDF file",
+        ) from cause
+    ids, time = identifier.samples, identifier.timestamps
+    cycles = int(mdf.groups[number].channel_group.cycles_nr)
+    if not len(data) == ids.size == cycles:
+        raise LogError(
+            f"{min(len(data), ids.size)} of {cycles} frames can be read", where=where,
+            expected="all that the group counts", do="copy the log again",
+        )  # fmt: skip
+    bare = (ids & 0x1FFFFFFF).astype(np.int64)
+    extended = others["IDE"].astype(bool) if others["IDE"] is not None else ids > 0x7FF
+    bus = others["BusChannel"] if others["BusChannel"] is not None else np.zeros(ids.size, int)
+    length = others["DataLength"]
+    if length is None:
+        length = np.full(ids.size, data.shape[1])
+    if length.max(initial=0) > data.shape[1]:
+        raise LogError(
+            f"a frame says that it has {length.max()} bytes, its record holds {data.shape[1]}",
+            where=where,
+            expected="frames within their records",
+            do="the file is damaged: copy the log again",
+        )
+    result = []
+    for key in sorted(known):
+        mine = (bare == key[0]) & (extended == key[1])
+        for channel in np.unique(bus[mine]):
+            at = np.flatnonzero(mine & (bus == channel))
+            width = int(length[at].max())
+            result.append(
+                Frames(
+                    f"{channel}", key, time[at],
+                    np.ascontiguousarray(data[at, :width], np.uint8), length[at].astype(np.uint8),
+                )
+            )  # fmt: skip
+    return result
+
+
+def _field(mdf: Any, number: int, name: str) -> Any:
+    """Samples of a part of the frames, or None where the file does not have it."""
+    names = {c.name for c in mdf.groups[number].channels}
+    full = f"{FRAME}.{name}"
+    return mdf.get(full, group=number).samples if full in names else None

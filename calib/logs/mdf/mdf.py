@@ -1,0 +1,204 @@
+"""ASAM MDF 3 and 4 through asammdf: measured channels, and frames of a bus with a DBC."""
+
+import logging
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from calib.errors import LogError
+from calib.logs.bus.dbc import Dbc
+from calib.logs.bus.recording import described, require_dbc, trace
+from calib.logs.extra import need
+from calib.logs.mdf.frames import bus_groups, frames_in
+from calib.logs.mdf.records import check_records
+from calib.logs.mdf.size import check_size
+from calib.logs.recording import ChannelTrace, Recording, named
+from calib.logs.source import Column
+
+VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
+"""Types of conversion that give names instead of numbers, by version of MDF."""
+
+TIME_SYNC = 1
+"""Type of a master channel of MDF 4 that holds time, not angle or distance."""
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a channel is: its group and its index in it."""
+
+    group: int
+    index: int
+
+
+def open_mdf(path: Path, dbc: Sequence[Path]) -> Recording:
+    """Open an MDF file.
+
+    Channels keep the raster of their group. Frames of a bus become the signals of the DBC; without
+    one they are left, which is said. Raises LogError for a file that is cut off or not finished
+    (`calib.logs.mdf.size`), one that asammdf cannot read, and without asammdf.
+    """
+    where = str(path)
+    asammdf = need("asammdf", "mdf", where)
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # what it finds wrong is raised
+    if check_size(path).startswith("4"):
+        check_records(path)
+    try:
+        mdf = asammdf.MDF(path)
+    except Exception as cause:  # a damaged file makes asammdf raise almost anything
+        raise _unreadable(cause, where) from cause
+    try:
+        _check_layout(mdf, where)
+        return _recording(mdf, dbc, where)
+    except BaseException:
+        mdf.close()
+        raise
+
+
+def _recording(mdf: Any, dbc: Sequence[Path], where: str) -> Recording:
+    buses = bus_groups(mdf)
+    columns, places, notes = _channels(mdf, buses)
+    known = require_dbc(dbc, "mdf", where) if buses and (dbc or not columns) else None
+    frames = frames_in(mdf, buses, known.keys, where) if known else []
+    if buses and not known:
+        notes.append("there are frames of a bus, not read without a DBC: name it in a channel map")
+    more, signals = described(frames, known or Dbc({}, ()))
+
+    def read(indices: Sequence[int]) -> list[ChannelTrace]:
+        own = [places[i - 1] for i in indices if i <= len(places)]
+        measured = dict(zip(own, _traces(mdf, own, where), strict=True))
+        return [
+            measured[places[i - 1]] if i <= len(places) else trace(*signals[i - 1 - len(places)])
+            for i in indices
+        ]
+
+    said = (*(known.notes if known else ()), *notes)
+    return Recording(named([*columns, *more]), read, said, mdf.close)
+
+
+def _check_layout(mdf: Any, where: str) -> None:
+    """Raise LogError for a channel outside its record: asammdf would read beyond the data."""
+    for number, group in enumerate(mdf.groups):
+        record = group.channel_group
+        size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
+        for channel in group.channels:
+            if hasattr(channel, "byte_offset"):  # MDF 4
+                end = 8 * channel.byte_offset + channel.bit_offset + channel.bit_count
+            else:
+                end = (
+                    8 * getattr(channel, "additional_byte_offset", 0)
+                    + channel.start_offset
+                    + channel.bit_count
+                )
+            if end > 8 * size:
+                raise LogError(
+                    f"channel {channel.name!r} lies outside the records of group {number}",
+                    where=where,
+                    expected=f"bits within {size} bytes",
+                    do="the file is damaged: copy the log again",
+                )
+
+
+def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:
+    """Every channel that has a clock, in file order, without the clocks themselves."""
+    columns, places, notes = [], [], []
+    names = Counter(_group(mdf, i) for i in range(len(mdf.groups)))
+    for number, group in enumerate(mdf.groups):
+        if number in buses or not group.channel_group.cycles_nr:
+            continue
+        master = mdf.masters_db.get(number)
+        if master is None or getattr(group.channels[master], "sync_type", 1) != TIME_SYNC:
+            notes.append(f"group {number} has no clock in seconds and was left out")
+            continue
+        title = _group(mdf, number)
+        title = f"{title}#{number}" if names[title] > 1 else title
+        for index, channel in enumerate(group.channels):
+            if index != master:
+                full = f"{title}.{channel.name}"
+                columns.append(Column(channel.name, _unit(channel), full))
+                places.append(_Place(number, index))
+    return columns, places, notes
+
+
+def _group(mdf: Any, number: int) -> str:
+    """Name of a group: of its acquisition, else its number."""
+    group = mdf.groups[number].channel_group
+    name = getattr(group, "acq_name", "") or ""
+    return name or f"group {number}"
+
+
+def _clock(mdf: Any, number: int) -> str:
+    name, plain = _group(mdf, number), f"group {number}"
+    return plain if name == plain else f"{plain} {name!r}"
+
+
+def _unit(channel: Any) -> str | None:
+    conversion = getattr(channel.conversion, "unit", "") if channel.conversion else ""
+    return (channel.unit or conversion or "").strip() or None
+
+
+def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace]:
+    """Read channels, each group's in one go. Raises LogError for too few samples, and for text."""
+    signals = _select(mdf, places, True, where)
+    result = []
+    for place, signal in zip(places, signals, strict=True):
+        channel = mdf.groups[place.group].channels[place.index]
+        name = f"{where}: {channel.name}"
+        cycles = int(mdf.groups[place.group].channel_group.cycles_nr)
+        if not signal.samples.size == signal.timestamps.size == cycles:
+            raise LogError(
+                f"{signal.samples.size} of {cycles} samples can be read: "
+                f"{cycles - signal.samples.size} are missing",
+                where=name,
+                expected="all that the group counts",
+                do="copy the log again",
+            )
+        values, state = _values(mdf, place, signal, where)
+        result.append(ChannelTrace(_clock(mdf, place.group), signal.timestamps, values, state))
+    return result
+
+
+def _select(mdf: Any, places: Sequence[_Place], numbers: bool, where: str) -> list[Any]:
+    wanted = [(None, place.group, place.index) for place in places]
+    try:
+        signals: list[Any] = mdf.select(
+            wanted, copy_master=False, ignore_value2text_conversions=numbers
+        )
+    except Exception as cause:  # as above
+        raise _unreadable(cause, where) from cause
+    return signals
+
+
+def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarray, bool]:
+    """Numbers, NaN where the file marks them as invalid or names them; whether it is a state."""
+    channel = mdf.groups[place.group].channels[place.index]
+    kinds = VALUE_TO_TEXT[str(mdf.version)[0].replace("2", "3")]
+    state = bool(channel.conversion) and channel.conversion.conversion_type in kinds
+    samples = signal.samples
+    if state:
+        told = _select(mdf, [place], False, where)[0].samples
+        if told.dtype.kind in "iuf":  # names for some values only, such as "not available"
+            samples, state = told, False
+    if samples.dtype.kind not in "biuf" or samples.ndim != 1:
+        raise LogError(
+            f"holds {samples.dtype}, shape {samples.shape[1:]}",
+            where=f"{where}: {channel.name}",
+            expected="a numeric channel",
+        )
+    values = samples.astype(np.float64)
+    invalid = signal.invalidation_bits
+    if invalid is not None:
+        values[np.asarray(invalid, bool)] = np.nan
+    return values, state
+
+
+def _unreadable(cause: Exception, where: str) -> LogError:
+    return LogError(
+        f"asammdf cannot read it: {str(cause) or type(cause).__name__}",
+        where=where,
+        expected="a whole and undamaged MDF file",
+        do="copy the log again",
+    )

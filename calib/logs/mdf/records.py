@@ -1,0 +1,79 @@
+"""Whether the data of an MDF 4 file holds as many records as its groups count.
+
+##DG --> ##CG count, bytes of a record      needed: the sum over the groups of count times bytes
+     --> ##HL --> ##DL --> ##DT, ##DZ       there: the sum of their lengths, unpacked
+"""
+
+import struct
+from pathlib import Path
+from typing import BinaryIO
+
+from calib.errors import LogError
+
+_BLOCK = struct.Struct("<4s4xQQ")
+_COUNT = struct.Struct("<8xQHHLLL")
+_UNPACKED = struct.Struct("<8xQ")
+_VARIABLE = 1
+"""Flag of a group whose records have no common length."""
+
+
+def check_records(path: Path) -> None:
+    """Raise LogError if a data group has less data than its records need.
+
+    For a file whose blocks are all there (`calib.logs.mdf.size`). Data in another layout than
+    lists of blocks is left to the reader, which compares the samples it read with the count.
+    """
+    with path.open("rb") as file:
+        (place, *_), _ = _block(file, 64)
+        number = 0
+        while place:
+            (place, group, data, *_), content = _block(file, place)
+            needed = _needed(file, group, content[0])
+            there = _there(file, data) if data else 0
+            if there is not None and there < needed:
+                raise LogError(
+                    f"data group {number} holds {there} of {needed} bytes of samples: "
+                    f"{needed - there} are missing ({100 * (1 - there / needed):.0f} %)",
+                    where=path,
+                    expected="as many samples as it counts",
+                    do="copy the log again",
+                )
+            number += 1
+
+
+def _block(file: BinaryIO, place: int) -> tuple[tuple[int, ...], bytes]:
+    """Links and the first bytes of the content of a block."""
+    file.seek(place)
+    _, length, links = _BLOCK.unpack(file.read(_BLOCK.size))
+    read = file.read(8 * links + min(64, length - _BLOCK.size - 8 * links))
+    return struct.unpack_from(f"<{links}Q", read), read[8 * links :]
+
+
+def _needed(file: BinaryIO, place: int, id_size: int) -> int:
+    total = 0
+    while place:
+        (place, *_), content = _block(file, place)
+        count, flags, _, _, size, invalid = _COUNT.unpack_from(content)
+        if not flags & _VARIABLE:
+            total += count * (size + invalid + id_size)
+    return total
+
+
+def _there(file: BinaryIO, place: int) -> int | None:
+    """Bytes of the data behind a link; None for what is no list of data blocks."""
+    total, todo = 0, [place]
+    while todo:
+        place = todo.pop()
+        if not place:
+            continue
+        file.seek(place)
+        kind, length, _ = _BLOCK.unpack(file.read(_BLOCK.size))
+        if kind in (b"##HL", b"##DL"):
+            todo += _block(file, place)[0]
+        elif kind == b"##DT":
+            total += length - _BLOCK.size
+        elif kind == b"##DZ":
+            total += _UNPACKED.unpack_from(_block(file, place)[1])[0]
+        else:
+            return None
+    return total

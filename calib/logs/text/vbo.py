@@ -1,0 +1,170 @@
+"""Racelogic VBO: text in sections, satellite speed and the channels of the car's bus.
+
+[header]           one name a line; standard ones may carry a unit: ``velocity kmh``
+[channel units]    one line for each name that is not standard; it may be empty
+[column names]     one word a column, in the order of [header]
+[data]             samples, separated by blanks; time is HHMMSS.ss
+
+Positions (degrees and minutes) and the number of satellites are left as they stand: nothing here
+takes them. The satellites' speed over ground is the reference speed ``v``, unless the file has a
+channel of that name.
+"""
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from calib.errors import LogError
+from calib.logs.source import Array, Column, ColumnSource
+from calib.logs.text.csv import last_row, read_columns
+from calib.logs.text.dialect import Dialect, TextFormat
+from calib.logs.text.encoding import head_text, to_utf8
+from calib.logs.text.header import column_from_cell
+from calib.units import is_unit
+
+STANDARD = (
+    *("satellites", "time", "latitude", "longitude", "velocity", "heading", "height"),
+    *("vertical velocity", "event", "trigger event time", "event 1 time"),
+    *("longitudinal acceleration", "lateral acceleration", "long accel", "lat accel"),
+    *("glonass satellites", "gps satellites", "solution type", "distance", "sampleperiod"),
+)
+"""Names that have no line in [channel units]."""
+
+DIALECT = Dialect(" ", ".")
+DAY = 86400.0
+"""Seconds of a day: what a clock loses at midnight [s]."""
+
+_SECTION = re.compile(rb"^\[([^\]\r\n]+)\][^\r\n]*\r?$", re.MULTILINE)
+
+
+def open_vbo(data: bytes, where: str, told: TextFormat | None = None) -> ColumnSource:
+    """Open a VBO file.
+
+    Parameters
+    ----------
+    data : the whole file.
+    where : its path, for messages.
+    told : what a channel map says of it; only the encoding counts.
+
+    Raises LogError for a file without the sections it needs, names that do not fit the columns, no
+    samples, or a last line with too few columns: the file was cut off.
+    """
+    if not data or data.isspace():
+        raise LogError("the file is empty", where=where, expected="a VBO file")
+    data = to_utf8(data, where, told.encoding if told else None)
+    texts, body, notes = _sections(data, where)
+    columns, more = _columns(texts, where)
+    body = _single_blanks(body)
+    if not body or body.isspace():
+        raise LogError("a header and no samples", where=where, expected="at least 50 rows")
+    end = last_row(body, 0, len(columns), DIALECT, where)
+
+    def read(indices: Sequence[int]) -> list[Array]:
+        arrays = read_columns(body, 0, columns, indices, DIALECT, where)
+        return [
+            _seconds(x, where) if columns[i].name == "time" else x
+            for i, x in zip(indices, arrays, strict=True)
+        ]
+
+    return ColumnSource(columns, read, (*notes, *more, *((end,) if end else ())))
+
+
+def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, list[str]]:
+    """Lines of each section by name, the bytes of [data], and notes."""
+    marks = list(_SECTION.finditer(data))
+    names = [m[1].decode(errors="replace").strip().lower() for m in marks]
+    if "data" not in names:
+        raise LogError(
+            "no section [data]" + (": the file is cut off?" if names else ": not a VBO file"),
+            where=where,
+            expected="[header], [column names] and [data]",
+        )
+    cut = names.index("data")
+    head, note = head_text(data[: marks[cut].start()], where)
+    parts = re.split(r"^\[([^\]\r\n]+)\].*$", head, flags=re.MULTILINE)
+    texts = {
+        name.strip().lower(): [line.strip() for line in text.split("\n")[1:-1]]
+        for name, text in zip(parts[1::2], parts[2::2], strict=True)
+    }
+    body = data[marks[cut].end() :].lstrip(b"\r\n")
+    for needed in ("header", "column names"):
+        if not any(texts.get(needed, [])):
+            raise LogError(f"no section [{needed}]", where=where, expected="names of the channels")
+    return texts, body, [note] if note else []
+
+
+def _single_blanks(body: bytes) -> bytes:
+    """Rows with one blank between cells, and none around them."""
+    if b"\t" in body or b"  " in body:
+        body = re.sub(rb"[ \t]+", b" ", body)
+    return body.lstrip(b" ").replace(b" \r\n", b"\n").replace(b" \n", b"\n").replace(b"\n ", b"\n")
+
+
+def _columns(texts: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...], list[str]]:
+    header = [line for line in texts["header"] if line]
+    short = " ".join(texts["column names"]).split()
+    if len(header) != len(short):
+        raise LogError(
+            f"{len(header)} names in [header], {len(short)} in [column names]",
+            where=where,
+            expected="as many in both",
+        )
+    own = [i for i, name in enumerate(header) if not _standard(name)]
+    units, notes = _units(texts.get("channel units", []), len(own))
+    by_index = dict(zip(own, units, strict=True))
+    columns = [
+        _column(name, word, by_index.get(i))
+        for i, (name, word) in enumerate(zip(header, short, strict=True))
+    ]
+    if not any(c.name == "v" for c in columns):
+        columns = [Column("v", c.unit, c.name) if c.name == "velocity" else c for c in columns]
+    return tuple(columns), notes
+
+
+def _standard(name: str) -> bool:
+    return any(name.lower() == s or name.lower().startswith(f"{s} ") for s in STANDARD)
+
+
+def _units(lines: list[str], count: int) -> tuple[list[str | None], list[str]]:
+    """The units of the channels that are not standard, and a note where they cannot be told."""
+    filled = len(lines)
+    while filled and not lines[filled - 1]:
+        filled -= 1  # a blank line ends the section, or stands for a channel without a unit
+    if filled > count or (filled > 0 and len(lines) < count):
+        note = f"[channel units] has {filled} lines for {count} channels: none was taken"
+        return [None] * count, [note]
+    padded = [*lines, *[""] * count][:count]
+    return [None if unit.lower() in ("", "(null)") else unit for unit in padded], []
+
+
+def _column(name: str, word: str, unit: str | None) -> Column:
+    """A column: ``velocity kmh`` has its unit behind the name, ``Brake [bar]`` as elsewhere."""
+    if name.lower() == "time":
+        return Column("time", "s", word)
+    stem, _, last = name.rpartition(" ")
+    if unit is None and stem and is_unit(last):
+        return Column(stem, last, word if word != stem else "")
+    plain = column_from_cell(name)
+    return Column(plain.name, unit or plain.unit, word if word != plain.name else "")
+
+
+def _seconds(written: Array, where: str) -> Array:
+    """Seconds since the midnight before the first sample, from HHMMSS.ss, shape (n,).
+
+    >>> _seconds(np.array([235959.5, 0.5]), "run.vbo")
+    array([86399.5, 86400.5])
+    """
+    # Rounded, as the file has it: 120000.05 and its binary neighbours differ by 1e-11.
+    hours, rest = np.divmod(written, 10000.0)
+    minutes, seconds = np.divmod(rest, 100.0)
+    wrong = np.flatnonzero(~((hours < 24) & (minutes < 60) & (seconds < 60)))
+    if wrong.size:
+        raise LogError(
+            f"row {wrong[0] + 1}: {written[wrong[0]]:.10g} is no time of day",
+            where=f"{where}: time",
+            expected="HHMMSS.ss",
+        )
+    time = np.round(3600.0 * hours + 60.0 * minutes + seconds, 6)
+    midnights = np.cumsum(np.concatenate([[0.0], np.diff(time) < -DAY / 2]))
+    return np.asarray(time + DAY * midnights)

@@ -1,0 +1,1 @@
+"""The equations of car, wheel, tyre and brake, each once."""

@@ -1,0 +1,100 @@
+"""From the pedal to the brake torque of every wheel, through all effects on the way.
+
+    p_mc --line--> wheel pressure --caliper--> clamp --pads--> torque --left/right--> T_b (2) (3)
+                   (or as logged)
+
+Left and right are mirror images unless wheel pressures or an effect say otherwise; then the right
+wheel of that axle is there, too.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.names import WHEELS
+from calib.physics import forces
+from calib.physics.effects.catalogue import (
+    caliper_pressure,
+    line_pressure,
+    pad_factors,
+    wheel_factors,
+)
+from calib.physics.effects.effect import Pair, RunHistory
+from calib.physics.model import Model
+from calib.physics.vehicle import Axle
+
+Array = NDArray[np.float64]
+
+
+def at_rest(
+    time: Array, p_mc: Array, v0: float, temperature: Mapping[str, Array] | None = None
+) -> RunHistory:
+    """A run of which only the pressure [Pa] and the temperatures [degC] by axle are known yet."""
+    heat, zero = temperature or {}, np.zeros_like(time)
+    return RunHistory(
+        time=time,
+        v=np.full_like(time, v0),
+        z=zero,
+        p_mc=p_mc,
+        temperature_f=heat.get("f"),
+        temperature_r=heat.get("r"),
+        angle_f=zero,
+        angle_r=zero,
+        energy_f=zero,
+        energy_r=zero,
+    )
+
+
+@dataclass(frozen=True)
+class Brakes:
+    """The brakes in one run: ``model`` as driven, ``clamp`` pressure [Pa] (n,) by wheel."""
+
+    model: Model
+    clamp: dict[str, Array]
+
+    @property
+    def wheels(self) -> tuple[str, ...]:
+        """The wheels that differ from one another."""
+        return tuple(self.clamp)
+
+    def twin(self, w: str) -> str:
+        """The wheel that stands for this one."""
+        return w if w in self.clamp else f"{w[0]}l"
+
+    def axle(self, w: str) -> Axle:
+        """The axle of a wheel."""
+        return self.model.vehicle.front if w[0] == "f" else self.model.vehicle.rear
+
+    def pads(self, trace: RunHistory, side: str = "l") -> Pair:
+        """Friction of the front and the rear pads [1] (n,) on one side."""
+        p_f, p_r = (self.clamp[self.twin(f"{a}{side}")] for a in "fr")
+        front, rear = pad_factors(self.model.terms, trace, p_f, p_r)
+        return self.model.pad_friction_f * front, self.model.pad_friction_r * rear
+
+    def torques(self, trace: RunHistory) -> dict[str, Array]:
+        """Brake torque [N m] (n,) by wheel."""
+        uneven = wheel_factors(self.model.terms, trace)
+        pads = {side: self.pads(trace, side) for side in {w[1] for w in self.clamp}}
+        torques = {}
+        for w, p in self.clamp.items():
+            T_b = forces.brake_torque(self.axle(w), pads[w[1]]["fr".index(w[0])], p)  # (2), (3)
+            torques[w] = T_b * uneven[w] if w in uneven else T_b
+        return torques
+
+
+def brakes_of(model: Model, rest: RunHistory, own: Mapping[str, Array]) -> Brakes:
+    """The brakes under the pressure of ``rest``, or under the wheels' ``own`` [Pa] by wheel.
+
+    A wheel's own pressure is behind the line, so only the caliper changes it.
+    """
+    p_f, p_r = line_pressure(model.terms, rest)
+    arrives = {w: own.get(w, p_f if w[0] == "f" else p_r) for w in WHEELS}
+    uneven = {w[0] for w in wheel_factors(model.terms, rest)}
+    clamp: dict[str, Array] = {}
+    for side in "lr" if own or uneven else "l":
+        front, rear = caliper_pressure(model.terms, rest, arrives[f"f{side}"], arrives[f"r{side}"])
+        clamp |= {f"f{side}": front, f"r{side}": rear}
+    differ = [w for w in WHEELS if w[1] == "l" or own or w[0] in uneven]
+    return Brakes(model, {w: clamp[w] for w in differ})

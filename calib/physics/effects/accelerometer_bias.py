@@ -1,0 +1,22 @@
+"""Accelerometer bias: a reading where there is no acceleration."""
+
+from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters, RunHistory
+from calib.physics.vehicle import Vehicle
+
+
+def accelerometer(vehicle: Vehicle, parameters: Parameters, trace: RunHistory, a_x: Array) -> Array:
+    """Return a_x + b [m/s^2], the same all along the run."""
+    return a_x + parameters["bias"]
+
+
+EFFECT = Effect(
+    card=Card(
+        name="accelerometer_bias",
+        cause="zero error or tilted mounting of the sensor",
+        equation="a_x + b; nothing at bias = 0",
+        source="IEEE Std 1293, bias",
+        looks_like="a_x off by a constant, coasting or braking, that wheel speeds do not share",
+        parameters=(Parameter("bias", "m/s^2", -1.0, 1.0, 0.1, 0.1),),
+    ),
+    accelerometer=accelerometer,
+)

@@ -1,0 +1,22 @@
+"""Accelerometer scale: a reading that is off in proportion."""
+
+from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters, RunHistory
+from calib.physics.vehicle import Vehicle
+
+
+def accelerometer(vehicle: Vehicle, parameters: Parameters, trace: RunHistory, a_x: Array) -> Array:
+    """Return a_x (1 + e) [m/s^2]."""
+    return a_x * (1.0 + parameters["scale_error"])
+
+
+EFFECT = Effect(
+    card=Card(
+        name="accelerometer_scale",
+        cause="scale factor error of the sensor",
+        equation="a_x (1 + e); nothing at scale_error = 0",
+        source="IEEE Std 1293, scale factor",
+        looks_like="a_x off in proportion to the deceleration, which wheel speeds do not share",
+        parameters=(Parameter("scale_error", "1", -0.2, 0.2, 0.03, 0.02),),
+    ),
+    accelerometer=accelerometer,
+)

@@ -1,0 +1,36 @@
+"""Threshold pressure: what seals and springs take before the pads are pressed."""
+
+import numpy as np
+
+from calib.physics.effects.effect import (
+    Array,
+    Card,
+    Effect,
+    Pair,
+    Parameter,
+    Parameters,
+    RunHistory,
+)
+
+
+def pressure(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Pressure less what the threshold p_0 takes of it [Pa]; nought below.
+
+    The sign is kept, so that the noise of a sensor at rest stays without a mean.
+    """
+    threshold = parameters["threshold"]
+    front, rear = (p - np.clip(p, -threshold, threshold) for p in (p_f, p_r))
+    return front, rear
+
+
+EFFECT = Effect(
+    card=Card(
+        name="brake_threshold_pressure",
+        cause="return springs and seals of the calipers",
+        equation="p - p_0 above p_0, nought below; nothing at threshold = 0",
+        source="Limpert, Brake Design and Safety, ch. 5 (pushout pressure)",
+        looks_like="the same torque missing at every pressure, all of it at light braking",
+        parameters=(Parameter("threshold", "Pa", 0.0, 10e5, 1.5e5, 1e5),),
+    ),
+    pressure=pressure,
+)

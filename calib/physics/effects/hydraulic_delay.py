@@ -1,0 +1,35 @@
+"""Hydraulic delay: the brakes get the pressure of a moment ago."""
+
+import numpy as np
+
+from calib.physics.effects.effect import (
+    Array,
+    Card,
+    Effect,
+    Pair,
+    Parameter,
+    Parameters,
+    RunHistory,
+)
+
+
+def pressure(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Pressure [Pa] of ``delay`` [s] earlier, straight between samples.
+
+    Before the first sample the pressure was that of the first sample.
+    """
+    then = trace.time - parameters["delay"]
+    return np.interp(then, trace.time, p_f), np.interp(then, trace.time, p_r)
+
+
+EFFECT = Effect(
+    card=Card(
+        name="hydraulic_delay",
+        cause="dead time between the pressure sensor and the brakes, or between their clocks",
+        equation="p(t) = p_mc(t - T_d); nothing at delay = 0",
+        source="Breuer and Bill, Brake Technology Handbook",
+        looks_like="torque of unchanged shape behind the pressure at every change",
+        parameters=(Parameter("delay", "s", 0.0, 0.5, 0.05, 0.03),),
+    ),
+    pressure=pressure,
+)

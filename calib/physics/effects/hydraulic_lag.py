@@ -1,0 +1,36 @@
+"""Hydraulic lag: the calipers fill through narrow lines."""
+
+from calib.physics.effects.effect import (
+    Array,
+    Card,
+    Effect,
+    Pair,
+    Parameter,
+    Parameters,
+    RunHistory,
+)
+from calib.physics.lag import first_order
+
+
+def pressure(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Pressure [Pa] behind a first-order lag, the same on both axles.
+
+    Steady at the first sample. A line that fills fast and empties slowly is not covered.
+    """
+    lag = parameters["time_constant"]
+    if lag <= 0.0:
+        return p_f, p_r
+    return first_order(trace.time, p_f, lag), first_order(trace.time, p_r, lag)
+
+
+EFFECT = Effect(
+    card=Card(
+        name="hydraulic_lag",
+        cause="flow resistance of the lines and volume taken by the calipers",
+        equation="T dp/dt + p = p_mc; nothing at time_constant = 0",
+        source="Limpert, Brake Design and Safety, ch. 5; Breuer and Bill, Brake Technology",
+        looks_like="torque behind the pressure at every change, rounded off; none when held",
+        parameters=(Parameter("time_constant", "s", 0.0, 1.0, 0.1, 0.06),),
+    ),
+    pressure=pressure,
+)

@@ -1,0 +1,33 @@
+"""Pressure dependence of the pads: friction that changes with how hard they are pressed."""
+
+from calib.physics.effects.effect import (
+    Array,
+    Card,
+    Effect,
+    Pair,
+    Parameter,
+    Parameters,
+    RunHistory,
+)
+
+REFERENCE_PRESSURE = 20e5
+"""Pressure [Pa] at which the pad friction is what the model says; the middle of usual braking."""
+
+
+def friction(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Factor 1 + k (p - 20 bar) [1], p of the caliper; a straight line, wrong far from 20 bar."""
+    slope = parameters["pressure_slope"]
+    return 1.0 + slope * (p_f - REFERENCE_PRESSURE), 1.0 + slope * (p_r - REFERENCE_PRESSURE)
+
+
+EFFECT = Effect(
+    card=Card(
+        name="pad_pressure_dependence",
+        cause="pad friction changes with the contact pressure",
+        equation="mu_p (1 + k (p - 20 bar)); nothing at pressure_slope = 0",
+        source="Limpert, Brake Design and Safety, ch. 3; ISO 15484",
+        looks_like="torque over pressure that bends, at any speed and temperature",
+        parameters=(Parameter("pressure_slope", "1/Pa", -8e-8, 8e-8, -2e-8, 2e-8),),
+    ),
+    friction=friction,
+)

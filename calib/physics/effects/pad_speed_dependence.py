@@ -1,0 +1,34 @@
+"""Speed dependence of the pads: friction that is not the same at every sliding speed."""
+
+from calib.physics.effects.effect import (
+    Array,
+    Card,
+    Effect,
+    Pair,
+    Parameter,
+    Parameters,
+    RunHistory,
+)
+
+REFERENCE_SPEED = 20.0
+"""Speed [m/s] at which the pad friction is what the model says; the middle of a usual stop, so
+that slope and level are told apart best."""
+
+
+def friction(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Factor 1 + k (v - 20 m/s) [1] on both axles; a straight line, wrong far from 20 m/s."""
+    factor = 1.0 + parameters["speed_slope"] * (trace.v - REFERENCE_SPEED)
+    return factor, factor
+
+
+EFFECT = Effect(
+    card=Card(
+        name="pad_speed_dependence",
+        cause="pad friction changes with the sliding speed",
+        equation="mu_p (1 + k (v - 20 m/s)); nothing at speed_slope = 0",
+        source="Limpert, Brake Design and Safety, ch. 3; ISO 15484",
+        looks_like="torque that grows (k < 0) towards the end of a stop at constant pressure",
+        parameters=(Parameter("speed_slope", "s/m", -0.02, 0.02, -0.004, 0.004),),
+    ),
+    friction=friction,
+)

@@ -1,0 +1,39 @@
+"""Proportioning valve: the rear brakes get less of the pressure above a knee."""
+
+import numpy as np
+
+from calib.physics.effects.effect import (
+    Array,
+    Card,
+    Effect,
+    Pair,
+    Parameter,
+    Parameters,
+    RunHistory,
+)
+
+
+def pressure(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Rear pressure [Pa] that grows with ``knee_slope`` above ``knee``; the front as it comes.
+
+    A valve without hysteresis, whose knee does not move with load or deceleration.
+    """
+    cut = 1.0 - parameters["knee_slope"]
+    return p_f, p_r - cut * np.maximum(p_r - parameters["knee"], 0.0)
+
+
+EFFECT = Effect(
+    card=Card(
+        name="rear_proportioning",
+        cause="a proportioning valve, or a control unit that acts as one",
+        equation="p_r = p_k + s (p - p_k) above p_k; nothing at knee_slope = 1",
+        source="Limpert, Brake Design and Safety, ch. 7",
+        looks_like="rear torque that bends away from the pressure above a knee; front unchanged",
+        parameters=(
+            Parameter("knee_slope", "1", 0.0, 1.0, 0.4, 0.2),
+            Parameter("knee", "Pa", 0.0, 150e5, 25e5, 10e5),
+        ),
+        neutral=1.0,
+    ),
+    pressure=pressure,
+)

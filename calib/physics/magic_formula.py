@@ -1,0 +1,82 @@
+"""A tyre that saturates: Pacejka's sine, with its inverse in closed form.
+
+    F ^        ____ peak mu          F      = mu sin(C atan(B x)),  B = K/(C mu)
+      |     .-'    `-.__             lambda = s/B tan(asin(F/mu)/C)
+      |   .'            `--          x = lambda/s,  s = (2 F_z/W)^q
+      |  / slope K
+      +-/----------------> lambda
+
+The load exponent q is that of `calib.physics.tyre`: a tyre is softer per load the more it carries.
+Source: Pacejka, Tyre and Vehicle Dynamics, ch. 4, pure longitudinal slip without the E term and
+offsets.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MagicFormula:
+    """One tyre, common to both axles. Stiffness and peak are scalars or broadcast with the slip.
+
+    Attributes
+    ----------
+    stiffness : K = dF/dlambda at no slip and half the weight on the axle [1].
+    peak : mu, the largest normalised force [1].
+    shape : C [1], between 1 (never falls) and 2 (falls to nought).
+    load_exponent : q [1].
+    """
+
+    stiffness: float | Array
+    peak: float | Array
+    shape: float = 1.65
+    load_exponent: float = 0.0
+
+    def force(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
+        """Normalised force F [1] at braking ``slip`` [1], axle load over half the weight [1].
+
+        Odd in the slip, and right past the peak too; a locked wheel heats and is not covered.
+        """
+        x = slip / self._load_factor(relative_load)
+        return self.peak * np.sin(self.shape * np.arctan(self._b * x))
+
+    def slope(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
+        """dF/dlambda [1]: K at no slip, nought at the peak, negative past it."""
+        load = self._load_factor(relative_load)
+        bx = self._b * slip / load
+        return self.stiffness / load * np.cos(self.shape * np.arctan(bx)) / (1.0 + bx * bx)
+
+    def slip(self, force: Array, relative_load: Array | float = 1.0) -> Array:
+        """Slip [1] on the rising branch that carries the normalised ``force`` [1].
+
+        NaN where the force is beyond the peak: no slip carries it.
+        """
+        ratio = force / self.peak
+        held = np.where(np.abs(ratio) <= 1.0, ratio, np.nan)
+        x = np.tan(np.arcsin(held) / self.shape) / self._b
+        return x * self._load_factor(relative_load)
+
+    def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
+        """Slip [1] where C atan(B x) is ``fraction`` of the right angle; 1 is the peak itself."""
+        x = np.tan(0.5 * np.pi * fraction / self.shape) / self._b
+        return np.asarray(x * self._load_factor(relative_load))
+
+    def on_surface(self, stiffness_factor: Array | float, peak_factor: Array | float) -> Self:
+        """Return the tyre on another surface: stiffness and peak times these factors [1]."""
+        return replace(
+            self,
+            stiffness=self.stiffness * stiffness_factor,
+            peak=self.peak * peak_factor,
+        )
+
+    @property
+    def _b(self) -> Array | float:
+        return self.stiffness / (self.shape * self.peak)
+
+    def _load_factor(self, relative_load: Array | float) -> Array | float:
+        return relative_load**self.load_exponent if self.load_exponent else 1.0

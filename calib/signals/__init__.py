@@ -1,0 +1,1 @@
+"""From a log to clean signals on one clock."""

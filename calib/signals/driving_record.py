@@ -1,0 +1,214 @@
+r"""What the car did in a run, roughly: speed, deceleration, when it was braked, in which strokes.
+
+For judging a log before anything is fitted, so without a vehicle. Only the brake pressure and the
+four wheel speeds with ``a_x`` are looked at, and the reference speed where there is one.
+
+    p_mc   ___/~~~~\_____/~~\__
+           |  |    |     |  |
+           |  +-event   +-event
+           +-lead-in
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.logs.log import Log
+from calib.names import WHEELS, G
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+BITE = 1.5e5
+"""Pressure [Pa] above which a brake is taken to be applied."""
+BITE_Z = 0.08
+"""Deceleration [g] taken for braking where no pressure was logged: above drag and engine."""
+STEADY = 0.15
+"""An unbraked car that changes its speed faster than this is driven [g]: its wheels slip."""
+SHORTEST = 0.3
+"""A shorter touch of the pedal is no event [s]."""
+PAUSE = 0.2
+"""A shorter release does not end an event [s]."""
+SETTLE = 0.1
+"""Left out between lead-in and first event [s]: pressure rises before it passes ``BITE``."""
+SMOOTH = 0.1
+"""Width of the centred mean that takes the noise out [s]."""
+MOVING = 3.0
+"""Speed [m/s] below which wheel speed sensors and slip mean little."""
+NOMINAL_RADIUS = 0.32
+"""Rolling radius [m] of a usual wheel, for a rough speed where no reference speed was logged."""
+
+
+@dataclass(frozen=True)
+class DrivingRecord:
+    """Smoothed signals of a run, shapes (n,), SI.
+
+    ``wheel`` mean of the four wheel speeds; ``speed`` reference speed, or the wheels' at a nominal
+    radius; ``z`` deceleration by ``a_x``, ``wheel_z`` by the wheels at a nominal radius [1];
+    ``pressure`` or None; ``braked`` and ``lead_in`` masks.
+    """
+
+    time: Array
+    step: float
+    wheel: Array
+    speed: Array
+    z: Array
+    wheel_z: Array
+    pressure: Array | None
+    braked: Mask
+    lead_in: Mask
+
+    @cached_property
+    def moving(self) -> Mask:
+        """Where the car moves fast enough to be judged."""
+        return self.speed > MOVING
+
+    @cached_property
+    def unbraked(self) -> Mask:
+        """The steady part of the lead-in; all steady unbraked motion where that is too short."""
+        steady = ~self.braked & self.moving & (np.abs(self.z) < STEADY)
+        first = self.lead_in & steady
+        return first if first.sum() * self.step >= 0.5 else steady
+
+
+@dataclass(frozen=True)
+class BrakeEvent:
+    """One application of the brakes.
+
+    ``start``, ``end`` [s]; ``first``, ``last`` sample numbers; ``pressure`` highest [Pa] or None;
+    ``z_low``, ``z_high`` range of the deceleration from its start to its end [1]; ``speed_start``,
+    ``speed_end`` [m/s]; ``braking`` time above 3 m/s [s]; ``rise`` length of the longest steady
+    rise of the braking [s] and ``rise_z`` the deceleration it spans [1].
+    """
+
+    start: float
+    end: float
+    first: int
+    last: int
+    pressure: float | None
+    z_low: float
+    z_high: float
+    speed_start: float
+    speed_end: float
+    braking: float
+    rise: float
+    rise_z: float
+
+
+def centred_mean(x: Array, width: int) -> Array:
+    """Mean over ``width`` samples around each; over fewer at both ends. Shape (n,)."""
+    low, high, count = _around(x.size, width // 2)
+    total = np.concatenate([[0.0], np.cumsum(x)])
+    return np.asarray((total[high] - total[low]) / count)
+
+
+@lru_cache(maxsize=8)
+def _around(size: int, half: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    """First, one past the last, and number of the samples around each; alike for all channels."""
+    at = np.arange(size)
+    low, high = np.maximum(at - half, 0), np.minimum(at + half + 1, size)
+    return low, high, (high - low).astype(np.float64)
+
+
+def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
+    """First and one-past-last sample of each stretch of ``least`` samples where ``mask`` holds.
+
+    >>> runs(np.array([False, True, True, False, True]))
+    [(1, 3), (4, 5)]
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    first, last = edges[::2], edges[1::2]
+    long = last - first >= least
+    return list(zip(first[long].tolist(), last[long].tolist(), strict=True))
+
+
+def driving_record(log: Log) -> DrivingRecord:
+    """Judge what the car did. The log must have ``time``, ``a_x`` and the four wheel speeds."""
+    time, step = log.time, log.sample_time
+    width = max(1, round(SMOOTH / step))
+    wheel = centred_mean(np.mean([log[f"omega_{w}"] for w in WHEELS], axis=0), width)
+    speed = centred_mean(log["v"], width) if "v" in log else NOMINAL_RADIUS * wheel
+    z = centred_mean(-log["a_x"] / G, width)
+    pressure = centred_mean(log["p_mc"], width) if "p_mc" in log else None
+    active = pressure > BITE if pressure is not None else (z > BITE_Z) & (speed > 0.5)
+    braked = _joined(np.asarray(active), step)
+    first = int(np.argmax(braked)) if braked.any() else time.size
+    lead_in = np.arange(time.size) < first - round(SETTLE / step)
+    if not braked.any():
+        lead_in[:] = True
+    wheel_z = -NOMINAL_RADIUS / G * centred_mean(np.gradient(wheel, time), width)
+    return DrivingRecord(time, step, wheel, speed, z, wheel_z, pressure, braked, lead_in)
+
+
+def _joined(active: Mask, step: float) -> Mask:
+    """Applications of the brake: short pauses closed, short touches dropped."""
+    braked = active.copy()
+    for start, end in runs(~active):
+        if start > 0 and end < active.size and (end - start) * step < PAUSE:
+            braked[start:end] = True
+    for start, end in runs(braked):
+        if (end - start) * step < SHORTEST:
+            braked[start:end] = False
+    return braked
+
+
+def brake_events(course: DrivingRecord) -> tuple[BrakeEvent, ...]:
+    """The applications of the brake, in their order."""
+    return tuple(_event(course, start, end) for start, end in runs(course.braked))
+
+
+def _event(course: DrivingRecord, start: int, end: int) -> BrakeEvent:
+    part = slice(start, end)
+    moving = course.moving[part]
+    z = course.z[part][moving] if moving.any() else course.z[part]
+    pressure = None if course.pressure is None else float(course.pressure[part].max())
+    rise, rise_z = _steady_rise(course, part)
+    return BrakeEvent(
+        start=float(course.time[start]),
+        end=float(course.time[end - 1]),
+        first=start,
+        last=end - 1,
+        pressure=pressure,
+        z_low=float(z.min()),
+        z_high=float(z.max()),
+        speed_start=float(course.speed[start]),
+        speed_end=float(course.speed[end - 1]),
+        braking=float(moving.sum() * course.step),
+        rise=rise,
+        rise_z=rise_z,
+    )
+
+
+STROKE = 0.25
+"""Steps in which a rise is judged [s]: longer than a driver's tremble, shorter than a ramp."""
+
+
+def _steady_rise(course: DrivingRecord, part: slice) -> tuple[float, float]:
+    """Length [s] and span [g] of the steadiest rise of the braking in an event.
+
+    Looks at pressure (deceleration where there is none) in strokes of a quarter second and takes
+    the longest stretch in which it never falls by more than 5 % of its range. That begins where it
+    last had 5 % of the range and ends where it has 95 %, so that a step with a long hold behind it
+    counts as short.
+    """
+    moving = course.moving[part]
+    drive = course.z[part] if course.pressure is None else course.pressure[part]
+    drive, z = drive[moving], course.z[part][moving]
+    n = max(1, round(STROKE / course.step))
+    if drive.size < 2 * n:
+        return 0.0, 0.0
+    best = (0.0, 0.0)
+    strokes = drive[: drive.size // n * n].reshape(-1, n).mean(axis=1)
+    falls = np.diff(strokes) < -0.05 * np.ptp(strokes)
+    for a, b in runs(np.concatenate([[True], ~falls])):
+        first = max(a - 1, 0)
+        stretch = drive[first * n : b * n]
+        low, high = stretch[0], stretch.max()
+        begin = int(np.flatnonzero(stretch <= low + 0.05 * (high - low))[-1])
+        end = int(np.argmax(stretch >= low + 0.95 * (high - low)))
+        if end > begin:
+            part_z = z[first * n + begin : first * n + end + 1]
+            best = max(best, (float((end - begin) * course.step), float(np.ptp(part_z))))
+    return best

@@ -1,0 +1,1 @@
+"""The car driven forward, and logs driven again."""

@@ -1,0 +1,162 @@
+"""What the driver does: pressure over time from a first speed, an input of the simulation.
+
+    ramp ____/    step ___|----    wave ___~~~~    staircase ___.-'-'    coast ________
+
+Every manoeuvre but `stop` and `coast` begins with an unbraked lead-in, where eta can be zeroed. All
+pressures are in Pa. `RISE` bounds how fast a step is: no master cylinder jumps.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import ModelError
+
+Array = NDArray[np.float64]
+
+RISE = 400e5
+"""Rise of the pressure in a step [Pa/s]; a foot that brakes in earnest gives 60 bar in 0.15 s."""
+
+LEAD_IN = 1.5
+"""Unbraked seconds at the start."""
+
+RATES = (40.0, 1000.0)
+"""Sample rates [Hz] between which the program works."""
+
+
+@dataclass(frozen=True)
+class Manoeuvre:
+    """Pressure [Pa] at time [s], both (n,), to be driven from ``v0`` [m/s]."""
+
+    name: str
+    time: Array
+    pressure: Array
+    v0: float
+
+
+def ramp(
+    v0: float,
+    pressure: float = 60e5,
+    rate: float = 200.0,
+    *,
+    slope: float = 5e5,
+    lead_in: float = LEAD_IN,
+    hold: float = 1.0,
+) -> Manoeuvre:
+    """Rise by ``slope`` [Pa/s] to ``pressure`` [Pa], kept for ``hold`` [s]: the calibration run.
+
+    From 33 m/s the sedan of the paper stands still before 5 bar/s come to 50 bar.
+    """
+    top = lead_in + pressure / slope
+    return _trace("ramp", v0, rate, [(lead_in, 0.0), (top, pressure), (top + hold, pressure)])
+
+
+def step(
+    v0: float,
+    pressure: float = 30e5,
+    rate: float = 200.0,
+    *,
+    lead_in: float = LEAD_IN,
+    hold: float = 20.0,
+) -> Manoeuvre:
+    """Step to ``pressure`` [Pa] after the lead-in, kept for ``hold`` [s]."""
+    top = lead_in + pressure / RISE
+    return _trace("step", v0, rate, [(lead_in, 0.0), (top, pressure), (top + hold, pressure)])
+
+
+def stop(
+    v0: float, pressure: float = 30e5, rate: float = 200.0, *, duration: float = 30.0
+) -> Manoeuvre:
+    """Constant ``pressure`` [Pa] from the first sample on, for ``duration`` [s]."""
+    return _trace("stop", v0, rate, [(0.0, pressure), (duration, pressure)])
+
+
+def wave(
+    v0: float,
+    pressure: float = 25e5,
+    rate: float = 200.0,
+    *,
+    amplitude: float = 0.4,
+    frequency: float = 0.7,
+    lead_in: float = LEAD_IN,
+    duration: float = 20.0,
+) -> Manoeuvre:
+    """Mean ``pressure`` [Pa], modulated by ``amplitude`` [1] of it with ``frequency`` [Hz].
+
+    Raises ModelError if the amplitude is not below 1: the pressure would be negative.
+    """
+    if not 0.0 <= amplitude < 1.0:
+        raise ModelError(f"amplitude {amplitude:g}", where="wave", expected="0 to below 1")
+    top = lead_in + pressure / RISE
+    mean = _trace("wave", v0, rate, [(lead_in, 0.0), (top, pressure), (top + duration, pressure)])
+    phase = 2.0 * np.pi * frequency * np.maximum(mean.time - top, 0.0)
+    return Manoeuvre("wave", mean.time, mean.pressure * (1.0 + amplitude * np.sin(phase)), v0)
+
+
+def staircase(
+    v0: float,
+    pressure: float = 40e5,
+    rate: float = 200.0,
+    *,
+    steps: int = 5,
+    hold: float = 1.5,
+    lead_in: float = LEAD_IN,
+) -> Manoeuvre:
+    """``steps`` equal steps up to ``pressure`` [Pa], each kept for ``hold`` [s]."""
+    corners, at = [(lead_in, 0.0)], lead_in
+    for level in pressure * np.arange(1, steps + 1) / steps:
+        foot = (at, corners[-1][1])
+        at += pressure / steps / RISE
+        corners += [foot, (at, float(level)), (at + hold, float(level))]
+        at += hold
+    return _trace("staircase", v0, rate, corners)
+
+
+def coast(v0: float, rate: float = 200.0, *, duration: float = 20.0) -> Manoeuvre:
+    """No pressure at all for ``duration`` [s]."""
+    return _trace("coast", v0, rate, [(0.0, 0.0), (duration, 0.0)])
+
+
+BRAKING: dict[str, Callable[..., Manoeuvre]] = {
+    "ramp": ramp,
+    "step": step,
+    "stop": stop,
+    "wave": wave,
+    "staircase": staircase,
+}
+"""The manoeuvres that take a pressure, by name."""
+
+NAMES = (*BRAKING, "coast")
+
+
+def manoeuvre(
+    name: str, v0: float, pressure: float | None = None, rate: float = 200.0
+) -> Manoeuvre:
+    """Return the manoeuvre of that name; its own pressure [Pa] if none is given.
+
+    Raises ModelError for an unknown name, a pressure for `coast`, numbers that cannot be driven.
+    """
+    if name not in NAMES:
+        raise ModelError(f"unknown manoeuvre {name!r}", expected=f"one of {', '.join(NAMES)}")
+    if name == "coast" and pressure is not None:
+        raise ModelError("coast takes no pressure", do="leave the pressure out")
+    if pressure is not None and not 0.0 < pressure < np.inf:
+        raise ModelError(f"pressure {pressure:g} Pa", where=name, expected="more than nought")
+    if not 0.0 < v0 < np.inf:
+        raise ModelError(f"first speed {v0:g} m/s", where=name, expected="more than nought")
+    if name == "coast":
+        return coast(v0, rate)
+    return BRAKING[name](v0, rate=rate, **({} if pressure is None else {"pressure": pressure}))
+
+
+def _trace(name: str, v0: float, rate: float, corners: Sequence[tuple[float, float]]) -> Manoeuvre:
+    """Straight lines between (time [s], pressure [Pa]), sampled at ``rate`` [Hz]."""
+    if not RATES[0] <= rate <= RATES[1]:
+        raise ModelError(
+            f"sample rate {rate:g} Hz", where=name, expected=f"{RATES[0]:g} to {RATES[1]:g} Hz"
+        )
+    at, level = np.array(corners).T
+    time = np.arange(int(np.floor(at[-1] * rate + 1e-9)) + 1) / rate
+    return Manoeuvre(name, time, np.interp(time, at, level), v0)

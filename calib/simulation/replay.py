@@ -1,0 +1,70 @@
+"""A log driven again by a model: its pressures, its first speed, its clock."""
+
+import numpy as np
+
+from calib.errors import LogError
+from calib.logs.log import Array, Log
+from calib.names import AXLES, WHEELS
+from calib.physics.effects.catalogue import as_driven
+from calib.physics.model import Model
+from calib.physics.vehicle import Vehicle
+from calib.signals.driving_record import BITE, SETTLE
+from calib.signals.pedal import as_pressed
+from calib.simulation.simulate import simulate
+
+FIRST_SECONDS = 0.25
+"""Least span [s] of the line that gives the first speed: it takes 0.02 m/s of noise to 0.006 m/s,
+and a brake that is just being applied bends v by less than 0.01 m/s in it."""
+
+COAST_SECONDS = 1.5
+"""Longest span [s], where nothing is braked: drag bends v by less than 0.001 m/s in it."""
+
+
+def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
+    """Drive the model with the pressures of a log from its first speed, open loop.
+
+    Wheel pressures [Pa] are used where they are logged, ``p_mc`` elsewhere; disc temperatures where
+    they are logged. Ends as `simulate` does, at ``stop_speed`` [m/s] at the latest. Raises LogError
+    if the log has no first speed, ModelError if there is nothing to drive.
+    """
+    step = log.sample_time
+    return simulate(
+        model,
+        log.time,
+        as_pressed(log["p_mc"], step),
+        first_speed(log, as_driven(model.vehicle, model.terms)),
+        wheel_pressure={w: as_pressed(log[f"p_{w}"], step) for w in WHEELS if f"p_{w}" in log},
+        temperature={a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log},
+        stop_speed=stop_speed,
+        name=log.name,
+    )
+
+
+def first_speed(log: Log, vehicle: Vehicle) -> float:
+    """Speed [m/s] at the first sample, from a straight line through the first samples of ``v``.
+
+    Without ``v``, through the mean of R omega over the wheels: too low by their slip if the log
+    begins braked. Raises LogError if there are no two finite samples of it.
+    """
+    since = log.time - log.time[0]
+    braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])
+    free = float(since[braked[0]]) - SETTLE if braked.size else np.inf
+    first = since <= min(max(free, FIRST_SECONDS), COAST_SECONDS)
+    speed = (log["v"] if "v" in log else _rolling_speed(log, vehicle))[first]
+    seen = np.isfinite(speed)
+    if np.count_nonzero(seen[since[first] <= FIRST_SECONDS]) < 2:
+        raise LogError(
+            f"no speed in the first {FIRST_SECONDS:g} s",
+            where=log.source,
+            expected="v, or wheel speeds, from the start",
+        )
+    t = (log.time[first] - log.time[0])[seen]
+    return float(np.polynomial.Polynomial.fit(t, speed[seen], 1)(0.0))
+
+
+def _rolling_speed(log: Log, vehicle: Vehicle) -> Array:
+    """Mean of R omega [m/s] over the wheels that are logged; NaN if none is."""
+    axle = {"f": vehicle.front, "r": vehicle.rear}
+    logged = [w for w in WHEELS if f"omega_{w}" in log]
+    speeds = [axle[w[0]].rolling_radius * log[f"omega_{w}"] for w in logged]
+    return np.asarray(np.mean(speeds, axis=0) if speeds else np.full(log.time.size, np.nan))

@@ -1,0 +1,120 @@
+"""The physics forward: from pressure and first speed to what the sensors see.
+
+Straight line; slip on the rising branch. Left and right tyres are alike, and the load transfer is
+without delay, unless an effect of the model says otherwise. `calib.simulation.solver` says how it
+is solved.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.digest import content_digest
+from calib.errors import ModelError
+from calib.logs.log import Log
+from calib.names import AXLES, WHEELS, G
+from calib.physics import forces
+from calib.physics.brakes import at_rest, brakes_of
+from calib.physics.effects.catalogue import as_driven, as_read
+from calib.physics.effects.effect import RunHistory
+from calib.physics.model import Model
+from calib.simulation.solver import Drive, State, end_of, solve, trace_of
+
+Array = NDArray[np.float64]
+
+
+def simulate(
+    model: Model,
+    time: Array,
+    pressure: Array,
+    v0: float,
+    *,
+    wheel_pressure: Mapping[str, Array] | None = None,
+    temperature: Mapping[str, Array] | None = None,
+    stop_speed: float = 1.0,
+    name: str = "simulation",
+) -> Log:
+    """Drive the model from ``v0`` [m/s] with ``pressure`` [Pa] in the brakes at ``time`` [s].
+
+    Arrays are (n,). ``wheel_pressure`` holds pressures of single wheels [Pa] by wheel name; the
+    others have ``pressure``. ``temperature`` of the discs [degC] by axle name, ``f`` and ``r``;
+    effects that ask for it do nothing on an axle without. The first sample is taken as steady.
+    Returns a log with truth channels. It ends with the last sample at or above ``stop_speed``
+    [m/s], or the last one before a wheel would pass the peak of its tyre or an axle would lift; its
+    last note says which, when and why.
+
+    Raises ModelError if there is nothing to drive: ``v0`` not above ``stop_speed``, shapes that
+    differ, time that does not increase, numbers that are not finite, an unknown effect, an end
+    before the second sample.
+    """
+    own, heat = dict(wheel_pressure or {}), dict(temperature or {})
+    _check_drive(time, v0, stop_speed)
+    _check_inputs(time, {"pressure": pressure}, ("pressure",))
+    _check_inputs(time, own, WHEELS, "wheel")
+    _check_inputs(time, heat, AXLES, "axle")
+    driven = replace(model, vehicle=as_driven(model.vehicle, model.terms))
+    rest = at_rest(time, pressure, v0, heat)
+    run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed)
+    state = solve(run)
+    end, note = end_of(run, state)
+    trace = trace_of(run, state)
+    logged = {f"p_{w}": own[w] for w in WHEELS if w in own}
+    logged |= {f"T_disc_{a}": heat[a] for a in AXLES if a in heat}
+    channels = _first(_channels(run, state, trace) | logged, end)
+    truth = _first(_truth(run, state, trace), end)
+    return Log(
+        name=name,
+        source=f"simulation of {model.vehicle.name}",
+        digest=content_digest({"name": name}, {"channels": channels, "truth": truth}),
+        channels=channels,
+        truth=truth,
+        notes=(note,),
+    )
+
+
+def _check_drive(time: Array, v0: float, stop_speed: float) -> None:
+    if not 0.0 < stop_speed < v0 < np.inf:
+        raise ModelError(
+            f"first speed {v0:g} m/s", expected=f"more than the stop speed, {stop_speed:g} m/s"
+        )
+    if time.size < 2 or not np.all(np.diff(time) > 0.0):
+        raise ModelError("time does not increase", expected="two samples or more, each later")
+
+
+def _check_inputs(
+    time: Array, inputs: Mapping[str, Array], known: tuple[str, ...], what: str = "input"
+) -> None:
+    for name, values in inputs.items():
+        if name not in known:
+            raise ModelError(f"unknown {what} {name!r}", expected=f"one of {', '.join(known)}")
+        if values.shape != time.shape or not np.all(np.isfinite(values)):
+            raise ModelError(
+                f"values of shape {values.shape} or not finite",
+                where=name,
+                expected=f"{time.size} finite samples",
+            )
+
+
+def _first(channels: Mapping[str, Array], end: int) -> dict[str, Array]:
+    return {name: values[:end].copy() for name, values in channels.items()}
+
+
+def _channels(run: Drive, state: State, trace: RunHistory) -> dict[str, Array]:
+    model, brakes = run.brakes.model, run.brakes
+    a_x = as_read(model.vehicle, model.terms, trace, -G * state.z)
+    channels = {"time": run.time, "p_mc": run.rest.p_mc, "a_x": a_x}
+    for w in WHEELS:
+        slip = state.slip[brakes.twin(w)]
+        channels[f"omega_{w}"] = forces.wheel_speed(brakes.axle(w), slip, state.v)
+    return channels | {"v": state.v}
+
+
+def _truth(run: Drive, state: State, trace: RunHistory) -> dict[str, Array]:
+    twins = {w: run.brakes.twin(w) for w in WHEELS}
+    truth = {f"true_Tb_{w}": state.demand[twin].torque for w, twin in twins.items()}
+    truth |= {f"true_Fx_{w}": state.force[twin] for w, twin in twins.items()}
+    truth |= {f"true_Fz_{w}": state.demand[twin].load for w, twin in twins.items()}
+    truth["true_mu_pad_f"], truth["true_mu_pad_r"] = run.brakes.pads(trace)
+    return truth

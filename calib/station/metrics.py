@@ -1,0 +1,107 @@
+"""What is judged of a car as a whole: each figure once, with unit, default limit and its reason.
+
+The figures of each hold-out are those of `calib.validation.metrics`; they are judged stop by stop.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.checks.wheel_checks import axles_of
+from calib.logs.log import Log
+from calib.physics.forces import front_biased_up_to
+from calib.signals.driving_record import driving_record
+from calib.station.golden import distance
+from calib.station.sides import side_difference
+from calib.table.table import MEASURED, Table
+from calib.validation.validate import Validation, agreement
+
+METRICS: dict[str, str] = {
+    "ramp_deceleration": "deceleration up to which the ramps were used [g]",
+    "measured_share": "rows of f1, f2 that were seen often enough, of all rows [1]",
+    "band_width": "half width of the 95 % band of D(eta) where D is largest, relative [1]",
+    "ramp_eta_zero": "radius mismatch of the axles while coasting in the ramp, largest [1]",
+    "pad_scale": "pad friction of the car over that of the vehicle file, both axles [1]",
+    "pad_ratio": "front over rear pad friction, over the same of the vehicle file [1]",
+    "side_difference_f": "brake force left less right over their mean, front axle [1]",
+    "side_difference_r": "brake force left less right over their mean, rear axle [1]",
+    "front_biased_up_to": "deceleration up to which the front axle locks first, these pads; 9.99 "
+    "for all beyond [g]",
+    "repeatability_f": "largest departure of a stop's front pad friction from their mean [1]",
+    "repeatability_r": "largest departure of a stop's rear pad friction from their mean [1]",
+    "golden_distance": "largest departure of D(eta) from the golden table, over its peak [1]",
+    "golden_bands": "that departure over the 95 % half widths of both there; 1: just resolved [1]",
+}
+"""Every figure of the car, with its meaning."""
+
+CUT = {"front_biased_up_to": 9.99}
+"""Figures that may be without bound, as without a rear brake, and the value that they end at."""
+
+
+@dataclass(frozen=True)
+class Car:
+    """What a verdict on a car rests on.
+
+    ``ramps`` the logs that the table was fitted on, without coasts; ``stops`` the hold-outs and
+    ``results`` theirs;
+    ``golden`` the table of its model, if there is one.
+    """
+
+    table: Table
+    ramps: Sequence[Log]
+    stops: Sequence[Log]
+    results: Sequence[Validation]
+    golden: Table | None = None
+
+
+def metrics_of(car: Car) -> dict[str, float | None]:
+    """All `METRICS` of a car; None where its logs cannot give one."""
+    table, cal = car.table, car.table.calibration
+    out: dict[str, float | None] = {
+        "ramp_deceleration": table.quality["deceleration_max"],
+        "measured_share": float(np.mean(table.paper.flag == MEASURED)),
+        "band_width": _band_width(table),
+        "ramp_eta_zero": _largest([_eta_zero(log) for log in car.ramps]),
+        "pad_scale": cal.pad_scale.value,
+        "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
+        "front_biased_up_to": _front_biased_up_to(table),
+    }
+    for axle in "fr":
+        seen = [side_difference(table, log, axle) for log in car.ramps]
+        out[f"side_difference_{axle}"] = _largest([s.value if s else None for s in seen])
+    together = agreement(list(car.results))
+    out["repeatability_f"] = together.spread_f if together else None
+    out["repeatability_r"] = together.spread_r if together else None
+    far = distance(table, car.golden) if car.golden else None
+    out["golden_distance"] = far.relative if far else None
+    out["golden_bands"] = far.bands if far else None
+    return {name: out[name] for name in METRICS}
+
+
+def _band_width(table: Table) -> float | None:
+    d = table.difference
+    at = int(np.argmax(np.abs(d.D)))
+    half = 0.5 * float(d.upper[at] - d.lower[at])
+    return half / abs(float(d.D[at])) if d.D[at] else None
+
+
+def _eta_zero(log: Log) -> float | None:
+    found = axles_of(log, driving_record(log)).front_rear
+    return None if found is None else found.value
+
+
+def _front_biased_up_to(table: Table) -> float:
+    """z [1] of equal adhesion with the pads as identified, not as the vehicle file has them.
+
+    It ends at its `CUT`, which stands for that and all beyond.
+    """
+    car, cal = table.vehicle, table.calibration
+    front = replace(car.front, pad_friction=cal.pad_friction_f.value)
+    rear = replace(car.rear, pad_friction=cal.pad_friction_r.value)
+    return min(front_biased_up_to(replace(car, front=front, rear=rear)), CUT["front_biased_up_to"])
+
+
+def _largest(values: Sequence[float | None]) -> float | None:
+    """The one of largest size, with its sign."""
+    return max((v for v in values if v is not None), key=abs, default=None)

@@ -1,0 +1,1 @@
+"""The look-up table: value, versions on disk, exports."""

@@ -1,0 +1,146 @@
+"""What sets two tables apart: curve by curve, and key by key of their records."""
+
+import json
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.table.table import Table
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CurveGap:
+    """Distance of one curve of ``b`` from the same of ``a`` where both are defined.
+
+    ``curve`` D, f1, f2 or g; ``start``, ``end`` of the common axis, eta or slip [1]; ``largest``
+    b - a of largest size [1] and ``at`` where; ``rms`` over the common axis [1]; ``in_bands``
+    largest size of b - a over the combined 95 % half-width [1], infinite where neither has a band.
+    """
+
+    curve: str
+    start: float
+    end: float
+    largest: float
+    at: float
+    rms: float
+    in_bands: float
+
+
+@dataclass(frozen=True)
+class RecordChange:
+    """One key of the records that differs; the JSON of what each has, None where it has none."""
+
+    key: str
+    a: str | None
+    b: str | None
+
+
+@dataclass(frozen=True)
+class Difference:
+    """``curves`` one gap per curve with a common axis; ``apart`` the curves that have none.
+
+    ``changes`` by section of the record: vehicle, calibration, quality, provenance and so on; a
+    section that is equal is not there.
+    """
+
+    curves: tuple[CurveGap, ...]
+    apart: tuple[str, ...]
+    changes: dict[str, tuple[RecordChange, ...]]
+
+    @property
+    def identical(self) -> bool:
+        """Whether neither curves nor records differ."""
+        return not self.changes and not self.apart and all(g.largest == 0.0 for g in self.curves)
+
+
+def diff(a: Table, b: Table) -> Difference:
+    """Compare two tables: curves on their common axis, linearly between rows; records by key."""
+    pairs = {
+        name: (first, second) for (name, first), (_, second) in zip(_axes(a), _axes(b), strict=True)
+    }
+    gaps = {name: _gap(name, first, second) for name, (first, second) in pairs.items()}
+    return Difference(
+        curves=tuple(gap for gap in gaps.values() if gap is not None),
+        apart=tuple(name for name, gap in gaps.items() if gap is None),
+        changes=_changes(a, b),
+    )
+
+
+def _axes(table: Table) -> list[tuple[str, tuple[Array, Array, Array]]]:
+    """Name, and axis, value, 95 % half-width of each curve."""
+    d, p, g = table.difference, table.paper, table.tyre
+    return [
+        ("D", (d.eta, d.D, (d.upper - d.lower) / 2)),
+        ("f1", (p.eta, p.f1, (p.f1_upper - p.f1_lower) / 2)),
+        ("f2", (p.eta, p.f2, (p.f2_upper - p.f2_lower) / 2)),
+        ("g", (g.slip, g.force, (g.upper - g.lower) / 2)),
+    ]
+
+
+def _gap(
+    name: str, a: tuple[Array, Array, Array], b: tuple[Array, Array, Array]
+) -> CurveGap | None:
+    start, end = max(a[0][0], b[0][0]), min(a[0][-1], b[0][-1])
+    if not start < end:
+        return None
+    # Both curves are straight between these points, so the largest gap lies on one of them.
+    x = np.union1d(a[0], b[0])
+    x = np.union1d(x[(x >= start) & (x <= end)], [start, end])
+    gap = np.interp(x, b[0], b[1]) - np.interp(x, a[0], a[1])
+    band = np.hypot(np.interp(x, a[0], a[2]), np.interp(x, b[0], b[2]))
+    worst = int(np.argmax(np.abs(gap)))
+    return CurveGap(
+        curve=name,
+        start=float(start),
+        end=float(end),
+        largest=float(gap[worst]),
+        at=float(x[worst]),
+        rms=_rms(x, gap),
+        in_bands=_in_bands(gap, band),
+    )
+
+
+def _rms(x: Array, y: Array) -> float:
+    """Root mean square over x of the straight lines through (x, y); exact on any spacing."""
+    square = (y[:-1] ** 2 + y[:-1] * y[1:] + y[1:] ** 2) / 3.0
+    return float(np.sqrt(np.sum(square * np.diff(x)) / (x[-1] - x[0])))
+
+
+def _in_bands(gap: Array, band: Array) -> float:
+    seen = gap != 0.0  # at eta = 1 both gap and band are nought
+    if not np.any(seen):
+        return 0.0
+    if np.any(band[seen] == 0.0):
+        return float("inf")
+    return float(np.max(np.abs(gap[seen]) / band[seen]))
+
+
+def _changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
+    first, second = _flat(a.content()[0]), _flat(b.content()[0])
+    changes: dict[str, list[RecordChange]] = {}
+    for key in sorted({*first, *second}):
+        if first.get(key) != second.get(key):
+            section, _, rest = key.partition(".")
+            changes.setdefault(section, []).append(
+                RecordChange(rest or section, first.get(key), second.get(key))
+            )
+    return {section: tuple(found) for section, found in changes.items()}
+
+
+def _flat(value: object, path: str = "") -> dict[str, str]:
+    """Leaves of a JSON value as JSON, by dotted key; logs by name, other lists by position."""
+    if isinstance(value, dict):
+        items = {str(key): part for key, part in value.items()}
+    elif isinstance(value, list):
+        names = [part["name"] for part in value if isinstance(part, dict) and "name" in part]
+        named = len(set(names)) == len(value)
+        items = dict(zip(names if named else map(str, range(len(value))), value, strict=True))
+    else:
+        return {path: json.dumps(value)}
+    leaves: dict[str, str] = {}
+    for key, part in items.items():
+        leaves |= _flat(part, f"{path}.{key}" if path else key)
+    return leaves

@@ -1,0 +1,133 @@
+"""What must hold in every table, whoever fitted it.
+
+Each check takes a table and yields its violations in words; `violations` runs them all. They look
+at the table alone: whether the fit is good is for the hold-outs to say.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.digest import canonical_json
+from calib.physics.forces import axle_loads
+from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
+
+Array = NDArray[np.float64]
+
+CONSTRAINT_TOLERANCE = 1e-9
+"""On (18) [1]: rounding of f1 and f2, which are below 1, is a million times smaller."""
+
+DIGEST = re.compile(r"[0-9a-f]{64}")
+
+
+def violations(table: Table) -> tuple[str, ...]:
+    """Return every way in which ``table`` is not sound; empty when it is."""
+    shapes = tuple(_shapes(table))
+    if shapes:  # what follows would compare columns of different lengths
+        return shapes
+    checks = (_finite, _axes, _bands, _flags, _zero, _constraint, _covariance, _parents)
+    return tuple(flaw for check in checks for flaw in check(table))
+
+
+def _columns(table: Table) -> Iterator[tuple[str, dict[str, Array]]]:
+    for curve in (table.difference, table.paper, table.tyre):
+        name = type(curve).__name__.removesuffix("Curve").removesuffix("Curves").lower()
+        yield name, {f.name: np.asarray(getattr(curve, f.name)) for f in fields(curve)}
+
+
+def _shapes(table: Table) -> Iterator[str]:
+    for curve, columns in _columns(table):
+        shapes = {column.shape for column in columns.values()}
+        if len(shapes) != 1 or len(next(iter(shapes))) != 1:
+            yield f"{curve}: columns of different shapes {sorted(shapes)}"
+        elif next(iter(shapes))[0] < 2:
+            yield f"{curve}: fewer than two rows"
+
+
+def _finite(table: Table) -> Iterator[str]:
+    for curve, columns in _columns(table):
+        for name, column in columns.items():
+            if not np.all(np.isfinite(column)):
+                yield f"{curve}.{name}: not finite in row {int(np.argmin(np.isfinite(column)))}"
+    record, _ = table.content()
+    for key, part in record.items():
+        try:
+            canonical_json({key: part})
+        except ValueError:
+            yield f"{key}: holds a number that is not finite"
+
+
+def _axes(table: Table) -> Iterator[str]:
+    axes = {
+        "difference.eta": table.difference.eta,
+        "paper.eta": table.paper.eta,
+        "tyre.slip": table.tyre.slip,
+    }
+    for name, axis in axes.items():
+        if not np.all(np.diff(axis) > 0.0):
+            yield f"{name}: does not increase from row to row"
+
+
+def _bands(table: Table) -> Iterator[str]:
+    d, p, g = table.difference, table.paper, table.tyre
+    bands = {
+        "difference.D": (d.lower, d.D, d.upper),
+        "paper.f1": (p.f1_lower, p.f1, p.f1_upper),
+        "paper.f2": (p.f2_lower, p.f2, p.f2_upper),
+        "tyre.force": (g.lower, g.force, g.upper),
+    }
+    for name, (lower, middle, upper) in bands.items():
+        if not np.all((lower <= middle + 1e-12) & (middle <= upper + 1e-12)):
+            yield f"{name}: outside its own 95 % band"
+
+
+def _flags(table: Table) -> Iterator[str]:
+    for curve, columns in _columns(table):
+        if not np.all(np.isin(columns["flag"], (MEASURED, INTERPOLATED, EXTRAPOLATED))):
+            yield f"{curve}.flag: a value that is no flag"
+        if not np.all(columns["count"] >= 0.0):
+            yield f"{curve}.count: negative"
+
+
+def _zero(table: Table) -> Iterator[str]:
+    eta, D = table.difference.eta, table.difference.D
+    if not eta[0] <= 1.0 <= eta[-1]:
+        yield "difference.eta: does not reach 1"
+    elif abs(D_one := float(np.interp(1.0, eta, D))) > 1e-12:
+        yield f"difference.D: {D_one:.3g} at eta = 1, where it must be 0"
+
+
+def _constraint(table: Table) -> Iterator[str]:
+    paper = table.paper
+    F_zf, F_zr = axle_loads(table.vehicle, paper.z)
+    error = np.abs(paper.f1 + F_zr / F_zf * paper.f2)  # (18)
+    worst = int(np.argmax(error))
+    if not error[worst] <= CONSTRAINT_TOLERANCE:
+        yield f"paper: (18) is off by {error[worst]:.3g} in row {worst}"
+
+
+def _covariance(table: Table) -> Iterator[str]:
+    posterior = table.posterior
+    n = len(posterior.names)
+    if {n} != {len(posterior.mean), len(posterior.covariance), *map(len, posterior.covariance)}:
+        yield f"posterior: {n} names, mean and covariance of other sizes"
+        return
+    covariance = np.asarray(posterior.covariance, dtype=np.float64)
+    if n and np.all(np.isfinite(covariance)):  # what is not finite is already a flaw
+        sigma = np.sqrt(np.abs(np.diag(covariance)))
+        scale = np.where(sigma > 0.0, sigma, 1.0)
+        # Compared as correlations: a stiffness and an exponent differ by orders of magnitude.
+        correlation = covariance / np.outer(scale, scale)
+        if not np.allclose(correlation, correlation.T, rtol=0.0, atol=1e-9):
+            yield "posterior.covariance: not symmetric"
+        elif np.min(np.linalg.eigvalsh(correlation)) < -1e-9:
+            yield "posterior.covariance: not positive semidefinite"
+
+
+def _parents(table: Table) -> Iterator[str]:
+    for log in table.provenance.logs:
+        if not DIGEST.fullmatch(log.digest):
+            yield f"provenance: the digest of {log.name} is not a SHA-256"

@@ -1,0 +1,279 @@
+"""Tables on disk: versions that are written once, never edited, and verified on load.
+
+    tables/                       the store
+      sedan/                      a table, named after its vehicle
+        v0001/                    a version, see `calib.table.version`
+
+A version is made in a hidden directory beside it and renamed into place, so a reader sees all of it
+or nothing, and of two writers one takes the next number.
+"""
+
+import contextlib
+import errno
+import json
+import os
+import re
+import secrets
+import shutil
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+from calib.digest import canonical_json
+from calib.errors import StoreError, TableNotFound
+from calib.table.invariants import violations
+from calib.table.table import Table
+from calib.table.version import (
+    RECORD,
+    Stored,
+    read_version,
+    stored_content,
+    sync_directory,
+    write_curves,
+    write_record,
+)
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
+FOLDER = re.compile(r"v(\d{4,6})")
+
+
+@dataclass(frozen=True)
+class StoreEntry:
+    """One version in a listing; ``digest`` is None and ``logs`` empty where it cannot be read."""
+
+    name: str
+    version: int
+    digest: str | None
+    logs: tuple[str, ...]
+    path: Path
+
+    @property
+    def id(self) -> str:
+        """name@version."""
+        return f"{self.name}@{self.version}"
+
+
+@dataclass(frozen=True)
+class StoreVerdict:
+    """What `verify` found of one version: its violations in words, none when it is sound."""
+
+    id: str
+    violations: tuple[str, ...]
+
+    @property
+    def sound(self) -> bool:
+        """Whether nothing was found."""
+        return not self.violations
+
+
+def save(table: Table, store: Path) -> Stored:
+    """Write ``table`` as the next version of its name, or return the version that holds it already.
+
+    Raises StoreError when the name is no name, the table is not sound or the store cannot be
+    written; the store is then as it was.
+    """
+    home = _home(table, store)
+    work = home / f".new-{secrets.token_hex(8)}"  # hidden: no listing sees it
+    try:
+        version = _identical(home, _versions(home), table.digest) or _add(table, home, work)
+    except OSError as error:
+        raise StoreError(
+            f"cannot be written ({error.strerror})", where=store, do="nothing was stored"
+        ) from error
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+        with contextlib.suppress(OSError):
+            home.rmdir()  # only when this call made it and put nothing there
+    return load(f"{table.name}@{version}", store)
+
+
+def foreseen(table: Table, store: Path) -> Stored:
+    """What `save` will return if no other writer comes first; writes nothing.
+
+    Raises StoreError when the name is no name, the table is not sound or the store cannot be read.
+    """
+    home = _home(table, store)
+    try:
+        versions = _versions(home)
+    except OSError as error:
+        raise StoreError(f"cannot be read ({error.strerror})", where=store) from error
+    version = _identical(home, versions, table.digest) or max(versions, default=0) + 1
+    record, curves = table.content()
+    read = Table.from_content(json.loads(canonical_json(record)), curves)
+    return Stored(read, table.name, version, table.digest, home / _folder(version))
+
+
+def load(reference: str, store: Path) -> Stored:
+    """Read and verify a table: ``name`` (its latest), ``name@version`` or a path to a version.
+
+    Raises TableNotFound when there is none, DamagedTable when it is not what its digests promise.
+    """
+    path = _path_of(reference)
+    if path is not None:
+        return read_version(path)
+    name, at, version = reference.partition("@")
+    versions = _versions(store / _known_name(name, store))
+    if not at:
+        return read_version(store / name / _folder(max(versions)), f"{name}@{max(versions)}")
+    if not version.isdecimal() or int(version) not in versions:
+        raise TableNotFound(
+            f"no version {version!r} of {name!r}",
+            where=store,
+            expected="one of " + ", ".join(map(str, versions)),
+        )
+    return read_version(store / name / _folder(int(version)), f"{name}@{int(version)}")
+
+
+def listing(store: Path) -> list[StoreEntry]:
+    """Return every version in the store, by name and version, without verifying any of them."""
+    return [
+        _entry(name, version, store / name / _folder(version))
+        for name in _names(store)
+        for version in _versions(store / name)
+    ]
+
+
+def verify(store: Path, name: str | None = None) -> list[StoreVerdict]:
+    """Recompute everything that a store promises, for one table or for all.
+
+    One verdict per version, and one per version that should be there and is not.
+    """
+    names = _names(store) if name is None else [_known_name(name, store)]
+    return [
+        StoreVerdict(f"{name}@{version}", _version_flaws(store / name, name, version))
+        for name in names
+        for version in range(1, max(_versions(store / name)) + 1)
+    ]
+
+
+def _version_flaws(home: Path, name: str, version: int) -> tuple[str, ...]:
+    path = home / _folder(version)
+    if not path.is_dir():
+        return ("missing: the versions have a hole here",)
+    try:
+        return violations(read_version(path, f"{name}@{version}").table)
+    except StoreError as error:
+        return (error.what,)
+
+
+def _home(table: Table, store: Path) -> Path:
+    """Where the versions of ``table`` lie. Raises StoreError for one that may not be stored."""
+    home = store / _checked_name(table.name)
+    if found := violations(table):
+        raise StoreError(
+            f"the table is not sound and was not stored: {'; '.join(found)}",
+            where=table.name,
+            expected="what `brake-cal tables verify` passes",
+        )
+    return home
+
+
+def _checked_name(name: str) -> str:
+    """Return ``name`` if it can name a table and cannot lead out of the store."""
+    if not NAME.fullmatch(name) or ".." in name:
+        raise StoreError(
+            f"{name!r} cannot name a table",
+            expected="letters, digits and . _ - only, at most 100, a letter or digit first",
+        )
+    return name
+
+
+def _known_name(name: str, store: Path) -> str:
+    known = _names(store)
+    if _checked_name(name) in known:
+        return name
+    near = get_close_matches(name, known, n=1)
+    raise TableNotFound(
+        f"no table {name!r}",
+        where=store,
+        expected="one of " + ", ".join(known) if known else "a table: the store is empty",
+        do=f"did you mean {near[0]!r}?" if near else "",
+    )
+
+
+def _names(store: Path) -> list[str]:
+    if not store.is_dir():
+        raise TableNotFound(
+            "no table store here",
+            where=store,
+            do="`brake-cal fit` makes one, --store names another",
+        )
+    try:
+        return sorted(p.name for p in store.iterdir() if NAME.fullmatch(p.name) and _versions(p))
+    except OSError as error:
+        raise StoreError(f"cannot be read ({error.strerror})", where=store) from error
+
+
+def _folder(version: int) -> str:
+    return f"v{version:04d}"
+
+
+def _versions(home: Path) -> list[int]:
+    """Version numbers in a table's directory, ascending; empty when it is not there."""
+    if not home.is_dir():
+        return []
+    found = [(p, FOLDER.fullmatch(p.name)) for p in home.iterdir()]
+    numbers = [int(match[1]) for p, match in found if match and p.is_dir()]
+    return sorted(n for n in numbers if n > 0 and (home / _folder(n)).is_dir())
+
+
+def _path_of(reference: str) -> Path | None:
+    """Directory of the version that ``reference`` names as a path; None when it is not a path."""
+    path = Path(reference)
+    if path.name == RECORD:
+        path = path.parent
+    elif os.sep not in reference and not (path / RECORD).is_file():
+        return None
+    if not path.is_dir():
+        raise TableNotFound(
+            "no such directory", where=reference, expected="name, name@version or path"
+        )
+    if not (path / RECORD).is_file() and not any(path.glob("*.parquet")):
+        raise TableNotFound(
+            f"no {RECORD} in it",
+            where=reference,
+            expected="the directory of one version, like v0001",
+        )
+    return path
+
+
+def _add(table: Table, home: Path, work: Path) -> int:
+    """Write the files under ``work`` and rename it to the next free version, which is returned."""
+    work.mkdir(parents=True)
+    write_curves(table, work)
+    while True:
+        # Looked up once for both questions: a version that another writer adds in between then
+        # makes the rename fail, and the next round sees it.
+        versions = _versions(home)
+        if (same := _identical(home, versions, table.digest)) is not None:
+            return same
+        version = max(versions, default=0) + 1
+        write_record(table, version, work)
+        try:
+            # A rename never replaces a directory that has files in it: the number is ours or taken.
+            os.rename(work, home / _folder(version))
+        except OSError as error:
+            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
+                raise
+        else:
+            sync_directory(home)
+            return version
+
+
+def _identical(home: Path, versions: list[int], digest: str) -> int | None:
+    """Version that holds the content ``digest`` already.
+
+    One that cannot be read holds nothing: it is for `verify` to report, not in the way of a save.
+    """
+    for version in reversed(versions):
+        if _entry(home.name, version, home / _folder(version)).digest == digest:
+            return version
+    return None
+
+
+def _entry(name: str, version: int, path: Path) -> StoreEntry:
+    try:
+        digest, logs = stored_content(path)
+    except StoreError:
+        return StoreEntry(name, version, None, (), path)
+    return StoreEntry(name, version, digest, logs, path)

@@ -1,0 +1,160 @@
+"""One version of a table as a directory: a record to read, one Parquet file per curve, digests.
+
+    v0001/record.json           {id, version, digest, parents, files, record}
+          difference.parquet    D(eta)
+          paper.parquet         f1(eta), f2(eta)
+          tyre.parquet          g(slip)
+
+``digest`` is that of the table's content, whatever packs it; ``files`` holds the SHA-256 of each
+Parquet file, so that damage is found before a byte of it is parsed, and in which file.
+"""
+
+import hashlib
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from calib.digest import content_digest
+from calib.errors import DamagedTable, StoreError
+from calib.table.curve_file import Array, curve_bytes, read_curve
+from calib.table.table import Table
+
+RECORD = "record.json"
+CURVES = ("difference", "paper", "tyre")
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A table with its address. ``digest`` is that of its content, ``path`` its directory."""
+
+    table: Table
+    name: str
+    version: int
+    digest: str
+    path: Path
+
+    @property
+    def id(self) -> str:
+        """name@version."""
+        return f"{self.name}@{self.version}"
+
+
+def write_curves(table: Table, path: Path) -> None:
+    """Write the curves' files into the directory ``path``, which must not be a version yet."""
+    _, curves = table.content()
+    for name in CURVES:
+        _write(path / f"{name}.parquet", curve_bytes(curves[name]))
+
+
+def write_record(table: Table, version: int, path: Path) -> None:
+    """Write the record of ``version`` beside the curves' files and flush the directory to disk."""
+    record, _ = table.content()
+    digests = {
+        f"{name}.parquet": hashlib.sha256(_bytes(path / f"{name}.parquet")).hexdigest()
+        for name in CURVES
+    }
+    document = _document(record, table.digest, version, digests)
+    _write(path / RECORD, (json.dumps(document, indent=2, sort_keys=True) + "\n").encode())
+    sync_directory(path)
+
+
+def read_version(path: Path, promised: str | None = None) -> Stored:
+    """Read one version and hold it against its digests.
+
+    ``promised`` is the id that its place in a store says it has. Raises DamagedTable naming the
+    part that differs, StoreError when it cannot be read at all.
+    """
+    document = _record_file(path)
+    try:
+        files, record, digest = document["files"], document["record"], document["digest"]
+        curves = {name: _curve_file(path / f"{name}.parquet", files) for name in CURVES}
+        if content_digest(record, curves) != digest:
+            raise _damaged(path, f"{RECORD}: the record or its digest was changed")
+        table = Table.from_content(record, curves)
+        expected = _document(record, digest, document["version"], files)
+        stored = Stored(table, table.name, int(document["version"]), digest, path)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise _damaged(path, f"{RECORD}: not a table record ({error!r})") from error
+    changed = sorted(k for k in {*expected, *document} if expected.get(k) != document.get(k))
+    if changed:
+        raise _damaged(path, f"{RECORD}: {', '.join(changed)} not in agreement with the record")
+    if promised not in (None, stored.id):
+        raise _damaged(path, f"{RECORD}: holds {stored.id} in the place of {promised}")
+    return stored
+
+
+def stored_content(path: Path) -> tuple[str, tuple[str, ...]]:
+    """Digest and names of the parent logs as the record states them, unverified.
+
+    Raises StoreError when the record cannot be read.
+    """
+    document = _record_file(path)
+    try:
+        return str(document["digest"]), tuple(str(log["name"]) for log in document["parents"])
+    except (KeyError, TypeError) as error:
+        raise _damaged(path, f"{RECORD}: not a table record ({error!r})") from error
+
+
+def sync_directory(path: Path) -> None:
+    """Flush the names in a directory to disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _document(
+    record: dict[str, Any], digest: str, version: int, files: dict[str, str]
+) -> dict[str, Any]:
+    logs = record["provenance"]["logs"]
+    return {
+        "id": f"{record['name']}@{version}",
+        "version": version,
+        "digest": digest,
+        "parents": [{"name": log["name"], "digest": log["digest"]} for log in logs],
+        "files": files,
+        "record": record,
+    }
+
+
+def _record_file(path: Path) -> dict[str, Any]:
+    try:
+        document = json.loads(_bytes(path / RECORD))
+    except ValueError as error:
+        raise _damaged(path, f"{RECORD}: not JSON ({error})") from error
+    if not isinstance(document, dict):
+        raise _damaged(path, f"{RECORD}: not a table record")
+    return document
+
+
+def _curve_file(path: Path, digests: dict[str, str]) -> dict[str, Array]:
+    """Columns of one curve, after its bytes were held against their digest."""
+    data = _bytes(path)
+    if hashlib.sha256(data).hexdigest() != digests[path.name]:
+        raise _damaged(path.parent, f"{path.name}: its bytes differ from their digest")
+    return read_curve(data)
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError as error:
+        raise _damaged(path.parent, f"{path.name}: missing") from error
+    except OSError as error:
+        raise StoreError(f"cannot be read ({error.strerror})", where=path) from error
+
+
+def _write(path: Path, data: bytes) -> None:
+    with path.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _damaged(path: Path, what: str) -> DamagedTable:
+    return DamagedTable(
+        what, where=path, do="restore this version from a copy, or fit the table again"
+    )

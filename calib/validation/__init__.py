@@ -1,0 +1,1 @@
+"""The estimator on hold-out logs: metrics, limits, results."""

@@ -1,0 +1,218 @@
+"""`brake-cal validate`: the estimator on hold-out logs, scored, judged, written.
+
+table, log -> estimate -> figures -> judged against limits -> DIR/<stem>.parquet, summary.json
+"""
+
+import math
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from calib.checks.check import problems_for
+from calib.errors import LogError, VehicleError
+from calib.estimation.estimator import Estimate, as_used, estimate
+from calib.fitting.fit import bitten, eta_rise, require_same_wheels
+from calib.logs.log import Log
+from calib.physics.vehicle import Vehicle
+from calib.signals.axle_signals import blocks, signals
+from calib.table.table import Table
+from calib.validation.limits import DEFAULTS, Judgement, Limit, judge
+from calib.validation.metrics import baseline_errors, score, truth_of
+
+
+@dataclass(frozen=True)
+class Validation:
+    """One log: its estimate, its figures, its judgements, the baselines' errors if truth is known.
+
+    ``role`` is "hold-out", or "calibration" for a log the table was fitted on, which is reported
+    but proves nothing.
+    """
+
+    log: str
+    digest: str
+    role: str
+    estimate: Estimate
+    figures: dict[str, float | None]
+    judgements: tuple[Judgement, ...]
+    baselines: dict[str, tuple[float, float]]
+
+    @property
+    def passed(self) -> bool:
+        """No judged figure fails."""
+        return all(j.passed is not False for j in self.judgements)
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Pad friction of the stops against each other: mean and largest relative departure [1].
+
+    Stops on other roads may differ in truth; on one road the departure is the repeatability.
+    """
+
+    mean_f: float
+    mean_r: float
+    spread_f: float
+    spread_r: float
+
+
+def validate(
+    table: Table,
+    logs: list[Log],
+    vehicle: Vehicle | None = None,
+    limits: tuple[Limit, ...] = DEFAULTS,
+) -> list[Validation]:
+    """Run and score every log.
+
+    Raises LogError for a log that will not do, and when the vehicle of the log is plainly another.
+    """
+    return [validate_one(table, log, vehicle, limits) for log in logs]
+
+
+def validate_one(
+    table: Table,
+    log: Log,
+    vehicle: Vehicle | None,
+    limits: tuple[Limit, ...],
+    *,
+    baselines: bool = True,
+) -> Validation:
+    """Run, score and judge one log; without ``baselines`` the methods beside it are left out."""
+    problems = problems_for(log, "validate")
+    if problems:
+        raise LogError(
+            "this run will not do for a validation: " + "; ".join(problems),
+            where=log.source,
+            do="see `brake-cal check`",
+        )
+    car = as_used(table, vehicle)
+    require_same_vehicle(table, vehicle)
+    require_same_car(table, log)
+    result = estimate(table, log, vehicle, with_laws=baselines)
+    figures = score(log, car, result)
+    compared = baselines and bool(result.valid.any())
+    truth = truth_of(log, car, result) if compared else None
+    parents = {parent.digest for parent in table.provenance.logs}
+    return Validation(
+        log=log.name,
+        digest=log.digest,
+        role="calibration" if log.digest in parents else "hold-out",
+        estimate=result,
+        figures=figures,
+        judgements=judge(limits, figures),
+        baselines={} if truth is None else baseline_errors(car, result, truth),
+    )
+
+
+SWAPPED = 0.5
+"""Share of the table's rise of eta by which eta must fall for the axles to count as swapped. Front
+pads that lost 30 % against the rear make it fall too, but by less."""
+
+
+def require_same_vehicle(table: Table, vehicle: Vehicle | None, where: object = None) -> None:
+    """Refuse a vehicle that differs from the table's in more than its pads and known effects.
+
+    ``where`` names its file. Raises VehicleError.
+    """
+    if vehicle is None:
+        return
+    ours, theirs = _geometry(table.vehicle), _geometry(vehicle)
+    differ = [f"{k} {theirs[k]:.6g} for {ours[k]:.6g}" for k in ours if theirs[k] != ours[k]]
+    if differ:
+        raise VehicleError(
+            f"the table was fitted for another car: {', '.join(differ[:4])}",
+            where=vehicle.name if where is None else where,
+            expected="a vehicle that differs in its pads only",
+            do="fit a table for this car",
+        )
+
+
+def require_same_car(table: Table, log: Log) -> None:
+    """Refuse a log that is plainly not of the table's car, or has its axles swapped.
+
+    Raises LogError. A log of another car with the same wheels cannot be told.
+    """
+    s = signals(log, table.vehicle)
+    require_same_wheels(table.vehicle, log, s)
+    b = blocks(s)
+    known = (b.z > 0.05) & (b.z < table.paper.z[-1])
+    braked = known & (b.end > bitten(b)) & (b.speed > 5.0)
+    rise, error = eta_rise(b, braked)
+    if not np.isfinite(rise):
+        return
+    expected = float(np.median(np.interp(b.z[braked], table.paper.z, table.paper.eta))) - 1.0
+    if expected > 0.0 and rise + 4.0 * error < -SWAPPED * expected:
+        raise LogError(
+            f"the front wheels slip less than the rear while braking: eta {100 * rise:+.2f} %",
+            where=log.source,
+            expected=f"about {100 * expected:+.2f} % by the table of {table.name}",
+            do="are the axles swapped? put them right in a channel map",
+        )
+
+
+def _geometry(vehicle: Vehicle) -> dict[str, float]:
+    """Everything of a vehicle but its name, pads, effects and tolerance."""
+    flat = {k: v for k, v in asdict(vehicle).items() if isinstance(v, float)}
+    for side, axle in (("front", vehicle.front), ("rear", vehicle.rear)):
+        flat |= {f"{side}.{k}": v for k, v in asdict(axle).items() if k != "pad_friction"}
+    flat.pop("mass_tolerance", None)
+    return flat
+
+
+def agreement(results: list[Validation]) -> Agreement | None:
+    """How the stops agree; None for fewer than two with an answer."""
+    f = [r.figures["pad_friction_f"] for r in results]
+    r = [x.figures["pad_friction_r"] for x in results]
+    pairs = [(a, b) for a, b in zip(f, r, strict=True) if a is not None and b is not None]
+    if len(pairs) < 2:
+        return None
+    values = np.asarray(pairs)
+    mean = values.mean(axis=0)
+    spread = np.abs(values / mean - 1.0).max(axis=0)
+    return Agreement(float(mean[0]), float(mean[1]), float(spread[0]), float(spread[1]))
+
+
+def to_dict(table_id: str, results: list[Validation]) -> dict[str, object]:
+    """`summary.json`: every figure, judgement and baseline of every log, and the verdict."""
+    together = agreement(results)
+    return {
+        "schema": 1,
+        "table": table_id,
+        "verdict": "passed" if all(r.passed for r in results) else "failed",
+        "logs": [
+            {
+                "log": r.log,
+                "digest": r.digest,
+                "role": r.role,
+                "verdict": "passed" if r.passed else "failed",
+                "figures": {k: _finite(v) for k, v in r.figures.items()},
+                "limits": [
+                    {
+                        "figure": j.figure,
+                        "value": _finite(j.value),
+                        "min": j.low,
+                        "max": j.high,
+                        "passed": j.passed,
+                    }
+                    for j in r.judgements
+                ],
+                "surface_changes": list(r.estimate.split.changes),
+                "rms_error_by_method": {
+                    name: {"front": _finite(f), "rear": _finite(b)}
+                    for name, (f, b) in r.baselines.items()
+                },
+            }
+            for r in results
+        ],
+        "agreement": None
+        if together is None
+        else {
+            "pad_friction_f": together.mean_f,
+            "pad_friction_r": together.mean_r,
+            "largest_departure_f": together.spread_f,
+            "largest_departure_r": together.spread_r,
+        },
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)

@@ -1,0 +1,101 @@
+"""Sensors with a known resolution, noise and defect."""
+
+import numpy as np
+import pytest
+
+from calib.checks.sensors import noise_of, resolution_of, saturation, sensors_of
+from calib.signals.driving_record import driving_record
+from tests.support.made_runs import changed, made_run, ramp, stop
+
+
+def stuck(log):
+    found = sensors_of(log, driving_record(log))
+    return {s.channel: s.stuck for s in found if s.stuck}
+
+
+@pytest.mark.parametrize("step", [0.005, 0.1, 6103.5])
+def test_resolution_of_rounded_values(step):
+    x = np.random.default_rng(1).normal(size=500) * 20 * step
+    assert resolution_of(np.round(x / step) * step) == pytest.approx(step, rel=1e-6)
+
+
+def test_no_resolution_in_smooth_values():
+    assert resolution_of(np.random.default_rng(1).normal(size=500)) == 0.0
+    assert resolution_of(np.zeros(100)) == 0.0
+
+
+@pytest.mark.parametrize("rate", [40.0, 200.0, 1000.0])
+def test_white_noise_is_measured(rate):
+    x = 0.3 * np.random.default_rng(2).normal(size=4000)
+    noise, white, colour = noise_of(x, np.ones(x.size, bool), 1 / rate)
+    assert noise == pytest.approx(0.3, rel=0.05)
+    assert white == pytest.approx(0.3, rel=0.15)  # the high-pass tilts it a little at 40 Hz
+    assert abs(colour) < 0.2
+
+
+def test_coloured_noise_is_told_from_white():
+    from scipy.signal import lfilter
+
+    x = lfilter([1.0], [1.0, -0.6], np.random.default_rng(3).normal(size=20000))
+    _, _, colour = noise_of(x, np.ones(x.size, bool), 1 / 1000)
+    assert colour == pytest.approx(0.6, abs=0.05)
+
+
+def test_slow_motion_and_a_spike_are_not_noise():
+    rng = np.random.default_rng(4)
+    t = np.arange(2000) / 200
+    x = 50 - 3 * t + 0.1 * rng.normal(size=t.size)
+    x[1000] += 3.0
+    noise, _, _ = noise_of(x, np.ones(t.size, bool), 1 / 200)
+    assert noise == pytest.approx(0.1, rel=0.1)
+
+
+def test_too_little_to_see_noise():
+    assert np.isnan(noise_of(np.ones(100), np.arange(100) < 19, 0.005)).all()
+
+
+def test_no_noise():
+    x = np.full(400, 101.3)
+    assert noise_of(x, np.ones(400, bool), 0.005) == (0.0, 0.0, 0.0)
+
+
+def test_saturated_value_is_held_as_no_other_is():
+    x = np.random.default_rng(5).normal(size=2000) + 10 * np.sin(np.arange(2000) / 200)
+    assert saturation(x, 0.005) == 0.0
+    assert saturation(np.minimum(x, 9.0), 0.005) == 0.0  # noise takes it off its limit again
+    assert saturation(np.minimum(x, 3.0), 0.005) > 1.0
+
+
+def test_held_pedal_without_noise_is_not_saturation():
+    log = made_run(stop(), noise=0.0)
+    assert all(s.saturated == 0.0 for s in sensors_of(log, driving_record(log)))
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+@pytest.mark.parametrize("pressure", [ramp(), stop(), lambda t: 0.0 * t])
+def test_sound_runs_have_no_stuck_sensor(noise, pressure):
+    assert stuck(made_run(pressure, noise=noise)) == {}
+
+
+@pytest.mark.parametrize("channel", ["omega_fl", "omega_rr", "v", "a_x"])
+def test_constant_sensor(channel):
+    log = made_run(stop(end=5.0))
+    found = stuck(changed(log, **{channel: np.full(log.time.size, log[channel][0])}))
+    assert set(found) == {channel}
+
+
+@pytest.mark.parametrize("channel", ["omega_fl", "a_x", "p_mc"])
+def test_sensor_that_hangs_for_a_while(channel):
+    log = made_run(ramp(rate=12.0))
+    values = log[channel].copy()
+    values[400:700] = values[400]
+    ((start, end),) = stuck(changed(log, **{channel: values}))[channel]
+    assert start == pytest.approx(2.0, abs=0.01)
+    assert end == pytest.approx(3.5, abs=0.01)
+
+
+def test_hanging_for_less_than_a_second_is_let_pass():
+    log = made_run()
+    values = log["omega_fl"].copy()
+    values[400:590] = values[400]
+    assert stuck(changed(log, omega_fl=values)) == {}

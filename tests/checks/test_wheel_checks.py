@@ -1,0 +1,106 @@
+"""Wheels that disagree by a known amount."""
+
+import numpy as np
+import pytest
+
+from calib.checks.wheel_checks import axles_of, mismatch, slipping
+from calib.names import WHEELS
+from calib.signals.driving_record import brake_events, driving_record
+from tests.support.made_runs import RADIUS, SLIP_F, SLIP_R, changed, made_run, ramp, stop
+
+
+def slip_of(log):
+    course = driving_record(log)
+    return slipping(log, course, brake_events(course))
+
+
+def with_slip(log, wheels, start, length, depth, v=True):
+    """Slip added to some wheels as half a sine wave, as an ABS lets it come and go."""
+    t = log.time
+    bump = np.where((t > start) & (t < start + length), np.sin(np.pi * (t - start) / length), 0.0)
+    wheel = {f"omega_{w}": log[f"omega_{w}"] * (1 - depth * bump) for w in wheels}
+    return changed(log, **wheel, **({} if v else {"v": None}))
+
+
+def test_interval_holds_the_truth_as_often_as_it_says():
+    rng = np.random.default_rng(1)
+    hits = 0
+    for _ in range(400):
+        a, b = (80.0 + 0.05 * rng.normal(size=400) for _ in range(2))
+        found = mismatch(a, 1.001 * b, np.ones(400, bool), 0.005)
+        hits += abs(found.value - 0.001) < found.half
+    assert 0.92 < hits / 400 < 0.98
+
+
+def test_too_short_for_an_interval():
+    assert mismatch(np.ones(100), np.ones(100), np.ones(100, bool), 0.005) is None
+
+
+def test_radii_front_rear_and_left_right():
+    log = made_run(ramp(start=4.0), duration=8.0)
+    log = changed(
+        log,
+        omega_rl=1.002 * log["omega_rl"],
+        omega_rr=1.002 * log["omega_rr"],
+        omega_fr=1.010 * log["omega_fr"],
+    )
+    axles = axles_of(log, driving_record(log))
+    assert axles.front_rear.value == pytest.approx(1.002 / 1.005 - 1, abs=3e-5)
+    assert axles.left_right_f.value == pytest.approx(0.010, abs=3e-5)
+    assert axles.left_right_r.value == pytest.approx(0.0, abs=3e-5)
+    assert axles.front_rear.half < 1e-4
+
+
+def test_eta_while_braked():
+    axles = axles_of(log := made_run(stop(level=28.0)), driving_record(log))  # 0.4 g
+    expected = (1 - 0.4 * SLIP_R) / (1 - 0.4 * SLIP_F) - 1
+    assert axles.eta_braked.value == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize("rate", [40.0, 200.0, 1000.0])
+def test_slope_is_the_rolling_radius(rate):
+    log = made_run(ramp(rate=8.0), rate=rate)
+    assert axles_of(log, driving_record(log)).slope == pytest.approx(RADIUS, rel=0.03)
+
+
+def test_slope_of_a_wrong_sign():
+    log = made_run()
+    log = changed(log, a_x=-log["a_x"])
+    assert axles_of(log, driving_record(log)).slope == pytest.approx(-RADIUS, rel=0.03)
+
+
+def test_no_slope_of_a_coast():
+    log = made_run(lambda t: 0.0 * t)
+    assert axles_of(log, driving_record(log)).slope is None
+
+
+@pytest.mark.parametrize("v", [True, False])
+def test_abs_on_one_wheel(v):
+    found = slip_of(with_slip(made_run(stop()), ["fl"], 3.0, 0.4, 0.25, v))
+    ((wheel, when),) = found.cycles
+    assert wheel == "fl"
+    assert when == pytest.approx(3.0, abs=0.06)
+    assert found.locked == ()
+
+
+def test_abs_on_all_wheels_needs_a_reference_speed():
+    assert len(slip_of(with_slip(made_run(stop()), WHEELS, 3.0, 0.4, 0.25)).cycles) == 4
+    assert slip_of(with_slip(made_run(stop()), WHEELS, 3.0, 0.4, 0.25, v=False)).cycles == ()
+
+
+@pytest.mark.parametrize(("depth", "length"), [(0.10, 0.4), (0.25, 2.5)])
+def test_mild_or_slow_slip_is_no_abs(depth, length):
+    assert slip_of(with_slip(made_run(stop()), ["fl"], 3.0, length, depth)).cycles == ()
+
+
+def test_locked_wheel():
+    log = made_run(stop())
+    locked = np.where(log.time > 3.0, 0.0, log["omega_rl"])
+    assert slip_of(changed(log, omega_rl=locked)).locked == ("rl",)
+
+
+@pytest.mark.parametrize("pressure", [ramp(), stop()])
+def test_usual_braking_is_neither(pressure):
+    found = slip_of(made_run(pressure))
+    assert found.cycles == ()
+    assert found.locked == ()

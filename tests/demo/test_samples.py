@@ -1,0 +1,20 @@
+import pytest
+
+from calib.demo import samples
+from calib.errors import InputError
+
+
+def test_the_sample_logs_are_there_with_their_vehicle():
+    place = samples.sample_logs()
+    assert (place / "sedan" / "vehicle.toml").is_file()
+    assert list(place.glob("sedan/ramp*.csv"))
+
+
+def test_installed_logs_come_before_those_of_a_checkout(tmp_path, monkeypatch):
+    monkeypatch.setattr(samples, "__file__", str(tmp_path / "calib" / "demo" / "samples.py"))
+    with pytest.raises(InputError, match="not installed"):
+        samples.sample_logs()
+    (tmp_path / "sample_logs").mkdir()
+    assert samples.sample_logs() == tmp_path / "sample_logs"
+    (tmp_path / "calib" / "sample_logs").mkdir(parents=True)
+    assert samples.sample_logs() == tmp_path / "calib" / "sample_logs"

@@ -1,0 +1,124 @@
+"""The diagnosis on cases of the hidden plant, which shares nothing with the program.
+
+A handful here; tests/studies/naming.py scores hundreds.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.candidate import fit, problem_of
+from calib.diagnosis.decide import decide
+from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.document import to_dict
+from calib.diagnosis.predict import run_of
+from calib.errors import LogError
+from calib.logs.log import Log
+from tests.support.hidden.cases import HiddenCase, draw
+
+
+def answer(case: HiddenCase) -> Diagnosis:
+    return diagnose(list(case.calibration), list(case.holdout), case.vehicle)
+
+
+def verdict(logs: list[Log], case: HiddenCase) -> tuple[str, tuple[str, ...]]:
+    problem = problem_of(case.vehicle, [run_of(log) for log in logs])
+    decision = decide(problem, fit(problem, (), np.zeros(4)))
+    return decision.verdict, decision.best.names
+
+
+@pytest.fixture(scope="module")
+def drag() -> HiddenCase:
+    """Drag; every log with a digest of its own, as a file has."""
+    case = draw("single", 11, names=("aerodynamic_drag",), severity=1)
+    named = [
+        [replace(log, digest=log.name) for log in part] for part in (case.calibration, case.holdout)
+    ]
+    return replace(case, calibration=tuple(named[0]), holdout=tuple(named[1]))
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "setting"),
+    [
+        ("aerodynamic_drag", "drag_area", "drag_area"),
+        ("hydraulic_lag", "time_constant", "lag"),
+        ("rolling_radius_mismatch", "radius_mismatch", "radius_mismatch"),
+    ],
+)
+def test_a_single_effect_is_named_with_an_interval_that_holds_it(name, parameter, setting):
+    case = draw("single", 12, names=(name,), severity=1)
+    found = answer(case)
+    assert found.verdict == "named"
+    assert [effect.name for effect in found.effects] == [name]
+    low, high = found.effects[0].parameters[parameter].ci95
+    assert low <= getattr(case.hidden, setting) <= high
+    assert found.gap.closed > 0.85
+
+
+def test_two_effects_at_once():
+    case = draw("double", 13, names=("rolling_resistance", "hydraulic_delay"), severity=1)
+    found = answer(case)
+    assert {effect.name for effect in found.effects} == {"rolling_resistance", "hydraulic_delay"}
+
+
+def test_nothing_hidden_is_no_gap_and_leaves_the_model_alone():
+    found = answer(draw("none", 14))
+    assert found.verdict == "no_gap"
+    assert found.effects == ()
+    assert found.model_after == found.model_before
+
+
+def test_what_the_catalogue_does_not_know_is_unknown_on_the_right_axle():
+    case = draw("outside", 15, names=("regenerative_torque",), severity=2)
+    found = answer(case)
+    assert found.verdict == "unknown"
+    assert found.unexplained is not None
+    assert found.unexplained.axle == ("rear" if case.hidden.regen_axle else "front")
+    assert found.model_after.empirical is not None
+
+
+def test_the_order_of_the_logs_does_not_matter(drag):
+    one, other = (
+        answer(drag),
+        diagnose(list(drag.calibration)[::-1], list(drag.holdout), drag.vehicle),
+    )
+    assert to_dict(one) == to_dict(other)
+
+
+def test_half_the_sample_rate_gives_the_same_verdict(drag):
+    half = [
+        replace(log, channels={k: v[::2] for k, v in log.channels.items()})
+        for log in drag.calibration
+    ]
+    assert verdict(half, drag) == verdict(list(drag.calibration), drag)
+
+
+def test_truth_is_not_read(drag):
+    lying = [
+        replace(log, truth={"true_Tb_fl": np.full(log.time.size, 1e9)}) for log in drag.calibration
+    ]
+    assert verdict(lying, drag) == verdict(list(drag.calibration), drag)
+
+
+def test_logs_that_cannot_give_an_answer_are_refused(drag):
+    logs, held = list(drag.calibration), list(drag.holdout)
+    with pytest.raises(LogError, match="no hold-out"):
+        diagnose(logs, [], drag.vehicle)
+    with pytest.raises(LogError, match="among the calibration logs"):
+        diagnose(logs, [logs[0]], drag.vehicle)
+    with pytest.raises(LogError, match="given twice"):
+        diagnose([*logs, logs[0]], held, drag.vehicle)
+    larger = replace(drag.vehicle.front, rolling_radius=1.1 * drag.vehicle.front.rolling_radius)
+    with pytest.raises(LogError, match="the front wheels roll with a radius"):
+        diagnose(logs, held, replace(drag.vehicle, front=larger))
+    with pytest.raises(LogError, match="two or more"):
+        diagnose(logs[:1], held, drag.vehicle)
+    coasts = [log for log in logs if np.max(log["p_mc"]) < 1e5]
+    with pytest.raises(LogError, match="nothing is braked"):
+        diagnose(coasts, held, drag.vehicle)
+    blind = [
+        replace(log, channels={k: v for k, v in log.channels.items() if k != "v"}) for log in logs
+    ]
+    with pytest.raises(LogError, match="no reference speed"):
+        diagnose(blind, held, drag.vehicle)

@@ -1,0 +1,47 @@
+"""The prediction against the plant of the tests: what it says, a car does."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from calib.diagnosis.predict import Base, follow, predict, run_of
+from tests.support.plant import Plant, as_log, drive, magic
+from tests.support.reference_car import CAR as SEDAN
+
+
+def pressure(t: float) -> float:
+    return 25e5 * min(max((t - 1.0) / 0.3, 0.0), 1.0)
+
+
+@pytest.fixture(scope="module")
+def run():
+    plant = Plant(SEDAN, tyre=magic(25.0, 0.95))
+    return run_of(as_log(drive(plant, pressure, 28.0, duration=6.0)))
+
+
+def test_a_plant_with_the_same_physics_is_predicted(run):
+    base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, 25.0, 0.95)
+    told = predict(SEDAN, base, {}, run)
+    held = slice(200, -10)
+    assert told.a_x[held] == pytest.approx(run.a_x[held], abs=2e-3)
+    # half of what a speed's noise is, after 16 m/s of braking
+    assert told.gained[held] == pytest.approx((run.v - run.v[0])[held], abs=1e-2)
+    assert told.omega[:, held] == pytest.approx(run.omega[:, held], abs=2e-2)
+
+
+def test_pads_that_are_five_percent_better_brake_five_percent_harder(run):
+    mu_f, mu_r = SEDAN.front.pad_friction, SEDAN.rear.pad_friction
+    one = predict(SEDAN, Base(mu_f, mu_r, 25.0, 0.95), {}, run).a_x[300]
+    more = predict(SEDAN, Base(1.05 * mu_f, 1.05 * mu_r, 25.0, 0.95), {}, run).a_x[300]
+    assert more / one == pytest.approx(1.05, rel=1e-3)
+
+
+def test_follow_is_a_first_order_lag():
+    t = np.arange(0.0, 1.0, 0.01)
+    x, tau = np.clip(t, 0.0, 0.5), 0.03 + 0.02 * t
+
+    def rate(now, y):
+        return (np.interp(now, t, x) - y) / np.interp(now, t, tau)
+
+    expected = solve_ivp(rate, (0.0, 0.99), [0.0], t_eval=t, rtol=1e-9, atol=1e-12).y[0]
+    assert follow(x, tau, 0.01) == pytest.approx(expected, abs=2e-4)

@@ -1,0 +1,41 @@
+"""Where an unknown cause is put: on the plant of tests/hidden, with causes of no catalogue."""
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.candidate import fit, problem_of
+from calib.diagnosis.predict import run_of
+from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm, locate
+from tests.support.hidden.cases import draw
+
+FEW = ("ramp", "release", "coast", "step_high")
+
+
+def placed(name: str, seed: int) -> UnexplainedTerm:
+    case = draw("outside", seed, names=(name,), severity=2)
+    runs = [run_of(log) for log in case.calibration if log.name in FEW]
+    problem = problem_of(case.vehicle, runs)
+    return locate(problem, fit(problem, (), np.zeros(4)))
+
+
+def test_what_turns_with_the_front_wheels_is_told_by_their_angle():
+    found = placed("tooth_error", 31)
+    assert found.driver == WHEEL_ANGLE
+    assert found.axle == "front"
+    assert 0.5 < found.turning <= 1.0
+
+
+def test_a_wheel_that_always_drags_is_named_and_depends_on_nothing():
+    found = placed("seized_wheel", 32)
+    assert (found.axle, found.driver) == ("rear", "constant")
+    assert found.wheel is not None
+    assert found.wheel.startswith("rear_")
+    assert found.turning < 0.05
+
+
+@pytest.mark.parametrize(("name", "axles"), [("weaker_applications", {"both"})])
+def test_brakes_that_weaken_go_with_the_time_of_the_run(name, axles):
+    found = placed(name, 33)
+    assert found.axle in axles
+    assert found.driver == "elapsed"
+    assert found.wheel is None

@@ -1,0 +1,236 @@
+"""Tyre, pads and zeros of plant ramps come back, and the stated sigmas are honest."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.optimize
+
+from calib.fitting.identify import (
+    brake_forces,
+    identify,
+    identify_once,
+    measured_slip,
+    predict,
+    prepare,
+    sigma_eta,
+    sigma_slip,
+)
+from calib.signals.axle_signals import SensorNoise, blocks, sensor_noise, signals
+from tests.support.plant import magic
+from tests.support.reference_car import CAR, IDEAL, noisy, ramp, with_pads, with_ratio, without
+
+C, B2, B3, Q, LAG, RATIO = range(6)
+SEEDS = range(5)
+PLANTS = {
+    "as nominal": IDEAL,
+    "front 15 % better": with_ratio(IDEAL, 1.15),
+    "rear 15 % better": with_ratio(IDEAL, 1.0 / 1.15),
+}
+
+
+def prepared(log):
+    b = blocks(signals(log, CAR))
+    return prepare(CAR, log.name, b, sensor_noise(log, b), {})
+
+
+def found(*logs):
+    return identify(CAR, [prepared(log) for log in logs])[0]
+
+
+def sigmas(answer):
+    return np.sqrt(np.diag(answer.covariance))
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return {name: ramp(plant) for name, plant in PLANTS.items()}
+
+
+@pytest.fixture(scope="module")
+def three(clean):
+    """Three runs of one car, each with its own noise, ready to fit."""
+    return [prepared(noisy(clean["as nominal"], seed)) for seed in range(3)]
+
+
+@pytest.mark.parametrize("v", ["with v", "without v"])
+@pytest.mark.parametrize(
+    ("name", "log_ratio"),
+    [
+        ("as nominal", 0.0),
+        ("front 15 % better", math.log(1.15)),
+        ("rear 15 % better", -math.log(1.15)),
+    ],
+)
+def test_compliance_and_pads_are_found_within_their_sigmas(clean, name, log_ratio, v):
+    dropped = ("v",) if v == "without v" else ()
+    answers = [found(without(noisy(clean[name], seed), *dropped)) for seed in SEEDS]
+    z = np.array(
+        [
+            (a.mean[[C, RATIO]] - [math.log(1.0 / 25.0), log_ratio]) / sigmas(a)[[C, RATIO]]
+            for a in answers
+        ]
+    )
+    assert np.max(np.abs(z)) < 3.0
+    assert np.sqrt(np.mean(z**2)) < 1.5
+    # (2) is exact in the plant: the sum of forces fixes the level, at any ratio, to its weight
+    for a in answers:
+        off = 0.5 * abs(a.mean[RATIO] - log_ratio)
+        assert a.pad_scale[0] == pytest.approx(1.0, abs=0.005 + off)
+
+
+def test_a_ratio_that_clearly_differs_is_not_called_nominal(clean):
+    for name in ("front 15 % better", "rear 15 % better"):
+        assert found(noisy(clean[name], 0)).nominal_weight < 0.05
+    assert found(noisy(clean["as nominal"], 0)).nominal_weight > 0.9
+
+
+def test_without_v_the_ratio_stays_open(clean):
+    log = noisy(clean["front 15 % better"], 0)
+    assert sigmas(found(without(log, "v")))[RATIO] > 2.0 * sigmas(found(log))[RATIO]
+
+
+@pytest.mark.parametrize("scale", [0.7, 1.2])
+def test_level_of_the_pads_is_found(scale):
+    mu = scale * CAR.front.pad_friction
+    log = noisy(ramp(with_pads(IDEAL, mu, mu), slope=5e5 / scale), 3)
+    assert found(log).pad_scale[0] == pytest.approx(scale, rel=0.005)
+
+
+def test_curvature_has_the_sign_of_the_tyre(clean):
+    """A saturating tyre takes more slip per force the more it carries; a straight one does not."""
+    straight = ramp(replace(IDEAL, tyre=magic(25.0, 50.0)))
+    for seed in SEEDS:
+        growth = []
+        for log in (clean["as nominal"], straight):
+            t = found(noisy(log, seed)).tyre
+            slip = t.slip(np.array([0.1, 0.5]), 1.0)
+            growth.append(slip[1] / (5.0 * slip[0]) - 1.0)
+        assert growth[0] > 0.05  # the plant's own: 0.13
+        assert abs(growth[1]) < growth[0] - 0.05
+
+
+def test_slip_at_a_force_is_that_of_the_plant(clean):
+    tyre = magic(25.0, 0.9)
+    for force in (0.1, 0.3, 0.5):
+        truth = scipy.optimize.brentq(lambda s, F=force: tyre(s, 1.0, 1.0, 1.0) - F, 0.0, 0.05)
+        slips = [
+            found(noisy(clean["as nominal"], s)).tyre.slip(np.asarray(force), 1.0) for s in SEEDS
+        ]
+        assert np.mean(slips) == pytest.approx(truth, rel=0.05)
+
+
+def test_zeros_are_the_radii(clean):
+    """Eta is omega_r/omega_f, so a rear wheel that is larger turns slower."""
+    larger = ramp(replace(IDEAL, radius_scale=(1.002, 1.003)))
+    answer = found(larger)
+    assert answer.eta_zero[0] == pytest.approx(1.002 / 1.003 - 1.0, abs=3e-5)
+    # the mean slip is computed with nominal radii: too large by the load-weighted mismatch
+    share = 1.6494 / 2.805
+    mean = share * 0.002 + (1.0 - share) * 0.003
+    assert answer.slip_zero[0] == pytest.approx(mean, abs=1e-4)
+    assert found(clean["as nominal"]).eta_zero[0] == pytest.approx(0.0, abs=3e-5)
+
+
+def test_more_ramps_tighten_every_sigma(three):
+    one, two, all_three = (sigmas(identify_once(CAR, three[:n])) for n in (1, 2, 3))
+    assert np.all(two < one)
+    assert np.all(all_three < two)
+    # noise and model error are independent between blocks: 1/sqrt(3), less what the prior held
+    assert np.all(all_three[[C, B2, B3]] < 0.75 * one[[C, B2, B3]])
+
+
+def test_each_run_has_its_own_zeros_and_level(clean):
+    other = ramp(replace(with_pads(IDEAL, 0.36, 0.36), radius_scale=(1.0, 1.002)))
+    answer = found(noisy(clean["as nominal"], 0), noisy(other, 1))
+    assert answer.eta_zero == pytest.approx((0.0, 1.0 / 1.002 - 1.0), abs=2e-4)
+    assert answer.pad_scale == pytest.approx((1.0, 0.36 / 0.38), rel=0.005)
+
+
+def test_order_of_the_runs_does_not_matter(three):
+    there, _ = identify(CAR, three)
+    back, _ = identify(CAR, three[::-1])
+    assert np.allclose(there.mean, back.mean, rtol=0.0, atol=1e-3 * sigmas(there))
+    assert np.allclose(there.covariance, back.covariance, rtol=1e-3, atol=1e-8)
+    assert there.eta_zero == pytest.approx(back.eta_zero[::-1], abs=1e-7)
+    assert there.pad_scale == pytest.approx(back.pad_scale[::-1], rel=1e-4)
+
+
+def test_huber_resists_a_burst_that_plain_squares_do_not(clean, monkeypatch):
+    log = noisy(clean["as nominal"], 1)
+    burst = 1.0 + 0.01 * ((log.time > 5.0) & (log.time < 5.3))  # 40 sigma of a block
+    hit = {f"omega_r{side}": log[f"omega_r{side}"] * burst for side in "lr"}
+    runs = [prepared(log)], [prepared(replace(log, channels={**log.channels, **hit}))]
+    before = identify_once(CAR, runs[0])
+    robust = np.abs(identify_once(CAR, runs[1]).mean - before.mean) / sigmas(before)
+    assert np.max(robust) < 1.5
+
+    real = scipy.optimize.least_squares
+
+    def plain(*arguments, **keywords):
+        return real(*arguments, **{**keywords, "loss": "linear"})
+
+    monkeypatch.setattr(scipy.optimize, "least_squares", plain)
+    squares = np.abs(identify_once(CAR, runs[1]).mean - before.mean) / sigmas(before)
+    assert np.max(squares) > 5.0 * np.max(robust)
+
+
+def test_noise_that_the_sensors_did_not_show_widens_the_sigmas(clean):
+    """Both wheels of the rear axle shaken alike: left minus right sees nothing of it."""
+    log = noisy(clean["as nominal"], 0)
+    rough = (
+        1.0
+        + 1e-3
+        * np.repeat(np.random.default_rng(5).standard_normal(log.time.size // 100 + 1), 100)[
+            : log.time.size
+        ]
+    )
+    shaken = {f"omega_r{side}": log[f"omega_r{side}"] * rough for side in "lr"}
+    answer, louder = identify(CAR, [prepared(replace(log, channels={**log.channels, **shaken}))])
+    assert louder[0].noise.omega > 2.0 * prepared(log).noise.omega
+    assert abs(answer.mean[C] - math.log(1 / 25)) < 3.0 * sigmas(answer)[C]
+    assert sigmas(answer)[C] > 1.5 * sigmas(found(log))[C]
+
+
+def test_brake_forces_are_2_per_axle():
+    p = np.array([0.0, 50e5])
+    front, rear = brake_forces(CAR, p, p)
+    # Table I at 50 bar: two wheels, two pad faces, at the radius of the wheel
+    assert front[1] == pytest.approx(2 * 2 * 0.38 * 28.84e-4 * 0.1309 * 50e5 / 0.322)
+    assert rear[1] == pytest.approx(2 * 2 * 0.38 * 11.34e-4 * 0.1240 * 50e5 / 0.322)
+    assert front[0] == rear[0] == 0.0
+    f, r = brake_forces(CAR, p, p, math.log(1.21))
+    assert f[1] / front[1] == pytest.approx(1.1)
+    assert r[1] / rear[1] == pytest.approx(1.0 / 1.1)
+
+
+def test_mean_slip_is_weighed_by_load(clean):
+    b = blocks(signals(clean["as nominal"], CAR))
+    v = np.full(b.end.size, 20.0)
+    rolling = replace(b, v=v, omega_f=v * (1 - 0.02) / 0.322, omega_r=v * (1 - 0.01) / 0.322)
+    slip = measured_slip(CAR, np.full(v.size, 0.6 * CAR.weight), rolling)
+    assert slip == pytest.approx(np.full(v.size, 0.6 * 0.02 + 0.4 * 0.01))
+    assert measured_slip(CAR, v, replace(b, v=None)) is None
+
+
+def test_sigmas_of_a_block_without_slip_are_those_of_its_sensors(clean):
+    b = blocks(signals(clean["as nominal"], CAR))
+    noise = SensorNoise(omega=0.01, z=0.0, v=0.02, omega_white=0.0)
+    still = np.zeros(b.end.size)
+    # a mean over T has the density over sqrt(T); eta is a ratio of two of them
+    one = 0.01 / math.sqrt(0.05) / b.omega_f
+    assert sigma_eta(noise, b, still) == pytest.approx(math.sqrt(2.0) * one)
+    v = 0.02 / math.sqrt(0.05) / b.speed
+    assert sigma_slip(noise, b, still) == pytest.approx(np.hypot(one, v))
+    assert np.all(sigma_eta(noise, b, still + 0.01) > sigma_eta(noise, b, still))
+
+
+def test_prediction_on_the_lead_in_is_the_zero(clean):
+    run = prepared(clean["as nominal"])
+    parameters = np.array([math.log(0.04), 0.0, 0.4, 0.0, 0.0, 0.0])
+    eta, slip = predict(CAR, run, parameters, 0.003, -0.002)
+    free = run.blocks.end < 1.45  # the ramp itself is not felt before it reaches the pads' bite
+    assert eta[free] == pytest.approx(1.003, abs=1e-7)
+    assert slip[free] == pytest.approx(-0.002, abs=1e-6)
+    assert np.all(np.diff(slip[(run.blocks.end > 2.0) & run.use]) > 0.0)

@@ -1,0 +1,147 @@
+"""Known effects taken out: what is left is a car without them, and its pads are the true ones.
+
+Truth is the torque and the motion of the simulation, which has its own tests against the plant, and
+a hidden case that another program drove, with its answer.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.demo.samples import sample_logs
+from calib.errors import ModelError
+from calib.fitting.fit import fit
+from calib.fitting.known_effects import remove_known_effects
+from calib.logs.read import read_log
+from calib.names import WHEELS, G
+from calib.physics import forces
+from calib.physics.effects.catalogue import CATALOGUE
+from calib.physics.effects.empirical import Empirical
+from calib.physics.vehicle import read_vehicle
+from calib.validation.validate import agreement, validate
+from tests.support.effect_runs import SEDAN, driven, wave
+
+HOT = {"f": np.linspace(80.0, 420.0, 801), "r": np.linspace(60.0, 300.0, 801)}
+
+
+def typical(name):
+    return {p.name: p.typical for p in CATALOGUE[name].card.parameters}
+
+
+def known(effects):
+    return replace(SEDAN, effects=effects)
+
+
+def axle(car, w):
+    return car.front if w[0] == "f" else car.rear
+
+
+def pressure_of(log, w):
+    return log[f"p_{w}"] if f"p_{w}" in log else log["p_mc"]
+
+
+def test_nothing_known_changes_nothing():
+    log = driven({}, wave)
+    ran = remove_known_effects(SEDAN, log)
+    assert ran.log is log
+    assert ran.vehicle == SEDAN
+    assert np.all(ran.factor_f == 1.0)
+    assert np.all(ran.factor_r == 1.0)
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_every_effect_comes_out_again(name):
+    effects = {name: typical(name)}
+    log = driven(effects, wave, temperature=HOT)
+    ran = remove_known_effects(known(effects), log)
+    for w in WHEELS:
+        wheel = axle(ran.vehicle, w)
+        torque = forces.brake_torque(wheel, wheel.pad_friction, pressure_of(ran.log, w))
+        scale = float(np.max(log.truth[f"true_Tb_{w}"]))
+        assert np.max(np.abs(torque - log.truth[f"true_Tb_{w}"])) < 2e-3 * scale
+    # the acceleration is that of the speed, whatever the sensor read
+    gained = np.cumsum(0.5 * (ran.log["a_x"][1:] + ran.log["a_x"][:-1]) * np.diff(log.time))
+    assert np.max(np.abs(gained - (log["v"][1:] - log["v"][0]))) < 5e-3
+    # and the forces balance with the car as driven
+    total = sum(log.truth[f"true_Fx_{w}"] for w in WHEELS)
+    body = ran.vehicle.weight * (-ran.log["a_x"] / G) - np.abs(total)
+    if not ran.vehicle.effects:
+        assert np.max(np.abs(body)) < 2e-3 * ran.vehicle.weight
+
+
+def test_pads_fade_and_the_factor_says_so():
+    effects = {"pad_thermal_fade": {"fade_slope": 0.001, "fade_onset": 150.0}}
+    ran = remove_known_effects(known(effects), driven(effects, wave, temperature=HOT))
+    n = ran.log.time.size
+    assert ran.factor_f == pytest.approx(1.0 - 0.001 * np.maximum(HOT["f"][:n] - 150.0, 0.0))
+
+
+@pytest.mark.parametrize("place", ["front_brakes", "rear_brakes"])
+def test_a_term_on_the_brakes_comes_out_again(place):
+    term = Empirical(place, "pressure", (0.0, 30e5, 60e5), (0.0, 0.1, -0.1))
+    log = _with_term(term)
+    ran = remove_known_effects(SEDAN, log, term)
+    for w in WHEELS:
+        wheel = axle(SEDAN, w)
+        torque = forces.brake_torque(wheel, wheel.pad_friction, pressure_of(ran.log, w))
+        assert np.max(np.abs(torque - log.truth[f"true_Tb_{w}"])) < 0.01
+
+
+def _with_term(term):
+    from calib.physics.model import default_model
+    from calib.simulation.simulate import simulate
+    from tests.support.effect_runs import TYRE, clock
+
+    model = replace(default_model(SEDAN), tyre=TYRE, empirical=term)
+    time = clock(4.0)
+    return simulate(model, time, np.array([wave(t) for t in time]), 30.0)
+
+
+def test_a_term_that_cannot_be_taken_out_is_refused():
+    term = Empirical("body", "temperature", (0.0, 100.0), (0.0, 0.1))
+    with pytest.raises(ModelError, match="over temperature"):
+        remove_known_effects(SEDAN, driven({}, wave), term)
+
+
+def test_an_effect_of_no_catalogue_is_refused():
+    with pytest.raises(ModelError, match="unknown effect"):
+        remove_known_effects(known({"magic": {}}), driven({}, wave))
+
+
+@pytest.fixture(scope="module")
+def hidden():
+    """A car whose rear line has a proportioning valve; another program drove it."""
+    folder = sample_logs() / "hidden" / "case_3"
+    vehicle = read_vehicle(folder / "vehicle.toml")
+    ramps = [read_log(folder / "calibration" / f"{n}.parquet") for n in ("ramp", "coast")]
+    stops = [read_log(p) for p in sorted((folder / "holdout").iterdir())]
+    valve = {"rear_proportioning": {"knee": 13.569300499412385e5, "knee_slope": 0.3342603554666}}
+    return vehicle, replace(vehicle, effects=valve), ramps, stops
+
+
+TRUE = {"f": 0.9089685720928812, "r": 1.0495420934603412}
+"""mu over the vehicle file's, from the answer of the case."""
+
+
+def worst(vehicle, results):
+    """Largest relative error of the pads over the stops, front and rear."""
+    return tuple(
+        max(abs(r.figures[f"pad_friction_{s}"] / (TRUE[s] * a.pad_friction) - 1.0) for r in results)
+        for s, a in (("f", vehicle.front), ("r", vehicle.rear))
+    )
+
+
+def test_pads_need_not_swallow_a_valve_that_is_known(hidden):
+    vehicle, told, ramps, stops = hidden
+    blind = validate(fit(vehicle, ramps), stops)
+    table = fit(told, ramps)
+    seen = validate(table, stops)
+    assert max(worst(vehicle, blind)) > 0.05
+    assert worst(vehicle, seen)[0] < 0.02
+    assert worst(vehicle, seen)[1] < 0.04
+    together = agreement(seen)
+    assert together is not None
+    assert together.spread_f < 0.01
+    assert table.vehicle.effects == told.effects
+    assert any("rear_proportioning" in remark for remark in table.remarks)

@@ -1,0 +1,102 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.errors import InputError
+from calib.fitting.fit import fit
+from calib.gauge.study import QUANTITIES, GaugeReading, known_limits, metrics_of, study
+from calib.validation.limits import Limit
+from tests.support.reference_car import CAR, REAL, noisy, ramp, with_pads
+
+
+def readings(cars=10, stations=2, repeats=3, sd=(1.0, 0.05, 0.05), seed=4):
+    """Made-up figures of known scatter: car, station, repeat."""
+    rng = np.random.default_rng(seed)
+    of_car, of_station = sd[0] * rng.normal(size=cars), sd[1] * rng.normal(size=stations)
+    return tuple(
+        GaugeReading(
+            f"{i}-{j}-{k}",
+            f"car {i}",
+            f"line {j}" if stations > 1 else "",
+            {"x": 5.0 + of_car[i] + of_station[j] + sd[2] * rng.normal(), "same": 2.0},
+        )
+        for i in range(cars)
+        for j in range(stations)
+        for k in range(repeats)
+    )
+
+
+def test_figures_of_a_ramp():
+    log = noisy(ramp(with_pads(REAL, 0.36, 0.36)), 1)
+    table = fit(CAR, [log])
+    found = metrics_of(table, log)
+    assert set(found) == set(QUANTITIES)
+    assert found["pad_friction_f"] == pytest.approx(0.36, rel=0.02)
+    assert found["pad_scale"] == pytest.approx(0.36 / 0.38, rel=0.02)
+    assert found["eta_zero"] == pytest.approx(1.0 / 1.0008 - 1.0, abs=1e-4)  # the plant's radii
+    assert found["slip_stiffness"] == pytest.approx(25.0, rel=0.15)
+    assert found["f1"] - found["f2"] == pytest.approx(found["difference"], rel=1e-3)  # (11), (12)
+    with pytest.raises(InputError, match="at most"):
+        metrics_of(table, log, 0.05)
+
+
+def test_a_good_gauge_and_what_does_not_scatter():
+    found = study(readings())
+    by_name = {result.name: result for result in found.results}
+    assert found.passed
+    assert by_name["x"].verdict == "good"
+    assert by_name["x"].gauge.components["car"].sd == pytest.approx(1.0, rel=0.6)
+    assert by_name["same"].verdict == "not judged"
+    assert found.cars[0] == "car 0"
+    assert found.stations == ("line 0", "line 1")
+    assert any("2 stations say little" in note for note in found.notes)
+
+
+def test_a_bad_gauge_fails():
+    found = study(readings(sd=(0.1, 0.05, 0.5)))
+    assert not found.passed
+    assert found.results[0].verdict == "bad"
+
+
+def test_limits_of_one_figure_come_before_the_common_ones():
+    strict = (Limit("grr", None, 0.3), Limit("x_grr", None, 0.001), Limit("ndc", 1.0, None))
+    assert study(readings(), strict).results[0].verdict == "bad"
+    assert study(readings(), (Limit("grr", None, 0.3),)).results[0].verdict == "good"
+    assert {"grr", "ndc", "pad_scale_grr", "f2_ndc"} < known_limits()
+
+
+def test_one_way_and_unequal_numbers_work_and_are_told():
+    alone = study(readings(stations=1))
+    assert "reproducibility" not in alone.results[0].gauge.components
+    assert any("reproducibility is not measured" in note for note in alone.notes)
+    some = readings()[:-7]
+    assert any("type I" in note for note in study(some).notes)
+    without = tuple(r for r in readings() if (r.car, r.station) != ("car 0", "line 0"))
+    assert any("1 of 20 car-station cells empty" in note for note in study(without).notes)
+
+
+def test_stations_that_share_no_car_are_told_as_such():
+    nested = tuple(replace(r, station=f"line {int(r.car[-1]) % 2}") for r in readings(6, 1, 2))
+    found = study(nested)
+    assert any("no car was on two stations" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("made", "says"),
+    [
+        (readings(cars=1), "all ramps are of one car"),
+        (readings(stations=1, repeats=1), "no car has a second ramp"),
+        (readings(cars=2, stations=2, repeats=1)[:3], "no degree of freedom left"),
+    ],
+)
+def test_a_design_that_cannot_do_is_refused(made, says):
+    with pytest.raises(InputError, match=says):
+        study(made)
+
+
+def test_a_run_given_twice_is_no_repeat():
+    made = readings()
+    twice = (replace(made[0], digest="ab"), replace(made[5], digest="ab"), *made[6:])
+    with pytest.raises(InputError, match="the same run as 0-0-0"):
+        study(twice)

@@ -1,0 +1,84 @@
+"""ASC: an end that is missing, a line that cannot be read, clocks that count otherwise."""
+
+import re
+
+import numpy as np
+import pytest
+
+from calib.errors import LogError
+from calib.logs.read import read_log
+from tests.support.recordings import write_bus, write_dbc
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("asc")
+    write_dbc(path)
+    write_bus(path / "whole.asc")
+    return path
+
+
+def read(folder, text):
+    path = folder / "other.asc"
+    path.write_text(text)
+    return read_log(path, folder / "map.toml")
+
+
+def refused(folder, text):
+    with pytest.raises(LogError) as error:
+        read(folder, text)
+    assert error.value.exit_code == 3
+    return str(error.value)
+
+
+@pytest.fixture(scope="module")
+def text(folder):
+    return (folder / "whole.asc").read_text()
+
+
+@pytest.mark.parametrize("share", [0.0005, 0.1, 0.3333, 0.5, 0.77, 0.999, 0.99999])
+def test_a_file_cut_anywhere_is_refused(folder, text, share):
+    message = refused(folder, text[: int(share * len(text))])
+    assert "cut off" in message or "the end is missing" in message or "no frames" in message
+
+
+def test_cut_at_the_end_of_a_line(folder, text):
+    lines = text.splitlines(keepends=True)
+    message = refused(folder, "".join(lines[:2005]))
+    frames = sum(bool(re.search(r" (Rx|Tx) ", line)) for line in lines[:2005])
+    assert f"{frames} frames up to" in message
+    assert "no 'End TriggerBlock'" in message
+
+
+def test_without_a_block_there_is_no_footer_and_that_is_said(folder, text):
+    lines = [x for x in text.splitlines(keepends=True) if "trigger" not in x.lower()]
+    log = read(folder, "".join(lines))
+    assert any("cannot be told from a whole one" in note for note in log.notes)
+    assert "cut off within the last line" in refused(folder, "".join(lines)[:-9])
+
+
+def test_no_frame_is_lost_to_a_short_header(folder, text):
+    """python-can takes the line after `base` for a part of the header."""
+    lines = text.splitlines(keepends=True)
+    short = [x for x in lines if not re.match("internal|Begin|End|.*Start of", x)]
+    whole, log = read(folder, text), read(folder, "".join(short))
+    np.testing.assert_array_equal(whole["omega_fl"], log["omega_fl"])
+
+
+def test_a_frame_with_too_little_data(folder, text):
+    lines = text.splitlines(keepends=True)
+    classic = next(i for i, x in enumerate(lines) if " d 8 " in x)
+    lines[classic] = lines[classic].rstrip()[:-3] + "\n"
+    assert "7 of 8 bytes" in refused(folder, "".join(lines))
+
+
+def test_a_line_that_is_damaged(folder, text):
+    lines = text.splitlines(keepends=True)
+    classic = [i for i, x in enumerate(lines) if " d 8 " in x][30]
+    lines[classic] = lines[classic][:-3] + "G\n"
+    assert "not readable after frame" in refused(folder, "".join(lines))
+
+
+def test_times_since_the_line_before(folder, text):
+    relative = text.replace("timestamps absolute", "timestamps relative")
+    assert "count from the line before" in refused(folder, relative)

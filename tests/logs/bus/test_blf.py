@@ -1,0 +1,144 @@
+"""BLF: what its header counts is there, or it is refused."""
+
+import struct
+import zlib
+from functools import cache
+
+import can
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from calib.errors import LogError
+from calib.logs.bus.blf import check_whole
+from calib.logs.read import read_log
+from tests.support.recordings import messages, ramp, write_bus, write_dbc
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A whole BLF file, `whole.blf`, and its map."""
+    path = tmp_path_factory.mktemp("blf")
+    write_dbc(path)
+    write_bus(path / "whole.blf", 1.7e9)
+    return path
+
+
+def refused(folder, data, name="cut.blf"):
+    path = folder / name
+    path.write_bytes(data)
+    with pytest.raises(LogError) as error:
+        read_log(path, folder / "map.toml")
+    assert error.value.exit_code == 3
+    return str(error.value)
+
+
+@cache
+def frames():
+    return messages(1.7e9)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@given(share=st.floats(0.0, 1.0, exclude_max=True))
+def test_a_file_cut_anywhere_is_refused(folder, share):
+    data = (folder / "whole.blf").read_bytes()
+    left = int(share * len(data))
+    message = refused(folder, data[:left])
+    if left >= 144:
+        assert f"{len(data) - left} are missing" in message
+
+
+def test_the_library_reads_half_a_file_in_silence(folder):
+    """What the gate is for; should python-can begin to say so, this test tells."""
+    write = can.BLFWriter(folder / "many.blf", max_container_size=8192)
+    with write as log:
+        for message in frames():
+            log.on_message_received(message)
+    data = (folder / "many.blf").read_bytes()
+    cut = data.index(b"LOBJ", len(data) // 2)  # where a container ends
+    (folder / "half.blf").write_bytes(data[:cut])
+    with can.BLFReader(folder / "half.blf") as reader:
+        assert 1000 < sum(1 for _ in reader) < len(frames()) - 1000
+    assert f"{len(data) - cut} are missing" in refused(folder, data[:cut])
+
+
+def test_a_header_that_was_mended_does_not_hide_lost_objects(folder):
+    data = (folder / "many.blf").read_bytes()
+    cut = data.index(b"LOBJ", len(data) // 2)
+    mended = data[:16] + struct.pack("<Q", cut) + data[24:cut]
+    message = refused(folder, mended)
+    assert f"of {len(frames())} objects are there" in message
+
+
+def test_a_recorder_that_did_not_finish(folder):
+    data = (folder / "whole.blf").read_bytes()
+    assert "did not finish" in refused(folder, data[:16] + bytes(20) + data[36:])
+
+
+def test_a_container_that_cannot_be_unpacked(folder):
+    data = bytearray((folder / "whole.blf").read_bytes())
+    for place in range(300, 340):
+        data[place] ^= 0xFF
+    assert "unpacked" in refused(folder, bytes(data)) or "objects are there" in refused(
+        folder, bytes(data)
+    )
+
+
+@pytest.mark.parametrize("data", [b"", b"LOGG", b"time [s],p_mc [bar]\n" * 20])
+def test_what_is_no_blf(folder, data):
+    assert "not a BLF file" in refused(folder, data)
+
+
+def test_other_objects_are_counted_but_are_no_frames(folder):
+    """A marker, an error frame and a remote frame between the frames."""
+    path = folder / "more.blf"
+    with can.BLFWriter(path) as log:
+        for number, message in enumerate(frames()):
+            log.on_message_received(message)
+            if number == 100:
+                log.log_event("brakes on", message.timestamp)
+                log.on_message_received(
+                    can.Message(timestamp=message.timestamp, is_error_frame=True)
+                )
+                log.on_message_received(
+                    can.Message(
+                        timestamp=message.timestamp,
+                        arbitration_id=256,
+                        is_extended_id=False,
+                        is_remote_frame=True,
+                    )
+                )
+    objects = check_whole(path)
+    assert (objects.all, objects.frames) == (len(frames()) + 3, len(frames()) + 2)
+    log = read_log(path, folder / "map.toml")
+    assert "1 error frames were passed over" in log.notes
+    whole = read_log(folder / "whole.blf", folder / "map.toml")
+    np.testing.assert_array_equal(log["omega_fl"], whole["omega_fl"])
+
+
+def test_a_clock_of_32_bits_that_wraps(folder):
+    """A recorder that counts microseconds in 32 bits and begins 3 s before they are full.
+
+    One container is taken apart and put together anew; the time lies 24 bytes into an object.
+    """
+    with can.BLFWriter(folder / "one.blf", max_container_size=10**7) as log:
+        for message in frames():
+            log.on_message_received(message)
+    data = (folder / "one.blf").read_bytes()
+    objects, place = bytearray(zlib.decompress(data[144 + 32 :])), 0
+    while (place := objects.find(b"LOBJ", place)) >= 0:
+        (time,) = struct.unpack_from("<Q", objects, place + 24)
+        counted = (time // 1000 + 2**32 - 3_000_000) % 2**32
+        struct.pack_into("<Q", objects, place + 24, counted * 1000)
+        place += 32
+    packed = zlib.compress(objects)
+    container = data[144:152] + struct.pack("<L", 32 + len(packed)) + data[156:176] + packed
+    container += bytes(len(container) % 4)
+    size = struct.pack("<Q", 144 + len(container))
+    (folder / "wrapped.blf").write_bytes(data[:16] + size + data[24:144] + container)
+    log = read_log(folder / "wrapped.blf", folder / "map.toml")
+    whole = read_log(folder / "whole.blf", folder / "map.toml")
+    assert any("32 bits of microseconds" in note for note in log.notes)
+    np.testing.assert_allclose(log.time, whole.time, atol=2e-6)
+    assert log.time[-1] == pytest.approx(ramp().time[-1], abs=0.02)

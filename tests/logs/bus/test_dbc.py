@@ -1,0 +1,104 @@
+"""Signals of a DBC: what cantools decodes frame by frame, and what is no measurement."""
+
+import cantools
+import numpy as np
+import pytest
+
+from calib.errors import ChannelMapError
+from calib.logs.bus.dbc import decode, read_dbc
+from calib.logs.bus.frames import frames_of
+from tests.support.recordings import DBC
+
+MUX = """VERSION ""
+NS_ :
+BS_:
+BU_: A
+BO_ 1 M: 8 A
+ SG_ Top M : 7|2@0+ (1,0) [0|3] "" A
+ SG_ Low m1M : 5|2@0+ (1,0) [0|3] "" A
+ SG_ Deep m2 : 15|12@0- (0.5,3) [0|0] "bar" A
+ SG_ Flat m3 : 16|12@1- (0.25,-1) [0|0] "bar" A
+ SG_ Gear : 56|3@1+ (1,0) [0|7] "" A
+ SG_ Speed : 32|8@1+ (0.5,0) [0|127] "km/h" A
+SG_MUL_VAL_ 1 Low Top 1-1;
+SG_MUL_VAL_ 1 Deep Low 2-2;
+SG_MUL_VAL_ 1 Flat Top 3-3;
+VAL_ 1 Gear 0 "N" 1 "1" 2 "2" 3 "3" 4 "4" 5 "5" 6 "6" 7 "R" ;
+VAL_ 1 Speed 255 "SNA" ;
+"""
+
+
+def known(tmp_path, text, name="a.dbc"):
+    path = tmp_path / name
+    path.write_text(text)
+    return read_dbc([path], "can", "run.blf")
+
+
+def decoded(dbc, name, data):
+    message = dbc.messages[1, False]
+    frames = frames_of("0", (1, False), np.arange(float(len(data))), data)
+    return decode(frames, message, message.get_signal_by_name(name))
+
+
+@pytest.fixture
+def rows():
+    rng = np.random.default_rng(3)
+    return [bytes(row) for row in rng.integers(0, 255, (600, 8), np.uint8) if selects(row[0])]
+
+
+def selects(byte):
+    """Whether the multiplexers of a frame have a value that the DBC knows."""
+    top, low = byte >> 6, byte >> 4 & 3
+    return top == 3 or (top, low) == (1, 2)
+
+
+@pytest.mark.parametrize("name", ["Top", "Low", "Deep", "Flat", "Gear", "Speed"])
+def test_nested_multiplexers_are_those_of_cantools(tmp_path, rows, name):
+    theirs = cantools.database.load_string(MUX, "dbc").get_message_by_name("M")
+    expected = []
+    for time, row in enumerate(rows):
+        signals = theirs.decode(row, decode_choices=False, allow_truncated=True)
+        if name in signals and not (name == "Speed" and row[4] == 255):
+            expected.append((time, signals[name]))
+    found = decoded(known(tmp_path, MUX), name, rows)
+    there = ~np.isnan(found.values)
+    assert len(expected) > 5
+    np.testing.assert_array_equal(found.time[there], [t for t, _ in expected])
+    np.testing.assert_allclose(found.values[there], [x for _, x in expected], rtol=1e-15)
+
+
+def test_what_has_a_name_for_every_value_is_a_state(tmp_path, rows):
+    dbc = known(tmp_path, MUX)
+    assert decoded(dbc, "Gear", rows).state
+    assert not decoded(dbc, "Speed", rows).state
+    assert not decoded(dbc, "Deep", rows).state
+
+
+def test_a_value_that_is_named_as_none_is_none(tmp_path):
+    found = decoded(known(tmp_path, MUX), "Speed", [bytes([0, 0, 0, 0, 254, 0, 0, 0]), b"\xff" * 8])
+    np.testing.assert_array_equal(found.values, [127.0, np.nan])
+
+
+def test_a_signal_behind_the_end_of_a_short_frame_is_not_there(tmp_path):
+    found = decoded(known(tmp_path, MUX), "Speed", [bytes(8), bytes(4), bytes(5)])
+    np.testing.assert_array_equal(found.time, [0.0, 2.0])
+
+
+def test_the_files_are_named_with_their_digest(tmp_path):
+    (note,) = known(tmp_path, DBC, "chassis.dbc").notes
+    assert note.startswith("frames decoded by chassis.dbc (SHA-256 ")
+
+
+@pytest.mark.parametrize("text", ["", "BO_ 1 M: 8\n", "\0\1\2"])
+def test_what_is_no_dbc(tmp_path, text):
+    with pytest.raises(ChannelMapError, match=r"no DBC|no messages"):
+        known(tmp_path, text)
+
+
+def test_two_that_describe_one_frame(tmp_path):
+    for name in ("a.dbc", "b.dbc"):
+        (tmp_path / name).write_text(MUX)
+    with pytest.raises(ChannelMapError, match="M has the identifier 0x1 of M"):
+        read_dbc([tmp_path / "a.dbc", tmp_path / "b.dbc"], "can", "run.blf")
+    with pytest.raises(ChannelMapError, match="no such file"):
+        read_dbc([tmp_path / "c.dbc"], "can", "run.blf")

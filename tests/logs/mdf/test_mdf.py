@@ -1,0 +1,204 @@
+"""MDF: units, names, states, invalid samples, and frames of a bus."""
+
+from pathlib import Path
+
+import asammdf
+import numpy as np
+import pytest
+from asammdf.blocks.conversion_utils import from_dict
+
+from calib.errors import ChannelMapError, LogError
+from calib.logs.mdf.mdf import open_mdf
+from calib.logs.read import read_log
+from calib.names import G
+from tests.support.recordings import write_bus, write_dbc, write_map, write_mdf
+
+TIME = np.arange(200) * 0.01
+REQUIRED = ("p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr")
+UNITS = dict(zip(REQUIRED, ["bar", "m/s^2", *["rad/s"] * 4], strict=True))
+
+
+def signal(name, unit=None, samples=None, **more):
+    samples = np.linspace(1.0, 2.0, TIME.size) if samples is None else samples
+    unit = UNITS[name] if unit is None else unit
+    return asammdf.Signal(samples, TIME, name=name, unit=unit, **more)
+
+
+def write(path: Path, *groups, version="4.10", names=()):
+    with asammdf.MDF(version=version) as mdf:
+        for number, group in enumerate(groups):
+            mdf.append(list(group), acq_name=names[number] if names else None)
+        return mdf.save(path, overwrite=True)
+
+
+def others(*names):
+    """The required channels but for ``names``."""
+    return [signal(name) for name in REQUIRED if name not in names]
+
+
+@pytest.mark.parametrize("version", ["3.10", "3.30", "4.00", "4.10", "4.20"])
+def test_canonical_names_need_no_map(tmp_path, version):
+    path = tmp_path / ("run.mf4" if version > "4" else "run.mdf")
+    write(path, others(), version=version)
+    log = read_log(path)
+    np.testing.assert_allclose(log["p_mc"], np.linspace(1e5, 2e5, TIME.size))
+    np.testing.assert_allclose(log.time, TIME)
+    assert log.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "si"),
+    [
+        ("p_mc", "kPa", 1e3),
+        ("p_mc", "MPa", 1e6),
+        ("p_mc", "psi", 6894.757293168361),
+        ("a_x", "g", G),
+        ("a_x", "m/s²", 1.0),
+        ("omega_fl", "U/min", np.pi / 30),
+        ("omega_fl", "1/min", np.pi / 30),
+        ("omega_fl", "deg/s", np.pi / 180),
+        ("omega_fl", "°/s", np.pi / 180),
+        ("v", "km/h", 1 / 3.6),
+        ("v", "mph", 0.44704),
+    ],
+)
+@pytest.mark.parametrize("version", ["3.30", "4.10"])
+def test_units_convert_at_the_door(tmp_path, version, name, unit, si):
+    path = tmp_path / ("run.mf4" if version > "4" else "run.mdf")
+    write(path, [*others(name), signal(name, unit)], version=version)
+    np.testing.assert_allclose(read_log(path)[name], si * np.linspace(1, 2, TIME.size), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "words"),
+    [
+        ("a_x", "Nm", "a unit of torque, not of acceleration"),
+        ("p_mc", "g", "a unit of acceleration, not of pressure"),
+        ("p_mc", "", "the unit is missing"),
+    ],
+)
+def test_units_are_strict(tmp_path, name, unit, words):
+    path = write(tmp_path / "run.mf4", [*others(name), signal(name, unit)])
+    with pytest.raises(LogError, match=words):
+        read_log(path)
+
+
+def test_conversions_are_applied(tmp_path):
+    codes = np.arange(TIME.size, dtype=np.uint16)
+    p = signal("p_mc", samples=codes, conversion={"a": 0.1, "b": -2.0})
+    log = read_log(write(tmp_path / "run.mf4", [*others("p_mc"), p]))
+    np.testing.assert_allclose(log["p_mc"], (0.1 * codes - 2.0) * 1e5)
+
+
+def test_a_value_with_a_name_among_numbers_is_no_measurement(tmp_path):
+    """0.1 bar a step, but 7 is called SNA: it is bridged, and said."""
+    codes = np.arange(TIME.size, dtype=np.uint16)
+    named = {"val_0": 7, "text_0": "SNA", "default_addr": from_dict({"a": 0.1, "b": 0.0})}
+    p = signal("p_mc", samples=codes, conversion=from_dict(named))
+    log = read_log(write(tmp_path / "run.mf4", [*others("p_mc"), p]))
+    np.testing.assert_allclose(log["p_mc"], 0.1e5 * codes)
+    assert "p_mc: 1 samples are marked invalid and were left out" in log.notes
+
+
+def test_what_has_only_names_is_a_state(tmp_path):
+    names = {f"val_{i}": i for i in range(3)} | {f"text_{i}": f"gear {i}" for i in range(3)}
+    gear = signal("gear", "", (np.arange(200) // 80).astype("u1"), conversion=from_dict(names))
+    opened = open_mdf(write(tmp_path / "run.mf4", [gear, signal("p_mc")]), ())
+    gear, p = opened.read([1, 2])
+    opened.close()
+    assert (gear.state, p.state) == (True, False)
+    np.testing.assert_array_equal(gear.values, np.arange(200) // 80)
+
+
+def test_a_channel_can_be_held_by_the_map(tmp_path):
+    slow = asammdf.Signal(np.asarray([1.0, 2.0, 3.0]), np.asarray([0.0, 1.0, 1.99]), name="steer",
+                          unit="deg")  # fmt: skip
+    path = write(tmp_path / "run.mf4", others(), [slow])
+    chart = tmp_path / "map.toml"
+    chart.write_text('schema = 1\n[channels.steering]\nsource = "steer"\nmethod = "hold"\n')
+    log = read_log(path, chart)
+    expected = np.where(log.time < 1.0, 1.0, np.where(log.time < 1.99, 2.0, 3.0))
+    np.testing.assert_allclose(np.rad2deg(log["steering"]), expected)
+    assert any("held" in note for note in log.notes)
+    chart.write_text('schema = 1\n[channels.steering]\nsource = "steer"\nmethod = "spline"\n')
+    with pytest.raises(ChannelMapError, match="method 'spline'; expected one of linear, hold"):
+        read_log(path, chart)
+
+
+def test_invalid_samples_are_left_out(tmp_path):
+    bad = np.arange(TIME.size) % 10 == 5
+    samples = np.where(bad, 1e9, np.linspace(1, 2, TIME.size))
+    p = signal("p_mc", samples=samples, invalidation_bits=bad)
+    log = read_log(write(tmp_path / "run.mf4", [*others("p_mc"), p]))
+    np.testing.assert_allclose(log["p_mc"], np.linspace(1e5, 2e5, TIME.size))
+    assert "p_mc: 20 samples are marked invalid and were left out" in log.notes
+
+
+def test_a_name_in_two_groups_must_be_chosen(tmp_path):
+    groups = (others(), [signal("p_mc", samples=np.full(TIME.size, 9.0))])
+    path = write(tmp_path / "run.mf4", *groups, names=("ESP", "bench"))
+    with pytest.raises(LogError, match=r"in a channel map: 'ESP\.p_mc', 'bench\.p_mc'"):
+        read_log(path)
+    chart = tmp_path / "map.toml"
+    chart.write_text('schema = 1\n[channels.p_mc]\nsource = "bench.p_mc"\n')
+    assert read_log(path, chart)["p_mc"][0] == 9e5
+
+
+def test_the_clock_cannot_be_mapped(tmp_path):
+    path = write(tmp_path / "run.mf4", [*others(), signal("Zeit", "s")])
+    chart = tmp_path / "map.toml"
+    chart.write_text('schema = 1\n[channels.time]\nsource = "Zeit"\n')
+    with pytest.raises(ChannelMapError, match="time is mapped to 'Zeit'"):
+        read_log(path, chart)
+
+
+def test_text_is_no_channel(tmp_path):
+    text = signal("v", "m/s", np.asarray([b"fast"] * TIME.size), encoding="utf-8")
+    with pytest.raises(LogError, match="v: holds"):
+        read_log(write(tmp_path / "run.mf4", [*others(), text]))
+
+
+def test_nothing_that_is_known(tmp_path):
+    path = write(tmp_path / "run.mf4", [signal("Druck", "bar")])
+    with pytest.raises(LogError, match="it has 'Druck'"):
+        read_log(path, require=())
+
+
+def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):
+    """Its own extraction, with canmatrix instead of cantools."""
+    path, chart = write_bus(tmp_path / "bus.mf4"), write_dbc(tmp_path)
+    opened = open_mdf(path, (tmp_path / "chassis.dbc",))
+    names = ["WhlFL", "WhlRR", "PMc", "Ax", "VRef"]
+    index = [[c.name for c in opened.columns].index(name) for name in names]
+    ours = opened.read(index)
+    opened.close()
+    dbc = {"CAN": [(tmp_path / "chassis.dbc", 0)]}
+    with asammdf.MDF(path) as mdf, mdf.extract_bus_logging(dbc) as out:
+        for name, trace in zip(names, ours, strict=True):
+            theirs = out.get(name)
+            np.testing.assert_allclose(trace.values, theirs.samples, rtol=1e-12, atol=1e-9)
+            np.testing.assert_array_equal(trace.time, theirs.timestamps)
+    assert read_log(path, chart).time.size > 1700
+
+
+def test_frames_without_a_dbc_are_left_and_that_is_said(tmp_path):
+    path = write_bus(tmp_path / "bus.mf4")
+    with pytest.raises(LogError, match=r"expected a DBC that says what is in them"):
+        read_log(path, write_map(tmp_path), require=())
+    with asammdf.MDF(path) as mdf:
+        mdf.append(others(), acq_name="ESP")
+        mdf.save(tmp_path / "both.mf4")
+    log = read_log(tmp_path / "both.mf4")
+    assert any("frames of a bus, not read without a DBC" in note for note in log.notes)
+
+
+@pytest.mark.parametrize("name", ["run.mf4", "packed.mf4", "run.mdf", "bus.mf4"])
+def test_the_file_is_free_when_it_was_read(tmp_path, name):
+    chart = write_dbc(tmp_path) if "bus" in name else write_map(tmp_path)
+    path = tmp_path / name
+    write_bus(path) if "bus" in name else write_mdf(path, "3.30" if ".mdf" in name else "4.10")
+    read_log(path, chart)
+    with pytest.raises(LogError):
+        read_log(path, None)
+    path.unlink()
+    assert sorted(p.suffix for p in tmp_path.iterdir()) in ([".toml"], [".dbc", ".toml"])

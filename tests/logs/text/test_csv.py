@@ -1,0 +1,89 @@
+"""CSV: the ways in which text can fail to be a table."""
+
+import time
+
+import numpy as np
+import pytest
+
+from calib.errors import LogError
+from calib.logs.source import Column
+from calib.logs.text.csv import open_csv
+
+HEADER = "time [s],p_mc [bar]\n"
+ROWS = "".join(f"{i / 200:.3f},{i / 10:.2f}\n" for i in range(60))
+
+
+def refusal(text, indices=(0, 1)):
+    with pytest.raises(LogError) as error:
+        open_csv(text if isinstance(text, bytes) else text.encode(), "run.csv").read(indices)
+    assert "run.csv" in str(error.value)
+    return str(error.value)
+
+
+def test_reads_the_columns_that_are_asked_for():
+    source = open_csv((HEADER + ROWS).encode(), "run.csv")
+    assert source.columns == (Column("time", "s"), Column("p_mc", "bar"))
+    (pressure,) = source.read([1])
+    np.testing.assert_array_equal(pressure, np.arange(60) / 10)
+    assert source.notes == ()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"\xef\xbb\xbf" + (HEADER + ROWS).encode(),
+        (HEADER + ROWS).replace("\n", "\r\n").encode(),
+        (HEADER + ROWS).replace(",", " , ").encode(),
+        (HEADER.replace("p_mc [bar]", '"p_mc [bar]"') + ROWS).encode(),
+    ],
+    ids=["byte order mark", "Windows lines", "spaces", "quotes"],
+)
+def test_harmless_variants(data):
+    source = open_csv(data, "run.csv")
+    assert source.columns == (Column("time", "s"), Column("p_mc", "bar"))
+    np.testing.assert_array_equal(source.read([1])[0], np.arange(60) / 10)
+
+
+def test_header_in_an_old_encoding():
+    text = "time [s],T_disc_f [°C]\n" + ROWS
+    assert open_csv(text.encode("latin-1"), "run.csv").columns[1] == Column("T_disc_f", "°C")
+
+
+def test_not_text():
+    assert "not text" in refusal(b"MDF     \0\0\0\0")
+
+
+def test_cell_that_is_no_number():
+    message = refusal(HEADER + ROWS.replace("0.015,0.30", "0.015,open"))
+    assert "p_mc: row 4: 'open' is not a number" in message
+
+
+def test_foreign_text_column_does_not_matter():
+    source = open_csv((HEADER + ROWS.replace("0.30", "open")).encode(), "run.csv")
+    assert source.read([0])[0].size == 60
+
+
+def test_uneven_row():
+    assert "row 4 has 3 cells" in refusal(HEADER + ROWS.replace("0.015,", "0.015,7,"))
+
+
+@pytest.mark.parametrize("cut", [1, 2, 3, 4, 6, 9])
+def test_every_cut_within_the_last_line_is_seen(cut):
+    """Cutting the newline alone loses nothing; the rest is refused."""
+    whole = HEADER + ROWS
+    if cut == 1:
+        source = open_csv(whole[:-1].encode(), "run.csv")
+        assert source.read([1])[0].size == 60
+        assert "no end of line" in source.notes[0]
+    else:
+        assert "cut off" in refusal(whole[:-cut])
+
+
+def test_thousands_of_rows_take_milliseconds():
+    rng = np.random.default_rng(1)
+    body = "\n".join(",".join(f"{x:.4f}" for x in row) for row in rng.normal(size=(2000, 8)))
+    data = ("a,b,c,d,e,f,g,h\n" + body + "\n").encode()
+    open_csv(data, "run.csv").read(range(8))  # imports pyarrow
+    start = time.perf_counter()
+    open_csv(data, "run.csv").read(range(8))
+    assert time.perf_counter() - start < 0.1

@@ -1,0 +1,200 @@
+"""One run, written in every dialect, reads back as the same log; what is cut off is refused."""
+
+import gzip
+import itertools
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.errors import LogError
+from calib.logs.read import read_log
+from calib.logs.text.csv import open_csv
+from calib.logs.text.dialect import TextFormat
+from tests.support.made_runs import made_run
+
+UNITS = {"time": "s", "p_mc": "bar", "a_x": "m/s²", "v": "km/h", "T_disc_f": "°C"}
+STYLES = ("square", "round", "underscore", "row", "row in brackets")
+ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1", "cp1252")
+ENDINGS = {"m/s²": "m_s2", "°C": "degC", "km/h": "kmh", "rad/s": "rad_s"}
+FACTORS = {"p_mc": 1e-5, "v": 3.6}
+
+LOG = made_run()
+ROWS = 80
+NAMES = [
+    n for n in LOG.channels if n in (*UNITS, *(f"omega_{w}" for w in ("fl", "fr", "rl", "rr")))
+]
+TABLE = np.column_stack([np.round(LOG[n][:ROWS] * FACTORS.get(n, 1.0), 4) for n in NAMES])
+
+
+def unit(name):
+    return UNITS.get(name, "rad/s")
+
+
+def header(style):
+    if style == "square":
+        return [[f"{n} [{unit(n)}]" for n in NAMES]]
+    if style == "round":
+        return [[f"{n}({unit(n)})" for n in NAMES]]
+    if style == "underscore":
+        return [[f"{n}_{ENDINGS.get(unit(n), unit(n))}" for n in NAMES]]
+    units = [unit(n) if style == "row" else f"[{unit(n)}]" for n in NAMES]
+    return [NAMES, units]
+
+
+def text(separator, decimal, style, line_end="\n", table=TABLE):
+    """As pandas writes it, but for the header."""
+    rows = pd.DataFrame(table).to_csv(
+        sep=separator, decimal=decimal, header=False, index=False, lineterminator=line_end
+    )
+    return line_end.join(separator.join(cells) for cells in header(style)) + line_end + rows
+
+
+def expected():
+    return {n: TABLE[:, j] / FACTORS.get(n, 1.0) for j, n in enumerate(NAMES)}
+
+
+@given(
+    separator=st.sampled_from([",", ";", "\t", "|"]),
+    decimal=st.sampled_from([".", ","]),
+    style=st.sampled_from(STYLES),
+    encoding=st.sampled_from(ENCODINGS),
+    packed=st.booleans(),
+    line_end=st.sampled_from(["\n", "\r\n"]),
+)
+def test_every_dialect_reads_the_same(
+    tmp_path_factory, separator, decimal, style, encoding, packed, line_end
+):
+    data = text(separator, decimal, style, line_end).encode(encoding)
+    path = tmp_path_factory.getbasetemp() / ("run.csv.gz" if packed else "run.csv")
+    path.write_bytes(gzip.compress(data) if packed else data)
+    log = read_log(path)
+    assert log.name == "run"
+    for name, values in expected().items():
+        np.testing.assert_allclose(log[name], values, rtol=1e-14, atol=1e-12)
+    origins = {o.channel: o for o in log.origins}
+    assert origins["p_mc"].factor == pytest.approx(1e5)
+    assert origins["v"].factor == pytest.approx(1 / 3.6)
+
+
+CELL = st.one_of(
+    st.floats(-1e6, 1e6, allow_nan=False).map(lambda x: round(x, 3)), st.integers(-999, 9999)
+)
+
+
+@given(
+    rows=st.lists(st.tuples(CELL, CELL, CELL), min_size=2, max_size=12),
+    separator=st.sampled_from([",", ";", "\t"]),
+    decimal=st.sampled_from([".", ","]),
+)
+def test_any_numbers_read_right_or_are_asked_for(rows, separator, decimal):
+    """A wrong number never comes out, whatever the numbers look like."""
+    lines = [separator.join(cell(x, separator, decimal) for x in row) for row in rows]
+    data = (separator.join(["a [s]", "b [1]", "c [1]"]) + "\n" + "\n".join(lines) + "\n").encode()
+    try:
+        got = open_csv(data, "run.csv").read(range(3))
+    except LogError as error:
+        if "--map" not in str(error):
+            raise
+        got = open_csv(data, "run.csv", TextFormat(separator, decimal)).read(range(3))
+    np.testing.assert_allclose(np.transpose(got), np.array(rows, float), rtol=1e-15)
+
+
+def cell(number, separator, decimal):
+    written = str(number).replace(".", decimal)
+    return f'"{written}"' if separator in written else written
+
+
+@pytest.mark.parametrize(("separator", "decimal"), list(itertools.product(",;\t", ".,")))
+@pytest.mark.parametrize("cut", range(2, 12))
+def test_every_cut_within_the_last_line_is_refused(separator, decimal, cut):
+    table = np.column_stack([np.arange(60) / 200, np.arange(60) / 8 + 0.0625, np.arange(60) + 0.25])
+    rows = "".join(
+        separator.join(cell(f"{x:.4f}", separator, decimal) for x in row) + "\n" for row in table
+    )
+    head = separator.join(["time [s]", "p_mc [bar]", "v [m/s]"]) + "\n"
+    whole = head + rows
+    assert open_csv(whole.encode(), "run.csv").read([0])[0].size == 60
+    with pytest.raises(LogError, match="last line is cut off"):
+        open_csv(whole[:-cut].encode(), "run.csv")
+
+
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.5, 0.9, 0.999])
+def test_a_cut_gzip_file_is_refused(share):
+    data = gzip.compress(text(",", ".", "square").encode())
+    with pytest.raises(LogError, match="gzip file is cut off"):
+        open_csv(data[: max(12, math.floor(share * len(data)))], "run.csv.gz")
+
+
+def test_a_damaged_gzip_file_is_refused():
+    data = bytearray(gzip.compress(text(",", ".", "square").encode()))
+    data[-6] ^= 1  # its check sum
+    with pytest.raises(LogError, match="damaged"):
+        open_csv(bytes(data), "run.csv.gz")
+
+
+def test_not_gzip_in_spite_of_its_ending_is_read_as_what_it_is(tmp_path):
+    path = tmp_path / "run.csv.gz"
+    path.write_bytes(text(",", ".", "square").encode())
+    assert read_log(path).name == "run"
+
+
+def test_half_a_character_of_utf16_is_refused():
+    data = text(";", ",", "square").encode("utf-16")
+    with pytest.raises(LogError, match="cut off"):
+        open_csv(data[:-1], "run.csv")
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_thousands_or_decimals_is_asked(separator):
+    data = separator.join(["a [s]", "b [1]"]) + "\n"
+    data += "".join(f"{i}{separator}{i % 9 + 1},{100 + i}\n" for i in range(60))
+    with pytest.raises(LogError, match=r"decimal mark is not certain: '1,\d+'.*--map"):
+        open_csv(data.encode(), "run.csv")
+    told = open_csv(data.encode(), "run.csv", TextFormat(decimal=","))
+    assert told.read([1])[0][0] == 1.1
+
+
+def test_two_marks_are_asked():
+    rows = "".join(f"{i};0,5;0.25\n" for i in range(60))
+    with pytest.raises(LogError, match=r"'0\.25', '0,5'"):
+        open_csv(("a [s];b [1];c [1]\n" + rows).encode(), "run.csv")
+
+
+def test_two_separators_are_asked():
+    rows = "".join(f"{i},{i};{i},{i}\n" for i in range(60))
+    data = ("Zeit, s;Druck, bar\n" + rows).encode()
+    with pytest.raises(LogError, match=r"may be separated by comma .* or semicolon"):
+        open_csv(data, "run.csv")
+    assert open_csv(data, "run.csv", TextFormat(separator=";")).read([1])[0][3] == 3.3
+
+
+def test_decimal_commas_between_commas_are_refused():
+    rows = "".join(f"0,{i:03d},1,5\n" for i in range(60))
+    with pytest.raises(LogError, match=r"comma: 2 names over rows of 4 cells"):
+        open_csv(("time [s],p_mc [bar]\n" + rows).encode(), "run.csv")
+
+
+def test_spreadsheet_line_tells_the_separator():
+    data = "sep=;\n" + text(";", ",", "square")
+    assert len(open_csv(data.encode(), "run.csv").columns) == len(NAMES)
+
+
+def test_a_header_in_latin_1_is_noted():
+    source = open_csv(text(";", ",", "row").encode("latin-1"), "run.csv")
+    assert "Latin-1" in source.notes[0]
+    assert source.columns[NAMES.index("a_x")].unit == "m/s²"
+
+
+def test_header_and_row_of_units_contradict_each_other():
+    data = "time [s];p_mc [bar]\ns;kPa\n" + "".join(f"{i};{i}\n" for i in range(60))
+    with pytest.raises(LogError, match="two units: 'bar' and, in the row below, 'kPa'"):
+        open_csv(data.encode(), "run.csv")
+
+
+def test_rows_of_units_without_numbers_below():
+    with pytest.raises(LogError, match="no samples"):
+        open_csv(b"time;p_mc\ns;bar\n", "run.csv")

@@ -1,0 +1,150 @@
+"""Racelogic VBO: written here after the maker's description, read back."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.errors import LogError
+from calib.logs.read import read_log
+from calib.logs.source import Column
+from calib.logs.text.vbo import open_vbo
+
+HEAD = """File created on 31/07/2006 at 09:55:20
+
+[header]
+satellites
+time
+latitude
+longitude
+velocity kmh
+heading
+height
+vertical velocity m/s
+Brake Pressure
+p_rear
+yaw
+
+[channel units]
+bar
+kPa
+
+[comments]
+(c) a logger
+Log Rate (Hz) : 100.00
+
+[column names]
+sats time lat long velocity heading height vert-vel Brake_Pressure p_rear yaw
+
+[data]
+"""
+START = 16 * 3600 + 22 * 60 + 35.4
+
+
+def clock(seconds):
+    seconds = round(seconds % 86400, 2)
+    whole = int(seconds)
+    return f"{whole // 3600:02d}{whole // 60 % 60:02d}{seconds - whole // 60 * 60:05.2f}"
+
+
+def row(i, start=START, blank=" "):
+    cells = [
+        *("137", clock(start + i / 100), "+03119.09973", "+00058.49277", f"{36 + i / 10:07.3f}"),
+        *("321.85", "+00152.58", "+000.000", f"{i * 1.25:+.6E}", f"{i * 2:+.6E}", "-1.0E+00"),
+    ]
+    return blank.join(cells)
+
+
+def vbo(start=START, rows=60, end="\r\n", blank=" ", tail=""):
+    body = "".join(row(i, start, blank) + tail + end for i in range(rows))
+    return (HEAD.replace("\n", end) + body).encode()
+
+
+def refusal(data):
+    with pytest.raises(LogError) as error:
+        open_vbo(data, "run.vbo").read(range(5))
+    assert "run.vbo" in str(error.value)
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        vbo(),
+        vbo(end="\n"),
+        vbo(blank="  "),
+        vbo(blank="\t"),
+        vbo(tail=" "),
+        vbo().replace(b"(c)", b"\xa9"),
+        b"\xef\xbb\xbf" + vbo(),
+    ],
+    ids=["Windows", "Unix", "two blanks", "tabs", "blank at the end", "Latin-1", "UTF-8 mark"],
+)
+def test_names_units_and_values(data):
+    source = open_vbo(data, "run.vbo")
+    named = {c.name: c for c in source.columns}
+    assert named["time"].unit == "s"
+    assert named["v"] == Column("v", "kmh", "velocity")
+    assert named["vertical velocity"].unit == "m/s"
+    assert named["Brake Pressure"] == Column("Brake Pressure", "bar", "Brake_Pressure")
+    assert named["p_rear"].unit == "kPa"
+    assert named["yaw"].unit is None
+    index = [c.name for c in source.columns].index
+    time, v, p = source.read([index("time"), index("v"), index("Brake Pressure")])
+    np.testing.assert_allclose(time, START + np.arange(60) / 100, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(v, 36 + np.arange(60) / 10)
+    np.testing.assert_allclose(p, np.arange(60) * 1.25)
+
+
+@given(start=st.integers(0, 8639999))
+def test_time_of_day_runs_on_past_midnight(start):
+    start = start / 100
+    source = open_vbo(vbo(start), "run.vbo")
+    (time,) = source.read([1])
+    np.testing.assert_allclose(time, start + np.arange(60) / 100, rtol=0, atol=1e-6)
+
+
+def test_midnight_is_passed():
+    (time,) = open_vbo(vbo(86399.8), "run.vbo").read([1])
+    np.testing.assert_allclose(time, 86399.8 + np.arange(60) / 100, rtol=0, atol=1e-6)
+
+
+def test_as_a_log_through_a_map(tmp_path):
+    path = tmp_path / "stop.VBO"
+    path.write_bytes(vbo())
+    channel_map = tmp_path / "map.toml"
+    channel_map.write_text('schema = 1\n[channels.p_mc]\nsource = "Brake_Pressure"\n')
+    log = read_log(path, channel_map, require=())
+    assert log.name == "stop"
+    assert log["v"][0] == 10.0
+    assert log["p_mc"][4] == pytest.approx(5e5)
+
+
+@pytest.mark.parametrize("cut", [3, 9, 20, 60])
+def test_a_row_with_too_few_columns_was_cut_off(cut):
+    assert "last line is cut off" in refusal(vbo()[:-cut])
+
+
+def test_cut_off_in_the_header():
+    assert "no section [data]: the file is cut off?" in refusal(HEAD[:200].encode())
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (b"", "empty"),
+        (b"time [s],p_mc [bar]\n0,0\n", "not a VBO file"),
+        (HEAD.encode(), "no samples"),
+        (vbo().replace(b"p_rear yaw", b"p_rear"), "11 names in [header], 10 in [column names]"),
+        (vbo().replace(b" 162235.40 ", b" 166035.40 "), "row 1: 166035.4 is no time of day"),
+        (vbo().replace(b"[header]", b"[heading]"), "no section [header]"),
+    ],
+)
+def test_what_is_no_vbo(data, words):
+    assert words in refusal(data)
+
+
+def test_units_that_do_not_fit_the_names_are_not_taken():
+    source = open_vbo(vbo().replace(b"bar\r\n", b"bar\r\nbar\r\nbar\r\n"), "run.vbo")
+    assert {c.name: c.unit for c in source.columns}["Brake Pressure"] is None
+    assert "4 lines for 3 channels" in source.notes[0]

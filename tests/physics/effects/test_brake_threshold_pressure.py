@@ -1,0 +1,34 @@
+"""Threshold: a dead zone around nought."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.support.effect_runs import SEDAN, driven, made_trace, pressures, wave
+
+
+@given(st.floats(0.0, 10e5), st.floats(0.0, 150e5))
+def test_what_is_above_the_threshold(threshold, p):
+    trace = made_trace(1, p_mc=np.array([p]))
+    for found in pressures("brake_threshold_pressure", trace, threshold=threshold):
+        assert found == pytest.approx([max(p - threshold, 0.0)], abs=1e-6)
+
+
+def test_noise_at_rest_stays_without_a_mean():
+    noise = np.random.default_rng(0).normal(0.0, 0.1e5, 1000)
+    trace = made_trace(1000, p_mc=np.concatenate([noise[:500], -noise[:500]]))
+    for threshold in (0.0, 0.05e5, 2e5):
+        front, _ = pressures("brake_threshold_pressure", trace, threshold=threshold)
+        assert np.mean(front) == pytest.approx(0.0, abs=1e-9)
+    assert np.all(front == 0.0)
+
+
+def test_the_same_torque_is_missing_at_every_pressure():
+    log = driven({"brake_threshold_pressure": {"threshold": 2e5}}, wave)
+    biting = log["p_mc"] > 2e5
+    gain = SEDAN.rear.pad_friction * SEDAN.rear.torque_gain
+    missing = gain * log["p_mc"] - log.truth["true_Tb_rl"]
+    assert missing[biting] == pytest.approx(gain * 2e5)
+    assert np.all(log.truth["true_Tb_rl"][~biting] == 0.0)
+    assert np.count_nonzero(~biting) > 20

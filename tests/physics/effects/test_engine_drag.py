@@ -1,0 +1,27 @@
+"""Engine drag against Newton's law for the whole car."""
+
+import numpy as np
+import pytest
+
+from calib.physics.effects.effect import Motion
+from calib.physics.effects.engine_drag import EFFECT
+from tests.support.effect_runs import SEDAN, driven, without_inertia
+
+
+def test_the_front_axle_has_all_of_it():
+    motion = Motion(np.array([5.0, 40.0]), np.full(2, 1e4), np.full(2, 7e3))
+    front, rear = EFFECT.axle_moment(SEDAN, {"drag_torque": 120.0}, motion)
+    assert np.array_equal(front, [120.0, 120.0])
+    assert np.array_equal(rear, [0.0, 0.0])
+
+
+@pytest.mark.parametrize("torque", [180.0, -60.0])
+def test_coasting_in_gear(torque):
+    log = driven(
+        {"engine_drag": {"drag_torque": torque}}, lambda t: 0.0, car=without_inertia(SEDAN)
+    )
+    force = torque / SEDAN.front.rolling_radius
+    assert log["a_x"] == pytest.approx(-force / SEDAN.mass)
+    assert log.truth["true_Fx_fl"] + log.truth["true_Fx_fr"] == pytest.approx(force)
+    assert log.truth["true_Fx_rl"] == pytest.approx(0.0, abs=1e-6)
+    assert np.all(log.truth["true_Tb_fl"] == 0.0)

@@ -1,0 +1,60 @@
+"""Pitch: a mode with the frequency, damping and gradient that it was given; the plant's mode."""
+
+import numpy as np
+import pytest
+
+from calib.names import G
+from calib.physics.effects.pitch_coupling import EFFECT
+from tests.support.effect_runs import SEDAN, apart, driven, made_trace, on_the_plant
+
+PITCH = {
+    "elastic_share": 1.0,
+    "natural_frequency": 2.0 * np.pi * 1.5,
+    "damping": 0.25,
+    "pitch_gradient": 0.03,
+}
+
+
+def step(t):
+    return min(max(t - 1.0, 0.0) * 250e5, 25e5)
+
+
+def test_a_step_overshoots_as_the_damping_says():
+    """Step of z: overshoot exp(-pi D/sqrt(1 - D^2)) after half a damped period."""
+    time = np.arange(4000) * 1e-3
+    trace = made_trace(4000, time=time, z=np.where(time >= 0.5, 0.4, 0.0))
+    felt = EFFECT.accelerometer(SEDAN, PITCH, trace, np.zeros(4000)) / (-G * 0.03 * 0.4)
+    root = np.sqrt(1.0 - 0.25**2)
+    assert np.max(felt) == pytest.approx(1.0 + np.exp(-np.pi * 0.25 / root), abs=1e-3)
+    assert time[np.argmax(felt)] - 0.5 == pytest.approx(0.5 / (1.5 * root), abs=2e-3)
+
+
+def test_held_it_is_gravity_on_a_pitched_sensor_and_no_load_is_late():
+    trace = made_trace(2000, z=np.full(2000, 0.5))
+    a_x = EFFECT.accelerometer(SEDAN, PITCH, trace, np.full(2000, -0.5 * G))
+    assert a_x == pytest.approx(-0.5 * G * 1.03)  # nose down: reads more deceleration
+    assert EFFECT.load_shift(SEDAN, PITCH, trace) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_at_first_the_front_lacks_all_of_the_transfer_that_springs_carry():
+    trace = made_trace(3, time=np.array([0.0, 1e-6, 2e-6]), z=np.array([0.0, 0.4, 0.4]))
+    late = EFFECT.load_shift(SEDAN, {**PITCH, "elastic_share": 0.7}, trace)
+    assert late[1:] == pytest.approx(0.7 * 0.4 * SEDAN.cg_height / SEDAN.wheelbase, rel=1e-6)
+
+
+def test_follows_the_plant_with_a_pitch_mode():
+    log = driven({"pitch_coupling": PITCH}, step)
+    run = on_the_plant(step, pitch_frequency=1.5, pitch_damping=0.25)
+    assert apart(log, run, "true_Fz_fl") < 10.0
+    assert apart(driven({}, step), run, "true_Fz_fl") > 200.0
+    biting = run["time"] > 1.15  # d omega/dt is known to half a sample
+    eta = run["omega_rl"] / run["omega_fl"]
+    off = np.abs(log["omega_rl"] / log["omega_fl"] - eta)[biting]
+    assert np.max(off) < 2e-5
+    assert apart(log, run, "v") < 5e-3
+
+
+def test_the_weight_stays():
+    log = driven({"pitch_coupling": PITCH}, step)
+    total = sum(log.truth[f"true_Fz_{w}"] for w in ("fl", "fr", "rl", "rr"))
+    assert total == pytest.approx(SEDAN.weight)

@@ -1,0 +1,49 @@
+"""Rolling resistance against the weight it takes its share of."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.physics.effects.effect import Motion
+from calib.physics.effects.rolling_resistance import EFFECT
+from calib.physics.forces import axle_loads
+from tests.support.tables import VEHICLE
+
+
+def moments(vehicle, c_rr, z, v=20.0):
+    load_f, load_r = axle_loads(vehicle, np.asarray([z]))
+    return EFFECT.axle_moment(
+        vehicle, {"coefficient": c_rr}, Motion(np.asarray([v]), load_f, load_r)
+    )
+
+
+@given(st.floats(0.0, 0.05), st.floats(0.0, 1.0), st.floats(0.25, 0.4), st.floats(0.25, 0.4))
+def test_is_its_share_of_the_weight_at_the_road(c_rr, z, R_f, R_r):
+    """Whatever the load transfer and the radii, M_f/R_f + M_r/R_r = c_rr M g."""
+    vehicle = replace(
+        VEHICLE,
+        front=replace(VEHICLE.front, rolling_radius=R_f),
+        rear=replace(VEHICLE.rear, rolling_radius=R_r),
+    )
+    front, rear = moments(vehicle, c_rr, z)
+    assert front / R_f + rear / R_r == pytest.approx(c_rr * 1744.0 * 9.80665)
+
+
+def test_the_heavier_axle_has_more_of_it():
+    """Static front load 10 056.7 N, at 1 % and 0.322 m: 32.4 N m."""
+    front, rear = moments(VEHICLE, 0.01, 0.0)
+    assert front == pytest.approx(0.01 * 10056.7 * 0.322, rel=1e-4)
+    assert rear < front
+
+
+@given(st.floats(0.0, 70.0))
+def test_does_not_depend_on_speed(v):
+    assert moments(VEHICLE, 0.01, 0.3, v) == moments(VEHICLE, 0.01, 0.3)
+
+
+def test_slows_the_wheels_and_not_the_body():
+    motion = Motion(np.ones(3), np.ones(3), np.ones(3))
+    assert np.array_equal(EFFECT.body_force(VEHICLE, {"coefficient": 0.01}, motion), np.zeros(3))

@@ -1,0 +1,78 @@
+"""The tyre's closed forms against its definition."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.physics.magic_formula import MagicFormula
+
+tyres = st.builds(
+    MagicFormula,
+    stiffness=st.floats(5.0, 60.0),
+    peak=st.floats(0.1, 1.2),
+    shape=st.floats(1.1, 1.95),
+    load_exponent=st.floats(-0.5, 0.5),
+)
+loads = st.floats(0.3, 1.7)
+
+
+@given(tyres, loads, st.floats(-0.999, 0.999))
+def test_slip_and_force_are_inverse_on_the_rising_branch(tyre, load, fraction):
+    force = np.array([fraction * tyre.peak])
+    assert tyre.force(tyre.slip(force, load), load) == pytest.approx(force, rel=1e-9, abs=1e-12)
+
+
+@given(tyres, loads)
+def test_initial_slope_is_the_stiffness_softened_by_the_load(tyre, load):
+    step = 1e-7
+    measured = tyre.force(np.array([step]), load)[0] / step
+    expected = tyre.stiffness * load**-tyre.load_exponent
+    assert measured == pytest.approx(expected, rel=1e-6)
+    assert tyre.slope(np.array([0.0]), load)[0] == pytest.approx(expected, rel=1e-12)
+
+
+@given(tyres, loads, st.floats(-0.3, 0.3))
+def test_slope_is_the_derivative_of_the_force(tyre, load, slip):
+    h = 1e-6
+    low, high = tyre.force(np.array([slip - h, slip + h]), load)
+    slope = tyre.slope(np.array([slip]), load)[0]
+    assert (high - low) / (2.0 * h) == pytest.approx(slope, rel=1e-5, abs=1e-5)
+
+
+@given(tyres, loads)
+def test_no_slip_carries_more_than_the_peak(tyre, load):
+    force = tyre.force(np.linspace(-1.0, 1.0, 501), load)
+    assert np.all(np.abs(force) <= tyre.peak * (1.0 + 1e-12))
+    assert np.isnan(tyre.slip(np.array([1.001 * tyre.peak]), load)[0])
+    assert np.isnan(tyre.slip(np.array([-1.001 * tyre.peak]), load)[0])
+
+
+@given(tyres, loads)
+def test_the_peak_is_where_the_slope_vanishes(tyre, load):
+    peak = tyre.slip_at(1.0, load)
+    assert tyre.force(peak, load) == pytest.approx(tyre.peak, rel=1e-12)
+    assert abs(tyre.slope(peak, load)) < 1e-9 * tyre.stiffness
+
+
+def test_a_far_peak_leaves_a_straight_line():
+    """mu -> infinity at constant K: F -> K lambda."""
+    slip = np.linspace(-0.02, 0.02, 9)
+    assert MagicFormula(25.0, 1e5).force(slip) == pytest.approx(25.0 * slip, rel=1e-9)
+
+
+def test_force_at_a_slip_worked_by_hand():
+    """K = 33, mu = 1, C = 1.65 give B = 20; at lambda = 0.05, B lambda = 1 and atan is pi/4."""
+    tyre = MagicFormula(33.0, 1.0, 1.65)
+    assert tyre.force(np.array([0.05]))[0] == pytest.approx(math.sin(1.65 * math.pi / 4.0))
+
+
+def test_surface_factors_may_vary_along_the_run():
+    factors = np.array([1.0, 0.5])
+    tyre = MagicFormula(25.0, 0.9).on_surface(factors, factors)
+    assert tyre.slip_at(1.0).shape == (2,)
+    assert tyre.force(np.array([0.01, 0.01]))[1] == pytest.approx(
+        MagicFormula(12.5, 0.45).force(np.array([0.01]))[0]
+    )

@@ -1,0 +1,157 @@
+"""The model file: what it says, what it leaves out, and every slip it must not let through."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.errors import ModelError
+from calib.physics.magic_formula import MagicFormula
+from calib.physics.model import WET_ASPHALT, Model, Surface, default_model, read_model, write_model
+from calib.physics.vehicle import read_vehicle
+
+SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
+KNOWN = replace(SEDAN, effects={"rolling_resistance": {"coefficient": 0.012}})
+
+WHOLE = """
+schema = 1
+[pads]
+front = 0.30
+rear = "34 %"
+[tyre]
+stiffness = 20.0
+peak = 0.5
+shape = 1.5
+load_exponent = 0.1
+[effects.aerodynamic_drag]
+drag_area = "6600 cm^2"
+[[surfaces]]
+start = "60 m"
+stiffness = 0.8
+peak = 0.5
+[[surfaces]]
+start = "4500 ms"
+stiffness = 1.0
+peak = 1.0
+"""
+
+
+def read(tmp_path, text, vehicle=SEDAN):
+    path = tmp_path / "model.toml"
+    path.write_text(text)
+    return read_model(path, vehicle)
+
+
+def refusal(tmp_path, text):
+    with pytest.raises(ModelError) as error:
+        read(tmp_path, text)
+    assert error.value.exit_code == 3
+    return str(error.value)
+
+
+def test_reads_every_section_in_si(tmp_path):
+    model = read(tmp_path, WHOLE, KNOWN)
+    assert (model.pad_friction_f, model.pad_friction_r) == (0.30, pytest.approx(0.34))
+    assert model.tyre == MagicFormula(20.0, 0.5, 1.5, 0.1)
+    assert model.effects == {"aerodynamic_drag": {"drag_area": pytest.approx(0.66)}}
+    assert model.surfaces == (Surface(60.0, "m", 0.8, 0.5), Surface(4.5, "s", 1.0, 1.0))
+
+
+def test_what_is_left_out_is_the_default(tmp_path):
+    assert read(tmp_path, "schema = 1", KNOWN) == default_model(KNOWN)
+    model = read(tmp_path, "schema = 1\n[tyre]\npeak = 0.4\n[pads]\nrear = 0.3", KNOWN)
+    assert model.tyre == replace(WET_ASPHALT, peak=0.4)
+    assert (model.pad_friction_f, model.pad_friction_r) == (0.38, 0.3)
+
+
+def test_the_default_is_the_vehicle_as_it_is_known():
+    model = default_model(KNOWN)
+    assert (model.pad_friction_f, model.pad_friction_r) == (0.38, 0.38)
+    assert model.effects == {"rolling_resistance": {"coefficient": 0.012}}
+    with pytest.raises(ModelError, match="aerodynamic_dragg"):
+        default_model(replace(SEDAN, effects={"aerodynamic_dragg": {"drag_area": 0.6}}))
+
+
+def test_an_effects_section_is_the_whole_list(tmp_path):
+    assert read(tmp_path, "schema = 1\n[effects]", KNOWN).effects == {}
+
+
+models = st.builds(
+    Model,
+    vehicle=st.just(KNOWN),
+    pad_friction_f=st.floats(0.05, 0.9),
+    pad_friction_r=st.floats(0.05, 0.9),
+    tyre=st.builds(
+        MagicFormula,
+        stiffness=st.floats(1.0, 100.0),
+        peak=st.floats(0.05, 1.5),
+        shape=st.floats(1.05, 1.95),
+        load_exponent=st.floats(-0.9, 0.9),
+    ),
+    effects=st.fixed_dictionaries(
+        {},
+        optional={
+            "aerodynamic_drag": st.fixed_dictionaries({"drag_area": st.floats(0.0, 5.0)}),
+            "rolling_resistance": st.fixed_dictionaries({"coefficient": st.floats(0.0, 0.04)}),
+        },
+    ),
+    surfaces=st.lists(
+        st.builds(
+            Surface,
+            st.floats(0.0, 1e3),
+            st.sampled_from(["m", "s"]),
+            st.floats(0.1, 3.0),
+            st.floats(0.1, 3.0),
+        ),
+        max_size=2,
+    ).map(tuple),
+)
+
+
+@given(models)
+def test_written_and_read_back_it_is_the_same(tmp_path_factory, model):
+    path = tmp_path_factory.mktemp("model") / "model.toml"
+    write_model(model, path)
+    assert read_model(path, KNOWN) == model
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("schema = 1", "", "no schema"),
+        ("schema = 1", "schema = 2", "schema 2"),
+        ("schema = 1", "schema = ", "not TOML"),
+        ("[pads]", "[pad]", "did you mean 'pads'"),
+        ("front", "frnt", "did you mean 'front'"),
+        ("stiffness = 20.0", "stifness = 20.0", "did you mean 'stiffness'"),
+        ("aerodynamic_drag", "aero_drag", "did you mean 'aerodynamic_drag'"),
+        ("drag_area", "drag_aera", "did you mean 'drag_area'"),
+        ('drag_area = "6600 cm^2"', "", "'drag_area' is missing"),
+        ("6600 cm^2", "0.66 m", "length"),
+        ("6600 cm^2", "0.66", "no unit"),
+        ("6600 cm^2", "-1 m^2", "out of range"),
+        ("front = 0.30", "front = 30", "front: 30 is out of range"),
+        ("shape = 1.5", "shape = 2.5", "shape: 2.5 is out of range"),
+        ("peak = 0.5\nshape", "peak = true\nshape", "is not a quantity"),
+        ("60 m", "60 kg", "neither a distance nor a time"),
+        ('start = "60 m"', "", "'start' is missing"),
+    ],
+)
+def test_refuses_and_says_what_is_wrong(tmp_path, old, new, says):
+    assert old in WHOLE
+    message = refusal(tmp_path, WHOLE.replace(old, new, 1))
+    assert says in message
+    assert "model.toml" in message
+
+
+def test_refuses_what_is_no_section(tmp_path):
+    assert "double brackets" in refusal(tmp_path, "schema = 1\n[surfaces]\nstart = 1")
+    assert "not a table" in refusal(tmp_path, "schema = 1\npads = 1")
+    assert "not a table" in refusal(tmp_path, "schema = 1\neffects = 1")
+
+
+def test_refuses_a_file_that_is_not_there(tmp_path):
+    with pytest.raises(ModelError, match="no such file"):
+        read_model(tmp_path / "none.toml", SEDAN)

@@ -1,0 +1,91 @@
+import json
+from html.parser import HTMLParser
+
+import pytest
+
+from calib.fleet.outliers import spread
+from calib.fleet.results_file import open_fleet
+from calib.fleet.summary import summarise
+from calib.plots.fleet import sheet
+from calib.plots.save import render
+from calib.reports.fleet import described, document, headline, number, report_html
+from cli.console import plain
+from tests.support.fleet_results import results
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    return summarise(open_fleet(results(tmp_path_factory.mktemp("fleet") / "r.parquet")))
+
+
+class Page(HTMLParser):
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.sources, self.alts, self.text = [], [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        told = dict(attrs)
+        self.sources += [told[key] for key in ("src", "href") if key in told]
+        if tag == "img":
+            self.alts.append(told.get("alt", ""))
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def test_the_page_fetches_nothing_and_escapes_everything(found):
+    picture = render(sheet(found, found.looks[0]).overview(), ".png")
+    text = report_html(found, "<i>a & b</i>", {one.figure.name: picture for one in found.looks})
+    page = Page(text)
+    assert "b" not in page.tags
+    assert "i" not in page.tags
+    assert "script" not in page.tags
+    assert "LOG: <b>ends</b> at # s" in page.text
+    assert len(page.alts) == 3
+    assert all(page.alts)
+    assert all(source.startswith("data:") for source in page.sources)
+    assert sum(source.startswith("data:image/png;base64,") for source in page.sources) == 3
+
+
+def test_the_headline_names_what_drifts(found):
+    assert headline(found).startswith("pad_friction_f, built drift; ")
+    assert "3 logs with an error" in headline(found)
+
+
+def test_the_document_is_json_and_says_what_chance_gives(found):
+    told = json.loads(json.dumps(plain(document(found)), allow_nan=False))
+    assert told["status"] == {"passed": 397, "error": 3}
+    pads = told["figures"]["pad_friction_f"]
+    assert pads["change"]["drifts"] is True
+    assert pads["chart"]["rules"]["1"]["by_chance"] == pytest.approx(0.0027 * 397)
+    assert told["outliers_by_chance"] == pytest.approx(0.05 * len(told["outliers"]))
+    assert told["outliers"][0]["log"] == "line/car134.csv"
+
+
+def test_a_short_line_is_not_called_steady_and_has_no_counts_by_chance(tmp_path):
+    short = summarise(open_fleet(results(tmp_path / "r.parquet", 15)), ("settling",))
+    assert headline(short) == "Drift not tested; no log stands apart."
+    page = report_html(short, "t", {"settling": b""})
+    assert '<header class="unknown">' in page
+    assert "<td>not tested</td>" in page
+    told = document(short)["figures"]["settling"]
+    assert told["change"] is None
+    assert told["chart"]["rules"]["1"]["by_chance"] is None
+    assert "by chance" not in described(short, short.looks[0])
+
+
+def test_numbers_show_their_scatter():
+    import numpy as np
+
+    eta = 1.003 + 1e-5 * np.linspace(-1.0, 1.0, 21)
+    assert number(1.0030052, spread(eta)) == "1.003005"
+    assert number(0.38123, spread(np.linspace(0.3, 0.5, 9))) == "0.3812"
+
+
+def test_a_few_logs_are_not_called_steady(tmp_path):
+    few = summarise(open_fleet(results(tmp_path / "r.parquet", 3)))
+    assert headline(few) == "3 logs: too few to judge outliers or drift."
+    page = report_html(few, "t", {one.figure.name: b"" for one in few.looks})
+    assert '<header class="unknown">' in page

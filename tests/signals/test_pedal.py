@@ -1,0 +1,31 @@
+"""A pressure as the foot gave it."""
+
+import numpy as np
+import pytest
+
+from calib.signals.pedal import NOTHING, as_pressed
+
+
+def test_without_noise_nothing_changes():
+    t = np.arange(0.0, 5.0, 0.005)
+    p = 20e5 * np.clip((t - 1.0) / 0.2, 0.0, 1.0)
+    assert np.array_equal(as_pressed(p, 0.005), p)
+
+
+def test_a_held_pressure_loses_its_noise_and_a_rise_stays():
+    rng = np.random.default_rng(1)
+    t = np.arange(0.0, 5.0, 0.005)
+    clean = 20e5 * np.clip((t - 1.0) / 0.2, 0.0, 1.0)
+    seen = as_pressed(clean + rng.normal(0.0, 1e4, t.size), 0.005)
+    held = t > 1.6
+    assert np.std((seen - clean)[held]) < 0.4e4
+    rising = (t > 1.02) & (t < 1.18)
+    assert seen[rising] == pytest.approx(clean[rising], abs=5e4)
+
+
+def test_the_noise_of_a_sensor_that_reads_nothing_below_nought_is_no_brake():
+    rng = np.random.default_rng(2)
+    p = np.maximum(rng.normal(0.0, 1e4, 1000), 0.0)
+    assert np.mean(p) > 0.3e4
+    assert np.mean(p) < NOTHING
+    assert np.max(as_pressed(p, 0.005)) == 0.0

@@ -1,0 +1,81 @@
+"""Traces out of thin air, and short runs of the reference car under one effect."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from calib.physics.effects.catalogue import CATALOGUE
+from calib.physics.effects.effect import RunHistory
+from calib.physics.magic_formula import MagicFormula
+from calib.physics.model import default_model
+from calib.physics.vehicle import read_vehicle
+from calib.simulation.simulate import simulate
+from tests.support.plant import Plant, drive, magic
+
+SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
+TYRE = MagicFormula(25.0, 0.9, 1.65)
+
+
+def without_inertia(car):
+    """The car whose torques are forces at once."""
+    axles = (replace(axle, wheel_inertia=0.0) for axle in (car.front, car.rear))
+    front, rear = axles
+    return replace(car, front=front, rear=rear)
+
+
+def made_trace(n=200, **changes):
+    """A trace of n samples in which everything moves."""
+    time = np.arange(n) * 0.01
+    given = {
+        "time": time,
+        "v": 30.0 - 4.0 * time,
+        "z": 0.3 + 0.2 * np.sin(3.0 * time),
+        "p_mc": 20e5 + 15e5 * np.sin(2.0 * time),
+        "temperature_f": 100.0 + 80.0 * time,
+        "temperature_r": 60.0 + 20.0 * time,
+        "angle_f": 90.0 * time,
+        "angle_r": 91.0 * time,
+        "energy_f": 40e3 * time,
+        "energy_r": 10e3 * time,
+    }
+    return RunHistory(**{**given, **changes})
+
+
+def pressures(name, trace, **parameters):
+    """Front and rear pressure [Pa] of an effect fed with p_mc."""
+    return CATALOGUE[name].pressure(parameters, trace, trace.p_mc, trace.p_mc)
+
+
+def factors(name, trace, **parameters):
+    """Factors on the front and the rear pads [1] at p_mc."""
+    return CATALOGUE[name].friction(parameters, trace, trace.p_mc, trace.p_mc)
+
+
+def clock(duration, rate=200):
+    return np.arange(round(duration * rate) + 1) / rate
+
+
+def driven(effects, pressure=lambda t: 25e5, v0=30.0, *, duration=4.0, rate=200, car=SEDAN, **more):
+    """Simulate the car with these effects and no others."""
+    time = clock(duration, rate)
+    model = replace(default_model(car), effects=effects, tyre=TYRE)
+    return simulate(model, time, np.array([pressure(t) for t in time]), v0, **more)
+
+
+def on_the_plant(pressure=lambda t: 25e5, v0=30.0, *, duration=4.0, car=SEDAN, own=None, **plant):
+    """Drive the plant, which shares nothing with the simulation, the same way."""
+    truth = Plant(car, tyre=magic(25.0, 0.9, 1.65), **plant)
+    return drive(truth, pressure, v0, duration=duration, wheel_pressure=own)
+
+
+def apart(log, run, channel):
+    """Largest difference of a channel where both have it."""
+    n = min(log.time.size, run["time"].size)
+    mine = log.channels[channel] if channel in log.channels else log.truth[channel]
+    return float(np.max(np.abs(mine[:n] - run[channel][:n])))
+
+
+def wave(t):
+    """Pressure [Pa] that rises and falls, from nought on."""
+    return 15e5 * (1.0 - np.cos(2.5 * t))

@@ -1,0 +1,217 @@
+"""Draw a case in which something is hidden, and write it as a folder.
+
+    case = draw("single", 7)
+    case.calibration, case.holdout, case.vehicle     what the program may see
+    case.answer, case.truth                          what only a score may see
+
+The same seed gives the same case. Nothing in names, order or metadata tells what is hidden.
+"""
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.logs.log import Log
+from calib.physics.vehicle import Axle, Vehicle, write_vehicle
+from calib.simulation.sensor_noise import NoiseLevel, add_noise
+from tests.support.hidden.hydraulics import lines
+from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT, manoeuvre
+from tests.support.hidden.plant import Car, Start, drive
+from tests.support.hidden.settings import Hidden
+from tests.support.hidden.severities import CATALOGUE, OUTSIDE, SEVERITIES, hide
+from tests.support.plant import Tyre, brush, magic
+
+Array = NDArray[np.float64]
+
+KINDS = ("single", "double", "none", "outside")
+
+# As the shared logs measure: the accelerometer rides on the body, a part of its noise is slow.
+NOISE = {
+    "a_x": NoiseLevel(0.060, 0.47, 0.005),
+    "v": NoiseLevel(0.02, 0.0, 0.001),
+    "p_mc": NoiseLevel(0.15e5, 0.0, 0.1e5, 0.0),
+    **{f"omega_{w}": NoiseLevel(0.0208, 0.25, 0.005) for w in ("fl", "fr", "rl", "rr")},
+    **{f"T_disc_{s}": NoiseLevel(1.0, 0.0, 1.0) for s in "fr"},
+}
+
+BAR = 1e5
+
+
+def _car(name: str, values: str) -> Vehicle:
+    """A car from a row: kg; l_f, l_r, h, track m; R m; mu; inertia, piston cm^2, disc mm, twice."""
+    mass, l_f, l_r, h, track, radius, mu, *axles = map(float, values.split())
+    front, rear = (
+        Axle(radius, inertia, area * 1e-4, disc * 1e-3, 2, mu)
+        for inertia, area, disc in (axles[:3], axles[3:])
+    )
+    return Vehicle(name, mass, l_f, l_r, h, track, front, rear)
+
+
+CARS = (
+    _car("hatch-b", "1245 1.0200 1.5400 0.540 1.55 0.301 0.40 0.95 22.90 112.0 0.85 7.10 108.0"),
+    _car("sedan-2up", "1744 1.1556 1.6494 0.615 1.55 0.322 0.38 1.20 28.84 130.9 1.10 11.34 124.0"),
+    _car("suv-d", "2180 1.3800 1.5200 0.710 1.64 0.362 0.39 1.90 45.20 142.0 1.80 14.50 142.0"),
+)
+
+SURFACES = {"dry_asphalt": (26.2, 1.08), "wet_asphalt": (25.5, 0.86)}
+"""Stiffness per slip and peak, both over the load [1]."""
+
+
+@dataclass(frozen=True)
+class HiddenCase:
+    """One case.
+
+    Attributes
+    ----------
+    kind, effects : what is hidden; `KINDS`, names.
+    vehicle : what the program is told.
+    calibration, holdout : noisy logs.
+    hidden : all settings of the plant.
+    answer : kind, effects, car, surface, base and settings, as answer.json has them.
+    truth : by hold-out and channel, what perfect sensors of this car would have read.
+    """
+
+    kind: str
+    effects: tuple[str, ...]
+    vehicle: Vehicle
+    calibration: tuple[Log, ...]
+    holdout: tuple[Log, ...]
+    hidden: Hidden
+    answer: dict[str, object]
+    truth: dict[str, dict[str, Array]]
+
+
+def draw(
+    kind: str, seed: int, names: tuple[str, ...] = (), severity: int | None = None
+) -> HiddenCase:
+    """Draw a case; ``names`` and ``severity`` (0 to 2) are drawn unless given.
+
+    Successive seeds go round the names. Raises ValueError for an unknown kind, KeyError
+    for an unknown name.
+    """
+    rng = np.random.default_rng([seed, KINDS.index(kind)])
+    effects = names or choose(kind, seed, rng)
+    hidden = Hidden()
+    for name in effects:
+        level = int(rng.integers(SEVERITIES)) if severity is None else severity
+        hidden = hide(hidden, name, level, rng)
+    vehicle = CARS[rng.integers(len(CARS))]
+    surface = str(rng.choice(list(SURFACES)))
+    car = Car(
+        vehicle,
+        tyre(surface, rng),
+        (float(rng.uniform(0.85, 1.1)), float(rng.uniform(0.85, 1.1))),
+        float(rng.uniform(0.85, 1.15)),
+        hidden,
+    )
+    logs, truth = {}, {}
+    for name in (*CALIBRATION, *HOLDOUT):
+        clean = run(car, name, rng)
+        logs[name] = add_noise(clean, int(rng.integers(2**31)), NOISE)
+        if name in HOLDOUT:
+            truth[name] = {k: v for k, v in clean.channels.items() if k in TRUTH}
+    return HiddenCase(
+        kind,
+        tuple(effects),
+        vehicle,
+        tuple(logs[n] for n in CALIBRATION),
+        tuple(logs[n] for n in HOLDOUT),
+        hidden,
+        answer(kind, tuple(effects), car, surface),
+        truth,
+    )
+
+
+TRUTH = ("time", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v")
+
+
+def choose(kind: str, seed: int, rng: np.random.Generator) -> tuple[str, ...]:
+    """Names for a kind. Pairs leave out what is nearly a pad level even alone."""
+    catalogue, outside = list(CATALOGUE), list(OUTSIDE)
+    if kind == "single":
+        return (catalogue[seed % len(catalogue)],)
+    if kind == "outside":
+        return (outside[seed % len(outside)],)
+    if kind == "double":
+        plain = [n for n in catalogue if n not in ("mass_error", "wheel_inertia")]
+        return tuple(str(n) for n in rng.choice(plain, 2, replace=False))
+    return {"none": ()}[kind]
+
+
+def tyre(surface: str, rng: np.random.Generator) -> Tyre:
+    """The surface's tyre, its form drawn: a Magic Formula with its E term, or a brush."""
+    stiffness, peak = SURFACES[surface]
+    stiffness *= float(rng.uniform(0.97, 1.03))
+    peak *= float(rng.uniform(0.97, 1.03))
+    load = float(rng.uniform(0.0, 0.05))
+    if rng.random() < 0.2:
+        return brush(stiffness, peak * 1.25, load)
+    return magic(stiffness, peak, curvature=float(rng.uniform(-0.3, 0.2)), load_exponent=load)
+
+
+def run(car: Car, name: str, rng: np.random.Generator) -> Log:
+    """One run without noise. Wheels start anywhere in their turn."""
+    m = manoeuvre(name, car.vehicle, rng)
+    start = Start(m.v0, m.temperature, float(rng.uniform(0.0, 2.0 * np.pi)))
+    rtol = 5e-6 if car.hidden.thickness else 1e-6  # a ripple costs steps; both lie below the noise
+    channels = drive(car, lines(car.hidden, m.pressure), start, rtol=rtol)
+    return Log(name=name, source=f"{name}.csv", digest="", channels=channels)
+
+
+def answer(kind: str, effects: tuple[str, ...], car: Car, surface: str) -> dict[str, object]:
+    """What is hidden, for the score."""
+    bare = asdict(Hidden())
+    return {
+        "kind": kind,
+        "effects": list(effects),
+        "car": car.vehicle.name,
+        "surface": surface,
+        "base": {
+            "mu_scale_f": car.pad_scale[0],
+            "mu_scale_r": car.pad_scale[1],
+            "stiff_scale": car.stiffness_scale,
+        },
+        "settings": {k: v for k, v in asdict(car.hidden).items() if v != bare[k]},
+    }
+
+
+# How the logs print: name, unit, format, and the unit in SI.
+COLUMNS = (
+    ("time", "s", "%.3f", 1.0),
+    ("p_mc", "bar", "%.2f", BAR),
+    ("a_x", "m/s^2", "%.4f", 1.0),
+    *((f"omega_{w}", "rad/s", "%.4f", 1.0) for w in ("fl", "fr", "rl", "rr")),
+    ("v", "m/s", "%.3f", 1.0),
+    ("T_disc_f", "degC", "%.0f", 1.0),
+    ("T_disc_r", "degC", "%.0f", 1.0),
+)
+
+
+def write(case: HiddenCase, folder: Path) -> None:
+    """Write vehicle.toml, calibration/, holdout/, answer.json and truth/ (for scores only)."""
+    for part, logs in (("calibration", case.calibration), ("holdout", case.holdout)):
+        (folder / part).mkdir(parents=True, exist_ok=True)
+        for log in logs:
+            table(folder / part / f"{log.name}.csv", log.channels)
+    (folder / "truth").mkdir(exist_ok=True)
+    for name, channels in case.truth.items():
+        table(folder / "truth" / f"{name}.csv", channels, "%.7g")
+    write_vehicle(case.vehicle, folder / "vehicle.toml")
+    (folder / "answer.json").write_text(json.dumps(case.answer, indent=1) + "\n")
+
+
+def table(path: Path, channels: dict[str, Array], precise: str | None = None) -> None:
+    """One CSV in user units."""
+    columns = [c for c in COLUMNS if c[0] in channels]
+    header = ",".join(f"{name} [{unit}]" for name, unit, _, _ in columns)
+    np.savetxt(
+        path,
+        np.column_stack([channels[name] / scale for name, _, _, scale in columns]),
+        fmt=[precise or form for _, _, form, _ in columns],
+        delimiter=",",
+        header=header,
+        comments="",
+    )

@@ -1,0 +1,249 @@
+import ast
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from calib.logs.read import read_log
+from calib.physics.vehicle import read_vehicle
+from tests.support.hidden.cases import CARS, NOISE, TRUTH, draw, write
+from tests.support.hidden.hydraulics import lines, loop
+from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT, Manoeuvre, manoeuvre
+from tests.support.hidden.plant import AMBIENT, COOLING, Car, Start, drive
+from tests.support.hidden.score import outcome, score
+from tests.support.hidden.settings import Hidden
+from tests.support.hidden.severities import CATALOGUE, OUTSIDE, hide
+from tests.support.plant import AIR, GRAVITY, magic
+
+HERE = Path(__file__).parent
+TYRE = magic(26.0, 1.0)
+SHOWN_BY = {
+    "pad_thermal_fade": "hot",
+    "abs_modulation": "hot_stop",
+    "aerodynamic_drag": "coast",
+    "tooth_error": "coast",
+}
+
+
+@cache
+def told(name: str) -> Manoeuvre:
+    return manoeuvre(name, CARS[1], np.random.default_rng(3))
+
+
+def driven(hidden: Hidden = Hidden(), name: str = "release", **start) -> dict[str, np.ndarray]:  # noqa: B008
+    m = told(name)
+    first = replace(Start(m.v0, m.temperature), **start)
+    return drive(Car(CARS[1], TYRE, hidden=hidden), lines(hidden, m.pressure), first)
+
+
+@cache
+def bare(name: str) -> dict[str, np.ndarray]:
+    return driven(name=name)
+
+
+def test_the_plant_shares_nothing_with_the_simulation_and_the_catalogue():
+    files = [*HERE.glob("*.py"), HERE.parent / "plant.py", HERE.parent / "studies/ensemble.py"]
+    for file in files:
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom):
+                assert node.module is not None
+                assert not node.module.startswith(
+                    (
+                        "calib.physics.effects",
+                        "calib.simulation.simulate",
+                        "calib.diagnosis",
+                        "calib.physics.forces",
+                    )
+                ), f"{file.name}: {node.module}"
+
+
+def test_a_bare_car_coasts_for_ever():
+    run = bare("coast")
+    assert np.ptp(run["v"]) < 1e-6
+    assert np.abs(run["a_x"]).max() < 1e-6
+    assert run["omega_rl"] * CARS[1].rear.rolling_radius == pytest.approx(run["v"], rel=1e-6)
+
+
+def test_a_bare_car_brakes_as_newton_has_it():
+    run, car = bare("step_low"), CARS[1]
+    i = run["time"].searchsorted(3.0)
+    torque = [a.torque_gain * a.pad_friction * run["p_mc"][i] for a in (car.front, car.rear)]
+    spin = np.gradient(run["omega_fl"], run["time"])[i], np.gradient(run["omega_rl"], 0.005)[i]
+    axles = (car.front, car.rear)
+    force = sum(
+        2.0 * (t + a.wheel_inertia * w) / a.rolling_radius
+        for t, a, w in zip(torque, axles, spin, strict=True)
+    )
+    assert run["a_x"][i] == pytest.approx(-force / car.mass, rel=1e-4)
+
+
+def test_discs_warm_with_what_the_car_loses():
+    run, car = bare("step_high"), CARS[1]
+    lost = 0.5 * car.mass * (run["v"][0] ** 2 - run["v"][-1] ** 2)
+    cooled = [COOLING[k] * np.trapezoid(run[f"T_disc_{s}"] - AMBIENT, run["time"])
+              for k, s in enumerate("fr")]  # fmt: skip
+    rise = [run[f"T_disc_{s}"][-1] - run[f"T_disc_{s}"][0] for s in "fr"]
+    heat = 13.4e3 * (rise[0] + cooled[0]) + 8.1e3 * (rise[1] + cooled[1])
+    # Wheels store 2 to 3 % of it, slip takes 1 to 2 %.
+    assert heat == pytest.approx(lost, rel=0.03)
+
+
+def test_drag_slows_by_the_square_of_the_speed():
+    run, car = driven(Hidden(drag_area=0.7), "coast"), CARS[1]
+    moving = car.mass + 2.0 * sum(
+        a.wheel_inertia / a.rolling_radius**2 for a in (car.front, car.rear)
+    )
+    v0, t = run["v"][0], run["time"][-1]
+    k = 0.5 * AIR * 0.7 / moving
+    assert run["v"][-1] == pytest.approx(v0 / (1.0 + k * v0 * t), rel=1e-5)
+
+
+@pytest.mark.parametrize("felt", [True, False])
+def test_a_grade_is_felt_by_a_real_accelerometer_only_through_the_tyres(felt):
+    run, s = driven(Hidden(grade=0.02, grade_felt=felt), "coast"), np.sin(np.arctan(0.02))
+    slowing = (run["v"][0] - run["v"][-1]) / run["time"][-1]
+    assert slowing == pytest.approx(GRAVITY * s, rel=0.05)  # less what the wheels store
+    assert np.mean(run["a_x"]) == pytest.approx((GRAVITY * s if felt else 0.0) - slowing, abs=1e-3)
+
+
+def test_the_loop_has_its_width_and_closes():
+    up = np.linspace(0.0, 30e5, 3000)
+    p = np.concatenate([up, up[::-1]])
+    c = loop(p, 0.12)
+    assert c[2000] == pytest.approx(0.94 * p[2000])
+    assert c[-1501] == pytest.approx(1.06 * p[-1501])
+    assert c[-1] == 0.0
+    assert np.all(np.diff(c[:3000]) >= 0.0)
+    assert np.all(np.diff(c[3000:]) <= 0.0)
+
+
+@pytest.mark.parametrize("name", [*CATALOGUE, *OUTSIDE])
+def test_every_effect_is_seen_even_when_modest(name):
+    hidden = hide(Hidden(), name, 0, np.random.default_rng(1))
+    assert hidden != Hidden()
+    run = SHOWN_BY.get(name, "release")
+    with_it, without = driven(hidden, run), bare(run)
+    n = min(with_it["time"].size, without["time"].size)
+    seen = max(
+        np.sqrt(np.sum(((with_it[c][:n] - without[c][:n]) / NOISE[c].sd) ** 2))
+        for c in TRUTH
+        if c != "time"
+    )
+    assert seen > 10.0
+
+
+@pytest.mark.parametrize("name", [*CATALOGUE, *OUTSIDE])
+def test_a_higher_severity_is_stronger(name):
+    def change(severity: int) -> np.ndarray:
+        hidden = hide(Hidden(), name, severity, np.random.default_rng(4))
+        first = next(k for k, v in vars(hidden).items() if v != getattr(Hidden(), k))
+        field = {"rear_proportioning": "knee_slope", "pitch_coupling": "pitch_gain"}.get(
+            name, first
+        )
+        return abs(getattr(hidden, field))
+
+    falling = name in ("abs_modulation", "rear_proportioning")
+    steps = np.diff([change(severity) for severity in range(3)])
+    assert np.all(steps < 0.0 if falling else steps > 0.0)
+
+
+@pytest.fixture(scope="module")
+def case():
+    return draw("single", 0)
+
+
+def test_the_same_seed_gives_the_same_case_and_another_another(case):
+    again, other = draw("single", 0), draw("single", 1)
+    assert again.answer == case.answer
+    assert [log.digest for log in again.holdout] == [log.digest for log in case.holdout]
+    assert other.answer != case.answer
+
+
+def test_nothing_but_the_readings_tells_what_is_hidden(case):
+    other = draw("none", 5)
+    for a, b in zip(
+        case.calibration + case.holdout, other.calibration + other.holdout, strict=True
+    ):
+        assert (a.name, a.source, a.truth, list(a.channels)) == (
+            (b.name, b.source, b.truth, list(b.channels))
+        )
+    assert [log.name for log in case.calibration] == list(CALIBRATION)
+    assert [log.name for log in case.holdout] == list(HOLDOUT)
+
+
+def test_a_case_can_be_written_and_read(case, tmp_path):
+    write(case, tmp_path)
+    assert read_vehicle(tmp_path / "vehicle.toml") == case.vehicle
+    for part, logs in (("calibration", case.calibration), ("holdout", case.holdout)):
+        for log in logs:
+            read = read_log(tmp_path / part / f"{log.name}.csv")
+            assert set(read.channels) == set(log.channels)
+            for channel in log.channels:
+                scale = 1e5 if channel == "p_mc" else 1.0
+                assert read[channel] / scale == pytest.approx(log[channel] / scale, abs=6e-4)
+
+
+def test_readings_lie_about_the_truth_as_the_noise_has_it(case):
+    for log in case.holdout:
+        off = log["a_x"] - case.truth[log.name]["a_x"]
+        assert np.std(off) == pytest.approx(0.06, rel=0.15)
+        assert np.std(log["v"] - case.truth[log.name]["v"]) == pytest.approx(0.02, rel=0.1)
+
+
+def named(*names: str, verdict: str = "named", rivals: tuple[str, ...] = ()) -> dict:
+    effects = [{"name": n, "parameters": {}, "indistinguishable_from": rivals} for n in names]
+    return {"verdict": verdict, "effects": effects}
+
+
+@pytest.mark.parametrize(
+    ("told", "word"),
+    [
+        (named("aerodynamic_drag"), "exact"),
+        (named("rolling_resistance"), "wrong"),
+        (named("engine_drag", verdict="ambiguous", rivals=("aerodynamic_drag",)), "set"),
+        (named("aerodynamic_drag", verdict="ambiguous", rivals=("engine_drag",)), "set"),
+        (named("aerodynamic_drag", "engine_drag"), "set"),
+        (named(verdict="no_gap"), "no_gap"),
+        (named(verdict="unknown"), "unknown"),
+    ],
+)
+def test_outcomes_of_a_single_effect(case, told, word):
+    assert case.effects == ("aerodynamic_drag",)
+    assert outcome(case, told) == word
+
+
+def test_outcomes_of_the_other_kinds(case):
+    pair = replace(case, kind="double", effects=("aerodynamic_drag", "hydraulic_lag"))
+    assert outcome(pair, named("hydraulic_lag", "aerodynamic_drag")) == "exact"
+    assert outcome(pair, named("hydraulic_lag")) == "partial"
+    assert outcome(pair, named("hydraulic_lag", "engine_drag")) == "wrong"
+    none = replace(case, kind="none", effects=())
+    assert outcome(none, named(verdict="no_gap")) == "exact"
+    assert outcome(none, named("hydraulic_lag", verdict="ambiguous")) == "wrong"
+    assert outcome(none, named(verdict="unknown")) == "unknown"
+    outside = replace(case, kind="outside", effects=("tank_slosh",))
+    assert outcome(outside, named(verdict="unknown")) == "exact"
+    assert outcome(outside, named("aerodynamic_drag")) == "wrong"
+
+
+def test_the_gap_closed_and_the_intervals_are_those_of_the_truth(case):
+    area = case.hidden.drag_area
+    told = named("aerodynamic_drag")
+    told["effects"][0]["parameters"] = {
+        "drag_area": {"value": area, "unit": "m^2", "ci95": [area - 0.01, area + 0.01]}
+    }
+
+    def off(by: float) -> dict:
+        return {
+            stem: {k: v + (by if k != "time" else 0.0) for k, v in channels.items()}
+            for stem, channels in case.truth.items()
+        }
+
+    found = score(case, told, off(0.4), off(0.1))
+    assert found.closed == pytest.approx(0.75)
+    assert found.by_channel["a_x"] == pytest.approx(0.75)
+    assert [i.held for i in found.intervals] == [True]
+    told["effects"][0]["parameters"]["drag_area"]["ci95"] = [area + 0.01, area + 0.03]
+    assert not score(case, told).intervals[0].held

@@ -1,0 +1,245 @@
+"""A plant that shares nothing with calib/: a car with four spinning wheels, integrated stiffly.
+
+It is what the program is tried against. Own tyre curves (Magic Formula with the E term, or a
+brush), own load transfer (with the body's pitch mode if wanted), wheel speeds as states of a stiff
+integrator. Only the record of the vehicle is taken from the project. Everything is SI; the sample
+rate is that of the result, not of the integration. Deterministic and free of noise.
+
+    run = drive(Plant(vehicle), pressure=lambda t: 4e6, v0=25.0)
+    run["omega_fl"], run["true_Tb_fl"], ...
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from calib.logs.log import Log
+from calib.physics.vehicle import Vehicle
+
+GRAVITY = 9.80665
+AIR = 1.2
+
+WHEELS = ("fl", "fr", "rl", "rr")
+SIDES = (0, 0, 1, 1)
+# State: v, distance, the transferred deceleration and its rate, then omega of every wheel.
+V, X, TRANSFER, RATE, OMEGA = 0, 1, 2, 3, slice(4, 8)
+
+Pressure = Callable[[float], float]
+"""Pressure [Pa] at a time [s]."""
+
+Tyre = Callable[[float, float, float, float], float]
+"""slip, load over the static mean load, stiffness factor, peak factor -> normalised force."""
+
+
+def magic(
+    stiffness: float = 25.0,
+    peak: float = 0.9,
+    shape: float = 1.65,
+    curvature: float = 0.0,
+    load_exponent: float = 0.0,
+) -> Tyre:
+    """Pacejka's formula; ``curvature`` is E, the compliance grows with load^load_exponent."""
+
+    def force(slip: float, load: float, stiffness_factor: float, peak_factor: float) -> float:
+        mu = peak * peak_factor
+        b = stiffness * stiffness_factor / (shape * mu) * load**-load_exponent
+        x = b * slip
+        return mu * math.sin(shape * math.atan(x - curvature * (x - math.atan(x))))
+
+    return force
+
+
+def brush(stiffness: float = 25.0, peak: float = 0.9, load_exponent: float = 0.0) -> Tyre:
+    """A brush with parabolic pressure: a cubic up to full sliding, flat after it."""
+
+    def force(slip: float, load: float, stiffness_factor: float, peak_factor: float) -> float:
+        mu = peak * peak_factor
+        x = stiffness * stiffness_factor * load**-load_exponent * abs(slip) / (3.0 * mu)
+        held = mu * (1.0 - (1.0 - min(x, 1.0)) ** 3)
+        return math.copysign(held, slip)
+
+    return force
+
+
+@dataclass(frozen=True)
+class Plant:
+    """The car as it really is; what ``vehicle`` says is what the program is told.
+
+    Attributes
+    ----------
+    vehicle : nominal car.
+    tyre : see `magic` and `brush`.
+    pads : friction of the front and the rear pads [1] at a time [s]; nominal if None.
+    drag_area : c_d A [m^2].
+    rolling_resistance : c_rr [1], a moment on the wheels.
+    radius_scale : true over nominal rolling radius, front and rear [1].
+    mass_scale : true over nominal mass [1].
+    surface : stiffness and peak factors [1] of the road at a distance [m]; None if all alike.
+    pitch_frequency : eigenfrequency [Hz] of the load transfer; 0 if it follows at once.
+    pitch_damping : its damping ratio [1].
+    """
+
+    vehicle: Vehicle
+    tyre: Tyre = field(default_factory=magic)
+    pads: Callable[[float], tuple[float, float]] | None = None
+    drag_area: float = 0.0
+    rolling_resistance: float = 0.0
+    radius_scale: tuple[float, float] = (1.0, 1.0)
+    mass_scale: float = 1.0
+    surface: Callable[[float], tuple[float, float]] | None = None
+    pitch_frequency: float = 0.0
+    pitch_damping: float = 0.3
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One instant: deceleration over g and, by wheel, load, tyre force, brake torque, spin rate."""
+
+    z: float
+    load: tuple[float, ...]
+    force: tuple[float, ...]
+    torque: tuple[float, ...]
+    spin: tuple[float, ...]
+
+
+def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) -> Moment:
+    """Forces at one instant. Without a pitch mode the load transfer is solved for, not lagged."""
+    car, v = plant.vehicle, max(state[V], 0.1)
+    weight = car.mass * plant.mass_scale * GRAVITY
+    length = car.cg_to_front_axle + car.cg_to_rear_axle
+    axles = (car.front, car.rear)
+    mu = plant.pads(t) if plant.pads else (car.front.pad_friction, car.rear.pad_friction)
+    drag = 0.5 * AIR * plant.drag_area * state[V] ** 2
+    radius = [a.rolling_radius * s for a, s in zip(axles, plant.radius_scale, strict=True)]
+    slips = [1.0 - radius[i] * w / v for i, w in zip(SIDES, state[OMEGA], strict=True)]
+    road = [(1.0, 1.0), (1.0, 1.0)]
+    if plant.surface:
+        road = [plant.surface(state[X]), plant.surface(state[X] - length)]
+    z = state[TRANSFER]
+    for _ in range(1 if plant.pitch_frequency else 8):
+        half = [
+            0.5 * weight * (car.cg_to_rear_axle + z * car.cg_height) / length,
+            0.5 * weight * (car.cg_to_front_axle - z * car.cg_height) / length,
+        ]
+        forces = [
+            half[i] * plant.tyre(s, 4.0 * half[i] / weight, *road[i])
+            for i, s in zip(SIDES, slips, strict=True)
+        ]
+        last, z = z, (sum(forces) + drag) / weight
+        if abs(z - last) < 1e-13:
+            break
+    torque = [
+        mu[i] * axles[i].friction_faces * axles[i].piston_area * axles[i].effective_radius * q
+        for i, q in zip(SIDES, p, strict=True)
+    ]
+    spin = [
+        (radius[i] * (f - plant.rolling_resistance * half[i]) - b) / axles[i].wheel_inertia
+        for i, f, b in zip(SIDES, forces, torque, strict=True)
+    ]
+    return Moment(z, tuple(half[i] for i in SIDES), tuple(forces), tuple(torque), tuple(spin))
+
+
+def drive(
+    plant: Plant,
+    pressure: Pressure,
+    v0: float,
+    *,
+    duration: float = 30.0,
+    rate: float = 200.0,
+    stop_speed: float = 1.0,
+    wheel_pressure: dict[str, Pressure] | None = None,
+    rtol: float = 1e-8,
+    max_step: float = 0.05,
+) -> dict[str, np.ndarray]:
+    """Drive until ``duration`` [s] or ``stop_speed`` [m/s]; channels and truth by name, SI.
+
+    ``max_step`` [s] bounds the step, so that a short pulse of pressure is not jumped over. A wheel
+    past its peak locks, as it does on the road.
+    """
+    own = wheel_pressure or {}
+    traces = [own.get(w, pressure) for w in WHEELS]
+    omega_n = 2.0 * math.pi * plant.pitch_frequency
+
+    def derivative(t: float, state: np.ndarray) -> list[float]:
+        s = state.tolist()
+        now = instant(plant, t, s, tuple(trace(t) for trace in traces))
+        follow = omega_n**2 * (now.z - s[TRANSFER]) - 2.0 * plant.pitch_damping * omega_n * s[RATE]
+        return [-GRAVITY * now.z, s[V], s[RATE], follow, *now.spin]
+
+    def stopped(t: float, state: np.ndarray) -> float:
+        return float(state[V] - stop_speed)
+
+    stopped.terminal = True  # type: ignore[attr-defined]
+    solution = solve_ivp(
+        derivative,
+        (0.0, duration),
+        _start(plant, v0, traces),
+        method="LSODA",
+        t_eval=np.arange(round(duration * rate) + 1) / rate,
+        events=stopped,
+        rtol=rtol,
+        atol=1e-9,
+        max_step=max_step,
+    )
+    if solution.status < 0:
+        raise ArithmeticError(solution.message)
+    return _channels(plant, solution.t, solution.y, pressure, traces, own)
+
+
+def _start(plant: Plant, v0: float, traces: list[Pressure]) -> list[float]:
+    """The first state: as if the car had braked with the first pressure for ever."""
+    axles = (plant.vehicle.front, plant.vehicle.rear)
+    radius = [a.rolling_radius * s for a, s in zip(axles, plant.radius_scale, strict=True)]
+    p = tuple(trace(0.0) for trace in traces)
+    quick = replace(plant, pitch_frequency=0.0)
+
+    def frozen(t: float, omega: np.ndarray) -> list[float]:
+        now = instant(quick, 0.0, [v0, 0.0, 0.0, 0.0, *omega.tolist()], p)
+        drift = [-GRAVITY * now.z * w / v0 for w in omega.tolist()]
+        return [s - d for s, d in zip(now.spin, drift, strict=True)]
+
+    free = [v0 / radius[i] for i in SIDES]
+    settled = solve_ivp(frozen, (0.0, 0.5), free, method="LSODA", rtol=1e-9, atol=1e-10)
+    omega = settled.y[:, -1].tolist()
+    z = instant(quick, 0.0, [v0, 0.0, 0.0, 0.0, *omega], p).z
+    return [v0, 0.0, z if plant.pitch_frequency else 0.0, 0.0, *omega]
+
+
+def _channels(
+    plant: Plant,
+    time: np.ndarray,
+    states: np.ndarray,
+    pressure: Pressure,
+    traces: list[Pressure],
+    own: dict,
+) -> dict[str, np.ndarray]:
+    pressures = [tuple(trace(t) for trace in traces) for t in time.tolist()]
+    moments = [
+        instant(plant, t, s, p)
+        for t, s, p in zip(time.tolist(), states.T.tolist(), pressures, strict=True)
+    ]
+    mu = plant.pads or (
+        lambda t: (plant.vehicle.front.pad_friction, plant.vehicle.rear.pad_friction)
+    )
+    run = {"time": time, "p_mc": np.array([pressure(t) for t in time.tolist()])}
+    run |= {"a_x": np.array([-GRAVITY * m.z for m in moments]), "v": states[V]}
+    for i, w in enumerate(WHEELS):
+        run[f"omega_{w}"] = states[OMEGA][i]
+        run[f"true_Tb_{w}"] = np.array([m.torque[i] for m in moments])
+        run[f"true_Fx_{w}"] = np.array([m.force[i] for m in moments])
+        run[f"true_Fz_{w}"] = np.array([m.load[i] for m in moments])
+        if w in own:
+            run[f"p_{w}"] = np.array([p[i] for p in pressures])
+    for k, side in enumerate("fr"):
+        run[f"true_mu_pad_{side}"] = np.array([mu(t)[k] for t in time.tolist()])
+    return run
+
+
+def as_log(run: dict[str, np.ndarray], name: str = "plant") -> Log:
+    """The run as a log, truth apart from the channels."""
+    truth = {k: v for k, v in run.items() if k.startswith("true_")}
+    channels = {k: v for k, v in run.items() if k not in truth}
+    return Log(name=name, source="plant", digest="", channels=channels, truth=truth)

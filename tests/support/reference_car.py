@@ -1,0 +1,103 @@
+"""Ramps and stops of the reference car (Tables I and II) in the independent plant."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from calib.logs.log import Log
+from calib.physics.vehicle import read_vehicle
+from calib.simulation.sensor_noise import add_noise
+from tests.support.plant import Plant, as_log, drive, magic
+
+SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
+CAR = read_vehicle(SEDAN / "vehicle.toml")
+
+IDEAL = Plant(CAR, tyre=magic(25.0, 0.9))
+"""What the paper's equations describe: no drag, no rolling resistance, exact radii."""
+
+REAL = replace(IDEAL, drag_area=0.66, rolling_resistance=0.011, radius_scale=(1.0, 1.0008))
+"""The same car with what every car has besides."""
+
+
+def with_pads(plant: Plant, front: float, rear: float) -> Plant:
+    """The plant with constant pads [1]."""
+    return replace(plant, pads=lambda t: (front, rear))
+
+
+def with_ratio(plant: Plant, ratio: float) -> Plant:
+    """The plant with pads in ``ratio`` front over rear, their geometric mean nominal."""
+    half = math.sqrt(ratio)
+    return with_pads(plant, CAR.front.pad_friction * half, CAR.rear.pad_friction / half)
+
+
+def ramp(plant: Plant = IDEAL, slope: float = 5e5, name: str = "ramp") -> Log:
+    """A ramp of ``slope`` [Pa/s] for 8 s after 1.5 s of rolling, from 33 m/s; 5e5 makes 0.57 g."""
+    run = drive(plant, lambda t: slope * max(t - 1.5, 0.0), 33.0, duration=9.5, stop_speed=8.0)
+    return as_log(run, name)
+
+
+def stop(plant: Plant = REAL, pressure: float = 25e5, name: str = "stop", **how: float) -> Log:
+    """A stop at ``pressure`` [Pa], applied within 0.25 s after 1.5 s of rolling, from 27 m/s."""
+    how = {"duration": 9.0, "stop_speed": 1.5, **how}
+    run = drive(plant, lambda t: pressure * min(max((t - 1.5) / 0.25, 0.0), 1.0), 27.0, **how)
+    return as_log(run, name)
+
+
+def noisy(log: Log, seed: int) -> Log:
+    """The log as usual sensors give it."""
+    return add_noise(log, seed)
+
+
+def without(log: Log, *channels: str) -> Log:
+    """The log less some channels."""
+    return replace(log, channels={k: x for k, x in log.channels.items() if k not in channels})
+
+
+def cut(log: Log, first: float, last: float = math.inf) -> Log:
+    """The samples of the log between two times [s]."""
+    keep = (log.time >= first) & (log.time <= last)
+    return replace(
+        log,
+        channels={k: x[keep] for k, x in log.channels.items()},
+        truth={k: x[keep] for k, x in log.truth.items()},
+    )
+
+
+def swapped(log: Log) -> Log:
+    """The log with front and rear wheel speeds exchanged."""
+    other = {f"omega_{a}{s}": log[f"omega_{b}{s}"] for a, b in ("fr", "rf") for s in "lr"}
+    return replace(log, channels={**log.channels, **other})
+
+
+def parked(log: Log, duration: float = 2.0) -> Log:
+    """The log with the car at a standstill after it: wheels and v are exactly nought."""
+    count = round(duration / log.sample_time)
+    held = {"p_mc": log["p_mc"][-1], "time": 0.0}
+    channels = {
+        name: np.concatenate([x, np.full(count, held.get(name, 0.0))])
+        for name, x in log.channels.items()
+    }
+    channels["time"][-count:] = log.time[-1] + log.sample_time * np.arange(1, count + 1)
+    return replace(log, channels=channels, truth={})
+
+
+def true_forces(log: Log) -> tuple[np.ndarray, np.ndarray]:
+    """F_f, F_r [1] from the plant's tyre forces and wheel loads."""
+    front, rear = (
+        (log.truth[f"true_Fx_{a}l"] + log.truth[f"true_Fx_{a}r"])
+        / (log.truth[f"true_Fz_{a}l"] + log.truth[f"true_Fz_{a}r"])
+        for a in "fr"
+    )
+    return front, rear
+
+
+def true_eta(log: Log, plant: Plant) -> np.ndarray:
+    """Eta [1] from the slips (19), (20) with the radii as they are; ``log`` without noise."""
+    radii = (CAR.front.rolling_radius, CAR.rear.rolling_radius)
+    slip_f, slip_r = (
+        1.0 - r * scale * 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) / log["v"]
+        for a, r, scale in zip("fr", radii, plant.radius_scale, strict=True)
+    )
+    return (1.0 - slip_r) / (1.0 - slip_f)

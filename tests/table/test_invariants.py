@@ -1,0 +1,101 @@
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.table.invariants import violations
+from calib.table.table import LogReference, TyrePosterior
+
+
+def changed(curve, column, row, value):
+    """``curve`` with one cell set."""
+    cells = np.array(getattr(curve, column))
+    cells[row] = value
+    return replace(curve, **{column: cells})
+
+
+def test_the_closed_form_is_sound(table):
+    assert violations(table) == ()
+
+
+@pytest.mark.parametrize(
+    ("part", "column", "row", "value", "says"),
+    [
+        ("difference", "D", 3, np.nan, "difference.D: not finite in row 3"),
+        ("paper", "f2_upper", 5, np.inf, "paper.f2_upper: not finite in row 5"),
+        ("difference", "eta", 4, 1.0, "difference.eta: does not increase"),
+        ("paper", "eta", 4, 1.1, "paper.eta: does not increase"),
+        ("tyre", "slip", 0, 0.9, "tyre.slip: does not increase"),
+        ("difference", "lower", 7, 1.0, "difference.D: outside its own"),
+        ("paper", "f2_upper", 7, -1.0, "paper.f2: outside its own"),
+        ("tyre", "flag", 2, 0.5, "tyre.flag: a value that is no flag"),
+        ("paper", "count", 2, -1.0, "paper.count: negative"),
+        ("paper", "z", 9, 0.9, r"paper: \(18\) is off by .* in row 9"),
+    ],
+)
+def test_a_wrong_cell_is_named(table, part, column, row, value, says):
+    wrong = replace(table, **{part: changed(getattr(table, part), column, row, value)})
+    found = " | ".join(violations(wrong))
+    assert re.search(says, found), found
+
+
+def test_18_is_held_to_a_billionth(table):
+    f1 = table.paper.f1[9]
+    nearly = replace(table, paper=changed(table.paper, "f1", 9, f1 + 0.9e-9))
+    assert violations(nearly) == ()
+    off = replace(table, paper=changed(table.paper, "f1", 9, f1 + 1.1e-9))
+    assert len(violations(off)) == 1
+    assert "(18)" in violations(off)[0]
+
+
+def test_D_is_nought_at_eta_1(table):
+    D = table.difference
+    moved = replace(D, D=D.D + 1e-6, upper=D.upper + 1e-6)
+    assert any(
+        "where it must be 0" in flaw for flaw in violations(replace(table, difference=moved))
+    )
+    cut = replace(D, eta=D.eta + 1e-4)
+    assert violations(replace(table, difference=cut)) == ("difference.eta: does not reach 1",)
+
+
+def test_columns_of_one_curve_have_one_length(table):
+    short = replace(table.tyre, slip=table.tyre.slip[:-1])
+    assert "different shapes" in violations(replace(table, tyre=short))[0]
+
+
+@pytest.mark.parametrize(
+    ("covariance", "says"),
+    [
+        (((1e-4, 2e-5), (1e-5, 4e-4)), "not symmetric"),
+        (((1e-4, 3e-4), (3e-4, 4e-4)), "not positive semidefinite"),
+        (((1e-4, 0.0), (0.0, -4e-4)), "not positive semidefinite"),
+        (((1e-4, float("nan")), (0.0, 4e-4)), "posterior: holds a number that is not finite"),
+        (((1e-4, 2e-5),), "of other sizes"),
+        (((1e-4,), (2e-5, 4e-4)), "of other sizes"),
+    ],
+)
+def test_a_covariance_that_is_none_is_named(table, covariance, says):
+    wrong = TyrePosterior(table.posterior.names, table.posterior.mean, covariance)
+    found = violations(replace(table, posterior=wrong))
+    assert len(found) == 1
+    assert says in found[0]
+
+
+def test_a_singular_covariance_is_sound(table):
+    # A parameter that is held fixed, and two that move together.
+    names, mean = ("a", "b", "c"), (1.0, 2.0, 3.0)
+    covariance = ((0.0, 0.0, 0.0), (0.0, 1.0, 2.0), (0.0, 2.0, 4.0))
+    assert violations(replace(table, posterior=TyrePosterior(names, mean, covariance))) == ()
+
+
+@pytest.mark.parametrize("digest", ["", "ab" * 31, "AB" * 32, "xy" * 32, "ab" * 32 + "\n"])
+def test_a_parent_without_digest_is_named(table, digest):
+    logs = (LogReference("ramp.csv", digest, "ramp"),)
+    wrong = replace(table, provenance=replace(table.provenance, logs=logs))
+    assert violations(wrong) == ("provenance: the digest of ramp.csv is not a SHA-256",)
+
+
+def test_a_figure_that_is_not_finite_is_named(table):
+    wrong = replace(table, quality={"rms": float("nan")})
+    assert violations(wrong) == ("quality: holds a number that is not finite",)

@@ -1,0 +1,108 @@
+import hashlib
+import struct
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.digest import canonical_json, content_digest
+from calib.table.table import Table, Value
+from tests.support.tables import C, K, made_table
+
+CURVES = ("difference", "paper", "tyre")
+
+
+def test_content_and_back_is_the_same_table(table):
+    again = Table.from_content(*table.content())
+    assert again.digest == table.digest
+    assert again.vehicle == table.vehicle
+    assert again.posterior == table.posterior
+    assert again.calibration == table.calibration
+    assert again.effects == table.effects
+    assert again.provenance == table.provenance
+    assert again.remarks == table.remarks
+    for curve in CURVES:
+        for field in fields(getattr(table, curve)):
+            np.testing.assert_array_equal(
+                getattr(getattr(again, curve), field.name),
+                getattr(getattr(table, curve), field.name),
+            )
+
+
+def test_digest_is_sha256_of_the_canonical_content():
+    by_hand = hashlib.sha256(
+        b'{"a":[1,2.5],"b":"x"}'
+        + b"\ncurve.p\n"
+        + struct.pack("<2d", 1.0, -0.5)
+        + b"\ncurve.q\n"
+        + struct.pack("<2d", 0.0, 3.0)
+    ).hexdigest()
+    curves = {"curve": {"q": np.array([0.0, 3.0]), "p": np.array([1.0, -0.5])}}
+    assert content_digest({"b": "x", "a": [1, 2.5]}, curves) == by_hand
+
+
+def test_digest_does_not_depend_on_how_a_column_lies_in_memory(table):
+    record, curves = table.content()
+    D = curves["difference"]["D"]
+    strided = np.repeat(D, 2)[::2]
+    assert not strided.flags.c_contiguous
+    curves["difference"]["D"] = strided.astype(">f8")
+    assert content_digest(record, curves) == table.digest
+
+
+@given(
+    column=st.sampled_from([(c, f.name) for c in CURVES for f in fields(getattr(made_table(), c))]),
+    row=st.integers(0, 20),
+)
+def test_one_bit_of_any_column_changes_the_digest(column, row):
+    table = made_table()
+    record, curves = table.content()
+    changed = np.array(curves[column[0]][column[1]])
+    changed[row] = np.nextafter(changed[row], np.inf)
+    curves[column[0]][column[1]] = changed
+    assert content_digest(record, curves) != table.digest
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"remarks": ("other",)},
+        {"quality": {"rms": 0.0022}},
+        {"noise": {}},
+        {"effects": {}},
+        {"name": "wagon"},
+    ],
+)
+def test_any_part_of_the_record_changes_the_digest(table, change):
+    assert replace(table, **change).digest != table.digest
+
+
+def test_canonical_json_has_no_place_for_nan():
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        canonical_json({"a": float("nan")})
+
+
+def test_another_schema_is_refused(table):
+    record, curves = table.content()
+    with pytest.raises(KeyError, match="schema"):
+        Table.from_content({**record, "schema": 2}, curves)
+
+
+def test_a_missing_part_is_refused(table):
+    record, curves = table.content()
+    del record["quality"]
+    with pytest.raises(TypeError, match="quality"):
+        Table.from_content(record, curves)
+
+
+def test_peak_and_decelerations_are_those_of_the_closed_form(table):
+    assert table.difference.peak == pytest.approx((1.005, C * 0.005), rel=1e-12)
+    assert table.paper.decelerations == pytest.approx((0.0, K * 0.005), rel=1e-12)
+
+
+def test_interval_holds_95_percent_of_a_normal():
+    draws = np.random.default_rng(1).normal(3.0, 0.5, 200_000)
+    lower, upper = Value(3.0, 0.5).ci95
+    assert np.mean((lower < draws) & (draws < upper)) == pytest.approx(0.95, abs=0.002)

@@ -1,0 +1,281 @@
+"""Validation: whose log it is, what passes, what the summary says."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.errors import LogError, VehicleError
+from calib.fitting.fit import fit
+from calib.physics.vehicle import Axle
+from calib.validation.limits import DEFAULTS, Judgement, Limit
+from calib.validation.metrics import METRICS
+from calib.validation.validate import (
+    Validation,
+    agreement,
+    require_same_car,
+    require_same_vehicle,
+    to_dict,
+    validate,
+)
+from tests.support.made_runs import made_run
+from tests.support.made_runs import stop as made_stop
+from tests.support.plant import magic
+from tests.support.reference_car import (
+    CAR,
+    REAL,
+    cut,
+    noisy,
+    ramp,
+    stop,
+    swapped,
+    with_pads,
+    without,
+)
+from tests.validation.test_metrics import made_estimate
+
+WET = with_pads(REAL, 0.31, 0.27)
+
+
+@pytest.fixture(scope="module")
+def run():
+    return noisy(ramp(REAL), 1)
+
+
+@pytest.fixture(scope="module")
+def table(run):
+    return fit(CAR, [run])
+
+
+@pytest.fixture(scope="module")
+def wet():
+    return noisy(stop(WET), 3)
+
+
+@pytest.fixture(scope="module")
+def passed(table, wet):
+    return validate(table, [wet])[0]
+
+
+def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), **figures):
+    values = dict.fromkeys(METRICS) | {"pad_friction_f": mu_f, "pad_friction_r": mu_r} | figures
+    return Validation(name, "ab" * 32, "hold-out", made_estimate(), values, tuple(judgements), {})
+
+
+def refusal(table, log, vehicle=None):
+    with pytest.raises((LogError, VehicleError)) as error:
+        validate(table, [log], vehicle)
+    assert error.value.exit_code == 3
+    return str(error.value)
+
+
+def test_a_good_stop_passes_with_all_its_figures(passed):
+    assert passed.passed
+    assert passed.role == "hold-out"
+    assert set(passed.figures) == set(METRICS)
+    assert [j.figure for j in passed.judgements] == [limit.figure for limit in DEFAULTS]
+    assert all(j.passed for j in passed.judgements)
+    assert passed.figures["pad_friction_f"] == pytest.approx(0.31, rel=0.03)
+
+
+def test_the_estimate_beats_nominal_pads_where_pads_are_wet(passed):
+    assert passed.figures["gain_over_nominal"] > 5.0
+    assert passed.baselines["kalman"][0] < 0.2 * passed.baselines["nominal"][0]
+    assert {"mean_gain", "gradient_paper", "rls_tyre"} <= set(passed.baselines)
+
+
+def test_a_calibration_log_is_told_from_a_hold_out(table, run, wet):
+    roles = [v.role for v in validate(table, [run, wet])]
+    assert roles == ["calibration", "hold-out"]
+
+
+def test_without_truth_there_are_no_errors_and_no_rivals(table, wet):
+    blind = validate(table, [replace(wet, truth={})])[0]
+    assert blind.figures["torque_error_f"] is None
+    assert blind.baselines == {}
+    assert blind.passed
+    assert {j.figure for j in blind.judgements if j.passed is None} == {
+        "torque_error_f",
+        "torque_error_r",
+        "truth_in_interval",
+    }
+
+
+def test_a_limit_that_cannot_be_held_fails(table, wet):
+    result = validate(table, [wet], limits=(Limit("torque_error_f", None, 1e-6),))[0]
+    assert not result.passed
+    assert result.judgements[0].passed is False
+
+
+def test_a_table_of_another_stiffness_shows(table, wet):
+    """A tyre that is believed twice as soft gives other pads than the true ones."""
+    mean = list(table.posterior.mean)
+    mean[0] += 0.7
+    mean[5] -= 0.5
+    off = replace(table, posterior=replace(table.posterior, mean=tuple(mean)))
+    result = validate(off, [wet])[0]
+    assert not result.passed
+
+
+def test_braking_too_soft_to_judge_does_not_pass(table):
+    """1.9 bar brake the car, and no figure comes of it: that is no proof."""
+    soft = validate(table, [noisy(stop(REAL, pressure=1.9e5), 0)])[0]
+    assert soft.figures["valid_share"] == 0.0
+    assert not soft.passed
+
+
+# Whose log, whose vehicle.
+
+
+def test_other_pads_are_accepted(table, wet, passed):
+    wrong = replace(CAR, front=replace(CAR.front, pad_friction=0.5))
+    result = validate(table, [wet], wrong)[0]
+    assert result.figures["pad_friction_f"] == pytest.approx(
+        passed.figures["pad_friction_f"], rel=0.05
+    )
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"name": "other name"},
+        {"mass_tolerance": 0.02},
+        {"effects": {"aerodynamic_drag": {"drag_area": 0.6}}},
+    ],
+)
+def test_what_may_differ(table, changed):
+    require_same_vehicle(table, replace(CAR, **changed))
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"mass": 1800.0}, "mass 1800 for 1744"),
+        ({"cg_height": 0.55}, "cg_height 0.55 for 0.615"),
+        ({"track_width": 1.5}, "track_width"),
+    ],
+)
+def test_what_may_not_differ(table, changed, says):
+    with pytest.raises(VehicleError, match=says) as error:
+        require_same_vehicle(table, replace(CAR, **changed), "V.toml")
+    assert str(error.value).startswith("V.toml: ")
+
+
+@pytest.mark.parametrize("key", [f for f in Axle.__dataclass_fields__ if f != "pad_friction"])
+@pytest.mark.parametrize("side", ["front", "rear"])
+def test_no_geometry_of_an_axle_may_differ(table, side, key):
+    axle = getattr(CAR, side)
+    other = replace(CAR, **{side: replace(axle, **{key: 2 * getattr(axle, key)})})
+    with pytest.raises(VehicleError, match=f"{side}.{key}"):
+        require_same_vehicle(table, other)
+
+
+def test_vehicle_of_another_mass_is_refused_with_a_log(table, wet):
+    assert "another car" in refusal(table, wet, replace(CAR, mass=1500.0))
+
+
+def test_log_of_a_car_with_other_wheels(table, wet):
+    """The same stop with wheels of 0.30 m turns 7 % faster."""
+    faster = {f"omega_{w}": wet[f"omega_{w}"] * 0.322 / 0.30 for w in ("fl", "fr", "rl", "rr")}
+    other = replace(wet, channels={**wet.channels, **faster})
+    assert "radius of 0.300 m" in refusal(table, other)
+    assert validate(table, [without(other, "v")])  # without v it cannot be told
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_swapped_axles_are_refused(table, seed):
+    """The filter would find pads for them: 0.30 in front and 0.58 behind, with 3 % of error."""
+    message = refusal(table, swapped(noisy(stop(WET), seed)))
+    assert "are the axles swapped?" in message
+
+
+@pytest.mark.parametrize(
+    ("front", "rear"), [(0.28, 0.38), (0.22, 0.37), (0.20, 0.20), (0.38, 0.28)]
+)
+def test_pads_that_fade_unequally_are_not_taken_for_swapped(table, front, rear):
+    """Front pads at 0.6 of the rear ones bring eta below one, by a third of the table's rise."""
+    require_same_car(table, noisy(stop(with_pads(REAL, front, rear)), 0))
+
+
+def test_hard_stops_past_the_peak_of_eta_are_not_taken_for_swapped(table):
+    """At 0.7 g this car is rear-biased: eta falls below one, as it must."""
+    log = noisy(stop(replace(REAL, tyre=magic(25.0, 1.3)), pressure=49e5), 0)
+    assert np.max(-log["a_x"]) > 0.65 * 9.81
+    require_same_car(table, log)
+
+
+def test_abs_on_the_rear_axle_is_not_taken_for_swapped(table, wet):
+    cycle = (wet.time > 2.5) & ((wet.time * 4.0) % 1.0 < 0.4)
+    hit = {f"omega_r{s}": np.where(cycle, 0.7, 1.0) * wet[f"omega_r{s}"] for s in "lr"}
+    require_same_car(table, replace(wet, channels={**wet.channels, **hit}))
+
+
+def test_logs_that_will_not_do(table, wet):
+    assert "roll for a second before the stop" in refusal(table, cut(wet, 1.8))
+    assert "no braking" in refusal(table, made_run(lambda t: 0.0 * t))
+    assert "brake for 1 s or more" in refusal(table, made_run(made_stop(end=2.0)))
+
+
+# What is said of all together.
+
+
+def test_agreement_of_the_stops():
+    together = agreement([made("a", 0.30, 0.40), made("b", 0.34, 0.40), made("c", 0.32, 0.34)])
+    assert together.mean_f == pytest.approx(0.32)
+    assert together.mean_r == pytest.approx(0.38)
+    assert together.spread_f == pytest.approx(0.02 / 0.32)
+    assert together.spread_r == pytest.approx(0.04 / 0.38)
+
+
+def test_agreement_needs_two_stops_with_an_answer():
+    assert agreement([]) is None
+    assert agreement([made("a")]) is None
+    assert agreement([made("a"), made("b", None, None)]) is None
+    assert agreement([made("a"), made("b", None, None), made("c")]).spread_f == 0.0
+
+
+def test_a_log_passes_unless_a_judged_figure_fails():
+    good = Judgement("valid_share", 0.9, 0.7, None, True)
+    bad = Judgement("valid_share", 0.5, 0.7, None, False)
+    unknown = Judgement("torque_error_f", None, None, 0.03, None)
+    assert made(judgements=[good, unknown]).passed
+    assert not made(judgements=[good, bad]).passed
+
+
+def test_verdict_is_that_of_the_worst_log():
+    bad = Judgement("valid_share", 0.5, 0.7, None, False)
+    summary = to_dict("sedan@3", [made("a"), made("b", judgements=[bad])])
+    assert summary["verdict"] == "failed"
+    assert [log["verdict"] for log in summary["logs"]] == ["passed", "failed"]
+    assert to_dict("sedan@3", [made("a")])["verdict"] == "passed"
+
+
+def test_summary_holds_everything_and_is_json(table, wet, passed):
+    other = validate(table, [replace(wet, name="blind", truth={})])[0]
+    summary = json.loads(json.dumps(to_dict("sedan@1", [passed, other]), allow_nan=False))
+    assert summary["schema"] == 1
+    assert summary["table"] == "sedan@1"
+    first = summary["logs"][0]
+    assert set(first["figures"]) == set(METRICS)
+    assert first["digest"] == wet.digest
+    assert first["rms_error_by_method"]["kalman"]["front"] == passed.baselines["kalman"][0]
+    assert first["limits"][0] == {
+        "figure": "valid_share",
+        "value": passed.figures["valid_share"],
+        "min": 0.7,
+        "max": None,
+        "passed": True,
+    }
+    assert summary["agreement"]["largest_departure_f"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_is_not_finite_becomes_null():
+    odd = made("a", interval_f=math.inf, judgements=[Judgement("x", math.nan, None, 1.0, False)])
+    odd = replace(odd, baselines={"gradient_paper": (math.nan, 0.1)})
+    log = json.loads(json.dumps(to_dict("t@1", [odd]), allow_nan=False))["logs"][0]
+    assert log["figures"]["interval_f"] is None
+    assert log["limits"][0]["value"] is None
+    assert log["rms_error_by_method"]["gradient_paper"] == {"front": None, "rear": 0.1}
+    assert log["surface_changes"] == [2.5]
