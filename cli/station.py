@@ -72,8 +72,8 @@ def station(
     into the store either way; a car that failed gets no exports. A log that will not do ends it
     with 3, and nothing is stored. The same command gives the same bytes again and no new version.
     """
+    from calib.checks.gates import refuse_twice
     from calib.files import workshop
-    from calib.fitting.fit import refuse_twice
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
     from calib.physics.vehicle import read_vehicle

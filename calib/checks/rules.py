@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from calib.checks.observation import Observation
 from calib.checks.sensors import Sensor
-from calib.signals.driving_record import BITE, BITE_Z, BrakeEvent
+from calib.physics.braking import BITE
+from calib.signals.driving_record import BITE_Z, BrakeEvent
 
 PURPOSES = ("fit", "validate", "diagnose")
 

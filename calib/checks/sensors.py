@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from calib.logs.log import Log
 from calib.names import CHANNELS
-from calib.signals.driving_record import SMOOTH, DrivingRecord, Mask, centred_mean, runs
+from calib.signals.driving_record import SMOOTH, DrivingRecord, Mask
+from calib.signals.filters import centred_mean, runs
 
 Array = NDArray[np.float64]
 

@@ -7,15 +7,9 @@ from numpy.typing import NDArray
 
 from calib.logs.log import Log
 from calib.names import WHEELS, G
-from calib.signals.driving_record import (
-    MOVING,
-    NOMINAL_RADIUS,
-    BrakeEvent,
-    DrivingRecord,
-    Mask,
-    centred_mean,
-    runs,
-)
+from calib.physics.braking import MOVING
+from calib.signals.driving_record import NOMINAL_RADIUS, BrakeEvent, DrivingRecord, Mask
+from calib.signals.filters import block_mean, centred_mean, runs
 
 Array = NDArray[np.float64]
 
@@ -43,7 +37,7 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
         return None
     from scipy.special import stdtrit
 
-    means = [x[mask][: count * n].reshape(count, n).mean(axis=1) for x in (a, b)]
+    means = [block_mean(x[mask], n) for x in (a, b)]
     ratio = means[1] / means[0] - 1.0
     spread = float(np.std(ratio, ddof=1)) / np.sqrt(count)
     return IntervalEstimate(float(np.mean(ratio)), float(stdtrit(count - 1, 0.975)) * spread)
@@ -95,7 +89,7 @@ def _against_wheels(course: DrivingRecord) -> float | None:
     Both are smoothed over 0.3 s, because slip builds up faster in a wheel than the car slows. A
     correlation below 0.8 gives None: a wet road with much slip, or an ``a_x`` that is none.
     """
-    width = max(1, round(0.3 / course.step))
+    width = max(1, round(0.3 / course.step)) | 1
     spin = centred_mean(course.wheel_z * G / NOMINAL_RADIUS, width)[course.moving]
     a = centred_mean(course.z * G, width)[course.moving]
     if spin.size < 20 or np.ptp(spin) < 3.0 or np.ptp(a) == 0.0:  # 3 rad/s^2 are about 0.1 g
@@ -146,7 +140,7 @@ def slipping(log: Log, course: DrivingRecord, events: tuple[BrakeEvent, ...]) ->
 
 def _slips(log: Log, course: DrivingRecord) -> dict[str, Array]:
     """Slip of each wheel [1], smoothed over 30 ms, zero on the unbraked part where that is seen."""
-    width = max(1, round(0.03 / course.step))
+    width = max(1, round(0.03 / course.step)) | 1
     omega = {w: centred_mean(log[f"omega_{w}"], width) for w in WHEELS}
     free = course.unbraked
     if "v" in log and free.any():

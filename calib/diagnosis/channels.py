@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.predict import ObservedRun, Prediction
-from calib.signals.driving_record import BITE, MOVING
+from calib.physics.braking import BITE, MOVING
+from calib.signals.filters import block_mean
 
 Array = NDArray[np.float64]
 
@@ -68,8 +69,7 @@ def _thin(run: ObservedRun, x: Array) -> Array:
     n = max(1, round(STEP / run.step))
     stop = np.flatnonzero(run.v_smooth < MOVING)
     length = int(stop[0]) if stop.size else run.time.size
-    m = length // n
-    return np.asarray(x[..., : m * n].reshape(*x.shape[:-1], m, n).mean(axis=-1))
+    return block_mean(x[..., :length], n)
 
 
 def thinned(run: ObservedRun, x: Array) -> Array:

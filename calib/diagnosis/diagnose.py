@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.gates import require_same_wheels
 from calib.diagnosis.candidate import (
     Candidate,
     Problem,
@@ -34,7 +35,6 @@ from calib.diagnosis.search import unresolved
 from calib.diagnosis.separate import separate_by
 from calib.diagnosis.unexplained import UnexplainedTerm, locate
 from calib.errors import LogError
-from calib.fitting.fit import require_same_wheels
 from calib.logs.log import Log
 from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.effect import acts_on_wheels

@@ -33,7 +33,8 @@ from calib.physics.effects.catalogue import (
 from calib.physics.effects.effect import Motion, Pair, RunHistory
 from calib.physics.forces import axle_loads, tyre_force
 from calib.physics.vehicle import Vehicle
-from calib.signals.pedal import as_pressed, centred_mean
+from calib.signals.filters import block_mean, centred_mean
+from calib.signals.pedal import as_pressed
 
 Array = NDArray[np.float64]
 
@@ -98,28 +99,23 @@ def run_of(log: Log) -> ObservedRun:
             do="a diagnosis needs it: wheel speeds alone cannot tell slip from speed",
         )
     n = max(1, round(GRID / log.sample_time))
-    count = log.time.size // n
-
-    def mean(x: Array) -> Array:
-        return np.asarray(x[: count * n].reshape(count, n).mean(axis=1))
-
     step = n * log.sample_time
-    omega = np.stack([mean(log[f"omega_{w}"]) for w in WHEELS])
-    v = mean(log["v"])
+    omega = np.stack([block_mean(log[f"omega_{w}"], n) for w in WHEELS])
+    v = block_mean(log["v"], n)
     slow = max(1, round(0.5 / step))
     heat = [
-        centred_mean(mean(log[name]), slow) if name in log else None
+        centred_mean(block_mean(log[name], n), slow, held_ends=True) if name in log else None
         for name in ("T_disc_f", "T_disc_r")
     ]
     return ObservedRun(
         name=log.name,
-        time=mean(log.time),
+        time=block_mean(log.time, n),
         step=step,
-        p_mc=as_pressed(mean(log["p_mc"]), step),
-        a_x=mean(log["a_x"]),
+        p_mc=as_pressed(block_mean(log["p_mc"], n), step),
+        a_x=block_mean(log["a_x"], n),
         v=v,
         omega=omega,
-        v_smooth=centred_mean(v, max(1, round(0.1 / step))),
+        v_smooth=centred_mean(v, max(1, round(0.1 / step)), held_ends=True),
         temperature_f=heat[0],
         temperature_r=heat[1],
         angle_f=np.cumsum(0.5 * (omega[0] + omega[1])) * step,

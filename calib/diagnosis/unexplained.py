@@ -16,9 +16,9 @@ from calib.diagnosis.candidate import Candidate, Problem, fit
 from calib.diagnosis.channels import CHANNELS, thinned
 from calib.diagnosis.predict import trace_of
 from calib.diagnosis.search import base_directions
+from calib.physics.braking import BITE
 from calib.physics.effects.empirical import DRIVERS, PLACES, Empirical, driver_along
 from calib.physics.model import TERM
-from calib.signals.driving_record import BITE
 
 Array = NDArray[np.float64]
 

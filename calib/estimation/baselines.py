@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation import adaptive
-from calib.estimation.balance import Balance, low_pass
+from calib.estimation.balance import BrakeBalance, smoothed
 from calib.estimation.lookup import LOOKUPS, LookupReading
 from calib.estimation.pad_level import PadLevel
 from calib.physics.vehicle import Axle, Vehicle
@@ -37,7 +37,7 @@ def baselines(
     table: Table,
     car: Vehicle,
     s: Signals,
-    b: Balance,
+    b: BrakeBalance,
     eta: Array,
     level: PadLevel,
     *,
@@ -65,18 +65,19 @@ def baselines(
 
 
 def read(
-    table: Table, car: Vehicle, s: Signals, b: Balance, eta: Array, name: str
+    table: Table, car: Vehicle, s: Signals, b: BrakeBalance, eta: Array, name: str
 ) -> LookupReading:
     """Normalised forces by one look-up from filtered z and eta."""
-    z, smooth = low_pass(s, s.z), low_pass(s, eta)
-    return LOOKUPS[name](table, z, smooth, z - b.body / car.weight)
+    z, smooth = smoothed(s, s.z), smoothed(s, eta)
+    return LOOKUPS[name](table, z, smooth, z - b.balance.body / car.weight)
 
 
-def adapt(car: Vehicle, s: Signals, b: Balance, reading: LookupReading, law: str) -> Pair:
+def adapt(car: Vehicle, s: Signals, b: BrakeBalance, reading: LookupReading, law: str) -> Pair:
     """Pad friction of both axles by an adaptive law, "gradient" or "rls"."""
+    road = b.balance
     return (
-        _adapt_axle(car.front, s, reading.F_f, b.load_f, b.moment_f, s.p_f, b.active, law),
-        _adapt_axle(car.rear, s, reading.F_r, b.load_r, b.moment_r, s.p_r, b.active, law),
+        _adapt_axle(car.front, s, reading.F_f, road.load_f, road.moment_f, s.p_f, b.active, law),
+        _adapt_axle(car.rear, s, reading.F_r, road.load_r, road.moment_r, s.p_r, b.active, law),
     )
 
 
@@ -91,7 +92,7 @@ def _adapt_axle(
     law: str,
 ) -> Array:
     """mu_n + zeta of one axle [1], per wheel; the inertia is already in the moment at the road."""
-    half_load = 0.5 * low_pass(s, load)
+    half_load = 0.5 * smoothed(s, load)
     half_moment = 0.5 * moment * axle.rolling_radius
     y = adaptive.measured_output(
         axle, force, half_load, np.zeros_like(force), pressure, half_moment

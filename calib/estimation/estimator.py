@@ -15,28 +15,22 @@ from numpy.typing import NDArray
 
 from calib.errors import LogError
 from calib.estimation import split_filter
-from calib.estimation.balance import Balance, balance, low_pass
+from calib.estimation.balance import BrakeBalance, brake_balance, smoothed
 from calib.estimation.baselines import baselines
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
 from calib.estimation.split_filter import PadRatio, Priors, SplitInput
-from calib.fitting.identify import brake_forces, measured_slip
-from calib.fitting.known_effects import motion, remove_known_effects
+from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.resistance import Resistance, other_known_effects
 from calib.logs.log import Log
 from calib.names import WHEELS
-from calib.physics.effects.catalogue import as_driven, total_axle_moment, total_body_force
-from calib.physics.forces import axle_loads, braking_sum
+from calib.physics.balance import brake_forces, force_balance
+from calib.physics.braking import BITE
+from calib.physics.effects.catalogue import as_driven
+from calib.physics.forces import mean_slip
 from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import (
-    Blocks,
-    SensorNoise,
-    Signals,
-    blocks,
-    eta_of,
-    lead_in_noise,
-    signals,
-)
-from calib.signals.driving_record import BITE
+from calib.signals.axle_signals import Signals, eta_of, signals
+from calib.signals.blocks import Blocks, blocks
+from calib.signals.noise import SensorNoise, lead_in_noise
 from calib.statistics.mixture_posterior import mixture_posterior
 from calib.table.table import Table
 
@@ -136,7 +130,7 @@ def estimate(
     _require_lead_in(log, s)
     b = blocks(s)
     plan = plan_for(used, ran.log, s, nominal, priors, gates)
-    forces = balance(plan.nominal, plan.known.effects, s)
+    forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
     answer = split_of(plan, s, b, level)
     front, rear = _axles(plan, s, forces, level, answer, b)
@@ -270,23 +264,19 @@ def _require_lead_in(log: Log, s: Signals) -> None:
         )
 
 
-def level_of(plan: Plan, s: Signals, forces: Balance) -> PadLevel:
+def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:
     """The common pad level of a run, before anything is said of the split."""
     density = plan.noise.z * plan.nominal.weight
     nominal = forces.nominal_f + forces.nominal_r
-    return estimate_pad_level(s.sample_time, forces.demanded, nominal, forces.active, density)
+    demanded = forces.balance.demanded
+    return estimate_pad_level(s.sample_time, demanded, nominal, forces.active, density)
 
 
 def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
     """Feed the split filter: block means, and the level as known at the end of each block."""
     car = plan.nominal
-    load_f, load_r = axle_loads(car, b.z)
-    state = motion(b.end, b.speed, b.z, b.p_f, (load_f, load_r))
-    extra = total_axle_moment(car, plan.known.effects, state)
-    moment_f, moment_r = (
-        (m + 2.0 * a.wheel_inertia * spin) / a.rolling_radius
-        for m, a, spin in zip(extra, (car.front, car.rear), (b.spin_f, b.spin_r), strict=True)
-    )
+    spin = (b.spin_f, b.spin_r)
+    forces = force_balance(car, plan.known.effects, b.end, b.speed, b.z, b.p_f, spin)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     ends = np.searchsorted(s.time, b.end)
     now = np.where(np.maximum(b.p_f, b.p_r) > BITE, level.value[ends], np.nan)
@@ -294,12 +284,12 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
         nominal_f=B_f,
         nominal_r=B_r,
         level=now,
-        moment_f=moment_f,
-        moment_r=moment_r,
-        load_f=load_f,
-        load_r=load_r,
-        tyre_sum=braking_sum(car, b.z, total_body_force(car, plan.known.effects, state)),
-        slip=measured_slip(car, load_f, b),
+        moment_f=forces.moment_f,
+        moment_r=forces.moment_r,
+        load_f=forces.load_f,
+        load_r=forces.load_r,
+        tyre_sum=forces.tyre_sum,
+        slip=None if b.v is None else mean_slip(car, forces.load_f, b.omega_f, b.omega_r, b.v),
         psi=split_filter.pitch_deficit(car, s.z, s.sample_time, plan.priors)[ends],
     )
     posterior = plan.table.posterior
@@ -337,7 +327,7 @@ def _level_weighed(plan: Plan, s: Signals, level: PadLevel) -> tuple[Array, Arra
     brakings the last level stands, as uncertain again.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        resist = plan.known.sigma_z(plan.nominal, s.speed) / np.maximum(low_pass(s, s.z), 0.02)
+        resist = plan.known.sigma_z(plan.nominal, s.speed) / np.maximum(smoothed(s, s.z), 0.02)
         # a level of nought is as good as unknown: ten times everything
         noise = np.minimum(np.abs(level.sigma / level.value), 10.0)
         sigma = np.sqrt(noise**2 + resist**2 + plan.nominal.mass_tolerance**2)
@@ -350,7 +340,7 @@ def _level_weighed(plan: Plan, s: Signals, level: PadLevel) -> tuple[Array, Arra
 
 
 def _axles(
-    plan: Plan, s: Signals, forces: Balance, level: PadLevel, answer: PadRatio, b: Blocks
+    plan: Plan, s: Signals, forces: BrakeBalance, level: PadLevel, answer: PadRatio, b: Blocks
 ) -> tuple[AxleEstimate, AxleEstimate]:
     """Level and ratio to pad friction, torque and normalised force of each axle."""
     car = plan.nominal
@@ -362,16 +352,17 @@ def _axles(
     half = np.exp(0.5 * rho)
     phi = B_f * half / (B_f * half + B_r / half)
     out = []
+    road = forces.balance
     for axle, p, share, share_0, lever, moment, load in (
-        (car.front, s.p_f, phi, phi_0, 1.0 - phi, forces.moment_f, forces.load_f),
-        (car.rear, s.p_r, 1.0 - phi, 1.0 - phi_0, phi, forces.moment_r, forces.load_r),
+        (car.front, s.p_f, phi, phi_0, 1.0 - phi, road.moment_f, road.load_f),
+        (car.rear, s.p_r, 1.0 - phi, 1.0 - phi_0, phi, road.moment_r, road.load_r),
     ):
         mu = axle.pad_friction * theta * share / share_0
         # d ln(share)/d rho is the other axle's share; a factor of e^5 either way is no answer
         spread = np.minimum(1.96 * np.sqrt(sigma_level**2 + (lever * sigma) ** 2), 5.0)
         torque = mu * axle.torque_gain * np.maximum(p, 0.0)
         brake = 2.0 * torque / axle.rolling_radius
-        F = (np.nan_to_num(brake) + moment) / low_pass(s, load)
+        F = (np.nan_to_num(brake) + moment) / smoothed(s, load)
         out.append(AxleEstimate(mu, mu * np.exp(-spread), mu * np.exp(spread), torque, F))
     return out[0], out[1]
 

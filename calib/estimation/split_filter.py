@@ -26,9 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.names import G
+from calib.physics.braking import MOVING
 from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import Blocks, SensorNoise
-from calib.signals.driving_record import MOVING
+from calib.signals.blocks import Blocks
+from calib.signals.filters import low_pass
+from calib.signals.noise import SensorNoise
 from calib.statistics.mixture_posterior import mixture_posterior
 
 Array = NDArray[np.float64]
@@ -244,8 +246,7 @@ class _Step:
 def _steps(
     vehicle: Vehicle, b: Blocks, d: SplitInput, noise: SensorNoise, priors: Priors
 ) -> list[_Step]:
-    gain = 1.0 - math.exp(-b.length / priors.pitch_time)
-    held = np.abs(b.z - _lagged(b.z, gain))
+    held = np.abs(b.z - low_pass(b.z, b.length, priors.pitch_time))
     transfer = vehicle.cg_height / vehicle.wheelbase
     p = np.maximum(b.p_f, b.p_r)
     rate = np.abs(np.diff(p, prepend=p[0])) / b.length
@@ -308,13 +309,6 @@ def pitch_deficit(vehicle: Vehicle, z: Array, step: float, priors: Priors) -> Ar
     start = [(1.0 - gain) * z[0], -a2 * z[0]]
     moved = lfilter([gain], [1.0, a1, a2], z, zi=start)[0]
     return np.asarray((z - moved) * vehicle.cg_height / vehicle.wheelbase)
-
-
-def _lagged(x: Array, gain: float) -> Array:
-    from scipy.signal import lfilter
-
-    start = [(1.0 - gain) * x[0]]
-    return np.asarray(lfilter([gain], [1.0, gain - 1.0], x, zi=start)[0])
 
 
 def _carried(x: list[float], step: _Step) -> bool:

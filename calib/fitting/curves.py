@@ -19,8 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.identify import Identified, RampRun, brake_forces
+from calib.fitting.identify import Identified, RampRun
 from calib.names import G
+from calib.physics.balance import brake_forces
 from calib.physics.forces import axle_loads, paper_curves, speed_ratio
 from calib.physics.tyre import Tyre
 from calib.physics.vehicle import Vehicle

@@ -10,17 +10,21 @@ from numpy.typing import NDArray
 
 from calib import __version__
 from calib.checks.check import problems_for
+from calib.checks.gates import bitten, eta_rise, refuse_twice, require_same_wheels
 from calib.errors import LogError
 from calib.fitting import curves, identify, resistance
 from calib.fitting.identify import Identified, RampRun
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.resistance import Resistance
 from calib.logs.log import Log
+from calib.physics.balance import brake_forces
+from calib.physics.braking import BITE
 from calib.physics.effects.empirical import Empirical
 from calib.physics.forces import front_biased_up_to
 from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import Blocks, SensorNoise, Signals, blocks, sensor_noise, signals
-from calib.signals.driving_record import BITE, SETTLE
+from calib.signals.axle_signals import signals
+from calib.signals.blocks import Blocks, blocks
+from calib.signals.noise import SensorNoise, sensor_noise
 from calib.table.table import (
     Calibration,
     LogReference,
@@ -34,9 +38,6 @@ Array = NDArray[np.float64]
 
 OUTLIER = 4.0
 """Residuals past this many sigma are named."""
-
-RADIUS_TOLERANCE = 0.03
-"""How far v/(R omega) may be from one on the unbraked part: tyre wear and pressure make 2 %."""
 
 
 def fit(vehicle: Vehicle, logs: list[Log], empirical: Empirical | None = None) -> Table:
@@ -149,51 +150,6 @@ def _require_tyre(vehicle: Vehicle, found: Identified, z_max: float, ramps: list
         )
 
 
-def refuse_twice(logs: list[Log]) -> None:
-    """Refuse a run given twice: it would count double. Raises LogError."""
-    seen: dict[str, str] = {}
-    for log in logs:
-        if log.digest in seen:
-            raise LogError(
-                f"the same run as {seen[log.digest]}", where=log.source, do="give each run once"
-            )
-        if log.digest:  # a run that was never a file may have none
-            seen[log.digest] = log.source
-
-
-def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:
-    """Refuse a log whose wheels do not roll with the radii of the vehicle, where v is known.
-
-    Raises LogError. A log of another car with the same wheels cannot be told.
-    """
-    if s.v is None or not s.lead_in.any():
-        return
-    axles = {"front": (vehicle.front, s.omega_f), "rear": (vehicle.rear, s.omega_r)}
-    for side, (axle, omega) in axles.items():
-        radius = float(np.mean(s.v[s.lead_in]) / np.mean(omega[s.lead_in]))
-        if abs(radius / axle.rolling_radius - 1.0) > RADIUS_TOLERANCE:
-            raise LogError(
-                f"the {side} wheels roll with a radius of {radius:.3f} m",
-                where=log.source,
-                expected=f"{axle.rolling_radius:.3f} m as {vehicle.name} has",
-                do="this log is of another vehicle, or its wheel speeds or v have another unit",
-            )
-
-
-def eta_rise(b: Blocks, use: NDArray[np.bool_]) -> tuple[float, float]:
-    """Median of eta over ``use`` less that of the lead-in, and its standard error, both [1].
-
-    A median, so that a wheel that locks at times does not decide. NaN with fewer than four blocks
-    on either side.
-    """
-    sides = [b.eta[b.lead_in], b.eta[use]]
-    if min(side.size for side in sides) < 4:
-        return np.nan, np.nan
-    free, braked = (float(np.median(side)) for side in sides)
-    variance = sum(np.var(side, ddof=1) / side.size for side in sides)
-    return braked - free, float(np.sqrt(0.5 * np.pi * variance))
-
-
 def _require_front_bias(vehicle: Vehicle, log: Log, b: Blocks) -> None:
     """Refuse a ramp on which eta falls where a front-biased car makes it rise."""
     biased = (b.z > 0.1) & (b.z < 0.8 * front_biased_up_to(vehicle))
@@ -205,12 +161,6 @@ def _require_front_bias(vehicle: Vehicle, log: Log, b: Blocks) -> None:
             expected=f"a rise: {vehicle.name} is front-biased there",
             do="are the axles swapped? put them right in a channel map",
         )
-
-
-def bitten(b: Blocks) -> float:
-    """Time from which on the brakes are applied and settled [s]; infinite if they never are."""
-    braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
-    return float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
 
 
 def calibration(
@@ -226,7 +176,7 @@ def calibration(
     between = float(np.std(found.pad_scale)) / np.sqrt(len(runs))
     relative = float(np.sqrt(sigma_z**2 + between**2 + vehicle.mass_tolerance**2))
     rho, sigma_rho = float(found.mean[5]), float(np.sqrt(found.covariance[5, 5]))
-    B_f, B_r = identify.brake_forces(vehicle, np.ones(()), np.ones(()), rho)
+    B_f, B_r = brake_forces(vehicle, np.ones(()), np.ones(()), rho)
     share = float(B_f / (B_f + B_r))
     half = float(np.exp(0.5 * rho))
     mu_f = scale * vehicle.front.pad_friction * half
@@ -338,7 +288,7 @@ def taken_out(vehicle: Vehicle, empirical: Empirical | None) -> tuple[str, ...]:
 
 def settings() -> dict[str, float]:
     """The constants the result rests on."""
-    from calib.signals.axle_signals import BLOCK
+    from calib.signals.blocks import BLOCK
 
     return {
         "block": BLOCK,

@@ -17,14 +17,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.known_effects import motion
 from calib.names import G
-from calib.physics.effects.catalogue import Effects, total_axle_moment, total_body_force
-from calib.physics.forces import axle_loads, speed_ratio
+from calib.physics.balance import brake_forces, force_balance
+from calib.physics.braking import BITE
+from calib.physics.effects.catalogue import Effects
+from calib.physics.forces import mean_slip, speed_ratio
 from calib.physics.tyre import Tyre
 from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import Blocks, SensorNoise, long_run_density
-from calib.signals.driving_record import BITE
+from calib.signals.blocks import Blocks
+from calib.signals.noise import SensorNoise, long_run_density
 from calib.statistics.mixture_posterior import mixture_posterior
 
 Array = NDArray[np.float64]
@@ -109,42 +110,21 @@ def prepare(
 
     A block in which an axle would lift holds a glitch of a_x: it has no loads and no part.
     """
-    loads = axle_loads(vehicle, b.z)
-    stands = np.minimum(*loads) > 0.0
-    load_f, load_r = (np.where(stands, load, np.nan) for load in loads)
-    state = motion(b.end, b.speed, b.z, b.p_f, (load_f, load_r))
-    moments = total_axle_moment(vehicle, effects, state)
-    at_road = [
-        (m + 2.0 * axle.wheel_inertia * spin) / axle.rolling_radius
-        for axle, m, spin in zip(
-            (vehicle.front, vehicle.rear), moments, (b.spin_f, b.spin_r), strict=True
-        )
-    ]
-    tyres = vehicle.weight * b.z - total_body_force(vehicle, effects, state)
+    forces = force_balance(vehicle, effects, b.end, b.speed, b.z, b.p_f, (b.spin_f, b.spin_r))
+    stands = np.minimum(forces.load_f, forces.load_r) > 0.0
     # the last blocks of a stop hold the jerk at standstill
     use = (b.speed > MIN_SPEED) & (b.end < b.end[-1] - 0.1) & stands
     return RampRun(
         name=name,
         blocks=b,
         noise=noise,
-        load_f=load_f,
-        load_r=load_r,
-        moment_f=at_road[0],
-        moment_r=at_road[1],
-        brake_sum=tyres - at_road[0] - at_road[1],
+        load_f=np.where(stands, forces.load_f, np.nan),
+        load_r=np.where(stands, forces.load_r, np.nan),
+        moment_f=forces.moment_f,
+        moment_r=forces.moment_r,
+        brake_sum=forces.demanded,
         use=np.asarray(use),
     )
-
-
-def brake_forces(
-    vehicle: Vehicle, p_f: Array, p_r: Array, log_ratio: Array | float = 0.0
-) -> tuple[Array, Array]:
-    """Brake force of each axle at the road [N] by (2), nominal pads times exp(+-log_ratio/2)."""
-    front, rear = vehicle.front, vehicle.rear
-    gain_f = 2.0 * front.torque_gain * front.pad_friction / front.rolling_radius
-    gain_r = 2.0 * rear.torque_gain * rear.pad_friction / rear.rolling_radius
-    half = np.exp(0.5 * np.asarray(log_ratio))
-    return gain_f * half * p_f, gain_r / half * p_r
 
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
@@ -183,18 +163,9 @@ def predict(
     return speed_ratio(slip_f, slip_r) * (1.0 + eta_zero), mean + slip_zero + lag
 
 
-def measured_slip(vehicle: Vehicle, load_f: Array, b: Blocks) -> Array | None:
-    """Load-weighted mean slip (19), (20) of the axles [1], not zeroed; None without v.
-
-    NaN where the car stands.
-    """
-    if b.v is None:
-        return None
-    share = load_f / vehicle.weight
-    rim = share * vehicle.front.rolling_radius * b.omega_f
-    rim += (1.0 - share) * vehicle.rear.rolling_radius * b.omega_r
-    moving = b.v > 0.0
-    return np.where(moving, 1.0 - rim / np.where(moving, b.v, 1.0), np.nan)
+def _measured_slip(vehicle: Vehicle, run: RampRun) -> Array | None:
+    b = run.blocks
+    return None if b.v is None else mean_slip(vehicle, run.load_f, b.omega_f, b.omega_r, b.v)
 
 
 def sigma_eta(noise: SensorNoise, b: Blocks, signal: Array) -> Array:
@@ -246,7 +217,7 @@ def identify_once(vehicle: Vehicle, runs: list[RampRun]) -> Identified:
     """
     from scipy.optimize import least_squares
 
-    slips = [measured_slip(vehicle, run.load_f, run.blocks) for run in runs]
+    slips = [_measured_slip(vehicle, run) for run in runs]
 
     def residuals(x: Array) -> list[tuple[Array, Array]]:
         out = []

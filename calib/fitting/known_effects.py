@@ -21,7 +21,6 @@ from calib.names import AXLES, WHEELS, G
 from calib.physics.brakes import Brakes, at_rest, brakes_of
 from calib.physics.effects.catalogue import as_driven, as_read, effect_named, pad_factors
 from calib.physics.effects.effect import (
-    Motion,
     RunHistory,
     acts_on_brakes,
     no_force,
@@ -91,12 +90,6 @@ def remove_known_effects(
         factors = pad_factors(model.terms, trace, clamp[0], clamp[1])
     notes = (*log.notes, f"known effects taken out: {', '.join(model.terms)}")
     return CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
-
-
-def motion(time: Array, v: Array, z: Array, p: Array, loads: tuple[Array, Array]) -> Motion:
-    """State for what slows body and wheels: shapes (n,), SI; ``loads`` front and rear [N]."""
-    run = at_rest(time, p, 0.0)
-    return Motion(v, *loads, replace(run, v=v, z=z))
 
 
 def _check(empirical: Empirical | None) -> None:

@@ -15,16 +15,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.known_effects import motion
+from calib.physics.balance import force_balance
 from calib.physics.effects import aerodynamic_drag, rolling_resistance
 from calib.physics.effects.aerodynamic_drag import AIR_DENSITY
-from calib.physics.effects.catalogue import Effects, total_axle_moment, total_body_force
+from calib.physics.effects.catalogue import Effects
 from calib.physics.effects.effect import Parameters
 from calib.physics.effects.empirical import Empirical
-from calib.physics.forces import axle_loads
 from calib.physics.model import TERM, default_model
 from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import Blocks
+from calib.signals.blocks import Blocks
 
 Array = NDArray[np.float64]
 
@@ -106,7 +105,9 @@ def identify(
         count = int(use.sum())
         if count < 4:
             continue
-        resist = (b.z - _spin_share(vehicle, b) - _share_of(vehicle, others, b))[use]
+        spin = (b.spin_f, b.spin_r)
+        forces = force_balance(vehicle, others, b.end, b.speed, b.z, b.p_f, spin)
+        resist = (forces.demanded / vehicle.weight)[use]
         gain = np.column_stack([_drag_gain(vehicle, b.speed[use]), np.ones(count)])
         # white within a run by density; the error not modelled is common to the run
         sigma = np.sqrt(density**2 / b.length + count * MODEL_ERROR**2)
@@ -132,19 +133,3 @@ def identify(
 
 def _drag_gain(vehicle: Vehicle, v: Array) -> Array:
     return 0.5 * AIR_DENSITY * v**2 / vehicle.weight
-
-
-def _share_of(vehicle: Vehicle, others: Effects, b: Blocks) -> Array:
-    """What other effects take of W z [1]."""
-    state = motion(b.end, b.speed, b.z, b.p_f, axle_loads(vehicle, b.z))
-    front, rear = total_axle_moment(vehicle, others, state)
-    wheels = front / vehicle.front.rolling_radius + rear / vehicle.rear.rolling_radius
-    return np.asarray((total_body_force(vehicle, others, state) + wheels) / vehicle.weight)
-
-
-def _spin_share(vehicle: Vehicle, b: Blocks) -> Array:
-    """What the turning wheels add to W z [1]: they push on while they are slowed."""
-    front, rear = vehicle.front, vehicle.rear
-    torque_f = 2.0 * front.wheel_inertia * b.spin_f / front.rolling_radius
-    torque_r = 2.0 * rear.wheel_inertia * b.spin_r / rear.rolling_radius
-    return np.asarray((torque_f + torque_r) / vehicle.weight)

@@ -131,6 +131,19 @@ def slip(axle: Axle, omega: Array, v: Array) -> Array:
     return (v - axle.rolling_radius * omega) / v  # (19), (20)
 
 
+def mean_slip(vehicle: Vehicle, load_f: Array, omega_f: Array, omega_r: Array, v: Array) -> Array:
+    """Mean slip of the axles [1], weighted by their loads, from (19), (20); not zeroed.
+
+    ``load_f`` load of the front axle [N]; ``omega_f``, ``omega_r`` axle means [rad/s]; ``v`` [m/s].
+    All (n,). NaN where the car stands.
+    """
+    share = load_f / vehicle.weight
+    rim = share * vehicle.front.rolling_radius * omega_f
+    rim += (1.0 - share) * vehicle.rear.rolling_radius * omega_r
+    moving = v > 0.0
+    return np.where(moving, 1.0 - rim / np.where(moving, v, 1.0), np.nan)
+
+
 def wheel_speed(axle: Axle, slip: Array, v: Array) -> Array:
     """Wheel speed omega [rad/s] at braking ``slip`` [1] and ``v`` [m/s]; (21) solved for omega."""
     return v * (1.0 - slip) / axle.rolling_radius  # (21)

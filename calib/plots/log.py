@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from calib.logs.log import Log
 from calib.names import WHEELS, G
+from calib.physics.braking import MOVING
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.stop import WHEEL_STROKES
 from calib.plots.style import BODY, IDENTIFIED, noisy, smooth, view
-from calib.signals.driving_record import MOVING, NOMINAL_RADIUS
+from calib.signals.driving_record import NOMINAL_RADIUS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,9 +10,11 @@ from calib.fitting import identify
 from calib.fitting.known_effects import remove_known_effects
 from calib.logs.log import Log
 from calib.names import G
+from calib.physics.braking import BITE
 from calib.physics.forces import paper_curves
-from calib.signals.axle_signals import Blocks, blocks, sensor_noise, signals
-from calib.signals.driving_record import BITE
+from calib.signals.axle_signals import signals
+from calib.signals.blocks import Blocks, blocks
+from calib.signals.noise import sensor_noise
 from calib.table.table import Table
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.signals.driving_record import centred_mean
+from calib.signals.filters import centred_mean
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -99,7 +99,7 @@ def noisy(
 
 def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
     """Centred mean over ``window`` [s], shape (n,); NaN stays NaN and spreads to no neighbour."""
-    width = max(1, round(window / float(np.median(np.diff(time)))))
+    width = max(1, round(window / float(np.median(np.diff(time))))) | 1
     known = np.isfinite(values)
     weight = centred_mean(known.astype(float), width)
     total = centred_mean(np.where(known, values, 0.0), width)

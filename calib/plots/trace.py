@@ -12,11 +12,11 @@ from calib.estimation.estimator import AxleEstimate, Estimate, calibrated, known
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics import forces
+from calib.physics.braking import BITE
 from calib.physics.effects.catalogue import total_body_force
 from calib.physics.effects.effect import Motion
 from calib.physics.vehicle import Axle, Vehicle
 from calib.plots.result import StoredResult
-from calib.signals.driving_record import BITE
 from calib.table.table import Table
 
 Array = NDArray[np.float64]

@@ -10,19 +10,19 @@ four wheel speeds with ``a_x`` are looked at, and the reference speed where ther
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.logs.log import Log
 from calib.names import WHEELS, G
+from calib.physics.braking import BITE, MOVING
+from calib.signals.filters import block_mean, centred_mean, runs
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-BITE = 1.5e5
-"""Pressure [Pa] above which a brake is taken to be applied."""
 BITE_Z = 0.08
 """Deceleration [g] taken for braking where no pressure was logged: above drag and engine."""
 STEADY = 0.15
@@ -35,8 +35,6 @@ SETTLE = 0.1
 """Left out between lead-in and first event [s]: pressure rises before it passes ``BITE``."""
 SMOOTH = 0.1
 """Width of the centred mean that takes the noise out [s]."""
-MOVING = 3.0
-"""Speed [m/s] below which wheel speed sensors and slip mean little."""
 NOMINAL_RADIUS = 0.32
 """Rolling radius [m] of a usual wheel, for a rough speed where no reference speed was logged."""
 
@@ -97,37 +95,10 @@ class BrakeEvent:
     rise_z: float
 
 
-def centred_mean(x: Array, width: int) -> Array:
-    """Mean over ``width`` samples around each; over fewer at both ends. Shape (n,)."""
-    low, high, count = _around(x.size, width // 2)
-    total = np.concatenate([[0.0], np.cumsum(x)])
-    return np.asarray((total[high] - total[low]) / count)
-
-
-@lru_cache(maxsize=8)
-def _around(size: int, half: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
-    """First, one past the last, and number of the samples around each; alike for all channels."""
-    at = np.arange(size)
-    low, high = np.maximum(at - half, 0), np.minimum(at + half + 1, size)
-    return low, high, (high - low).astype(np.float64)
-
-
-def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
-    """First and one-past-last sample of each stretch of ``least`` samples where ``mask`` holds.
-
-    >>> runs(np.array([False, True, True, False, True]))
-    [(1, 3), (4, 5)]
-    """
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    first, last = edges[::2], edges[1::2]
-    long = last - first >= least
-    return list(zip(first[long].tolist(), last[long].tolist(), strict=True))
-
-
 def driving_record(log: Log) -> DrivingRecord:
     """Judge what the car did. The log must have ``time``, ``a_x`` and the four wheel speeds."""
     time, step = log.time, log.sample_time
-    width = max(1, round(SMOOTH / step))
+    width = max(1, round(SMOOTH / step)) | 1
     wheel = centred_mean(np.mean([log[f"omega_{w}"] for w in WHEELS], axis=0), width)
     speed = centred_mean(log["v"], width) if "v" in log else NOMINAL_RADIUS * wheel
     z = centred_mean(-log["a_x"] / G, width)
@@ -200,7 +171,7 @@ def _steady_rise(course: DrivingRecord, part: slice) -> tuple[float, float]:
     if drive.size < 2 * n:
         return 0.0, 0.0
     best = (0.0, 0.0)
-    strokes = drive[: drive.size // n * n].reshape(-1, n).mean(axis=1)
+    strokes = block_mean(drive, n)
     falls = np.diff(strokes) < -0.05 * np.ptp(strokes)
     for a, b in runs(np.concatenate([[True], ~falls])):
         first = max(a - 1, 0)

@@ -7,6 +7,8 @@ not read below nought reads its noise as a slight, lasting brake.
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.signals.filters import centred_mean
+
 Array = NDArray[np.float64]
 
 HOLD = 0.1
@@ -14,14 +16,6 @@ HOLD = 0.1
 
 NOTHING = 0.4e5
 """A held pressure below this [Pa] is no pressure: return springs hold the pads off."""
-
-
-def centred_mean(x: Array, width: int) -> Array:
-    """Mean over ``width`` samples around each, the ends held; (n,)."""
-    left = width // 2
-    padded = np.pad(x, (left, width - 1 - left), "edge")
-    total = np.cumsum(np.concatenate([[0.0], padded]))
-    return np.asarray((total[width:] - total[:-width]) / width)
 
 
 def as_pressed(p: Array, step: float) -> Array:
@@ -38,7 +32,7 @@ def as_pressed(p: Array, step: float) -> Array:
     if width < 3 or p.size < 2 * width:
         return p
     sigma = float(np.median(np.abs(np.diff(p, 3)))) / 0.6745 / np.sqrt(20.0)
-    mean = centred_mean(p, width)
+    mean = centred_mean(p, width, held_ends=True)
     swing = maximum_filter1d(p, 2 * width) - minimum_filter1d(p, 2 * width)
     held = swing < 8.0 * sigma
     bent = savgol_filter(p, max(5, width | 1), 2)

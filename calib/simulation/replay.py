@@ -5,10 +5,11 @@ import numpy as np
 from calib.errors import LogError
 from calib.logs.log import Array, Log
 from calib.names import AXLES, WHEELS
+from calib.physics.braking import BITE
 from calib.physics.effects.catalogue import as_driven
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
-from calib.signals.driving_record import BITE, SETTLE
+from calib.signals.driving_record import SETTLE
 from calib.signals.pedal import as_pressed
 from calib.simulation.simulate import simulate
 

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from calib.checks.wheel_checks import BLOCK, IntervalEstimate
 from calib.logs.log import Log
+from calib.physics.braking import MOVING
 from calib.physics.forces import slip
-from calib.signals.driving_record import MOVING, DrivingRecord, driving_record
+from calib.signals.driving_record import DrivingRecord, driving_record
+from calib.signals.filters import block_mean
 from calib.table.table import Table, TyreCurve
 
 Array = NDArray[np.float64]
@@ -66,8 +68,7 @@ def _slip(table: Table, log: Log, course: DrivingRecord, wheel: str) -> Array:
 
 def _means(x: Array, mask: NDArray[np.bool_], course: DrivingRecord) -> Array:
     n = max(1, round(BLOCK / course.step))
-    count = int(mask.sum()) // n
-    return np.asarray(x[mask][: count * n].reshape(count, n).mean(axis=1))
+    return block_mean(x[mask], n)
 
 
 def _force(tyre: TyreCurve, s: Array) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from calib.checks.rules import PRESSURE, RADIUS
 from calib.logs.channel_map import Mapping
 from calib.names import G
-from calib.signals.driving_record import centred_mean
+from calib.signals.filters import centred_mean
 from calib.suggest.physics import LATE, ColumnClock, correlation, lead, slope
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
 from calib.suggest.series import Series

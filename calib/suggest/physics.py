@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.signals.driving_record import centred_mean, runs
+from calib.signals.filters import centred_mean, runs
 
 Array = NDArray[np.float64]
 
@@ -34,8 +34,8 @@ class ColumnClock:
     step: float
 
     def width(self, seconds: float) -> int:
-        """Samples in a time."""
-        return max(1, round(seconds / self.step))
+        """Samples in a time, an odd number."""
+        return max(1, round(seconds / self.step)) | 1
 
 
 def together(four: list[Array]) -> bool:

@@ -16,6 +16,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.digest import content_digest
 from calib.physics.effects.empirical import Empirical
 from calib.physics.vehicle import Axle, Vehicle
 

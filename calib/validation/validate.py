@@ -9,12 +9,13 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from calib.checks.check import problems_for
+from calib.checks.gates import bitten, eta_rise, require_same_wheels
 from calib.errors import LogError, VehicleError
 from calib.estimation.estimator import Estimate, as_used, estimate
-from calib.fitting.fit import bitten, eta_rise, require_same_wheels
 from calib.logs.log import Log
 from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import blocks, signals
+from calib.signals.axle_signals import signals
+from calib.signals.blocks import blocks
 from calib.table.table import Table
 from calib.validation.limits import DEFAULTS, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of

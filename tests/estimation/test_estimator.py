@@ -8,9 +8,9 @@ import pytest
 from calib.errors import LogError
 from calib.estimation.estimator import Gates, calibrated, estimate, known_resistance, merged_noise
 from calib.fitting.fit import fit
-from calib.fitting.identify import brake_forces
 from calib.names import WHEELS
-from calib.signals.axle_signals import SensorNoise
+from calib.physics.balance import brake_forces
+from calib.signals.noise import SensorNoise
 from tests.studies.ensemble import cases
 from tests.support.plant import as_log, drive, magic
 from tests.support.reference_car import (

@@ -37,7 +37,8 @@ from calib.estimation.split_filter import (
     pitch_deficit,
 )
 from calib.names import G
-from calib.signals.axle_signals import Blocks, SensorNoise
+from calib.signals.blocks import Blocks
+from calib.signals.noise import SensorNoise
 from tests.support.reference_car import CAR
 
 L_F, L_R, H, R = 1.1556, 1.6494, 0.615, 0.322

@@ -10,8 +10,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.checks.gates import eta_rise
 from calib.errors import LogError
-from calib.fitting.fit import calibration, eta_rise, fit, worst_noise
+from calib.fitting.fit import calibration, fit, worst_noise
 from calib.fitting.identify import identify, prepare
 from calib.fitting.resistance import Resistance
 from calib.logs.read import read_log
@@ -20,7 +21,9 @@ from calib.physics import forces
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import default_model
 from calib.physics.vehicle import read_vehicle
-from calib.signals.axle_signals import SensorNoise, blocks, sensor_noise, signals
+from calib.signals.axle_signals import signals
+from calib.signals.blocks import blocks
+from calib.signals.noise import SensorNoise, sensor_noise
 from calib.simulation.manoeuvre import manoeuvre
 from calib.simulation.simulate import simulate
 from calib.table.invariants import violations

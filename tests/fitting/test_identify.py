@@ -8,16 +8,16 @@ import pytest
 import scipy.optimize
 
 from calib.fitting.identify import (
-    brake_forces,
     identify,
     identify_once,
-    measured_slip,
     predict,
     prepare,
     sigma_eta,
     sigma_slip,
 )
-from calib.signals.axle_signals import SensorNoise, blocks, sensor_noise, signals
+from calib.signals.axle_signals import signals
+from calib.signals.blocks import blocks
+from calib.signals.noise import SensorNoise, sensor_noise
 from tests.support.plant import magic
 from tests.support.reference_car import CAR, IDEAL, noisy, ramp, with_pads, with_ratio, without
 
@@ -191,27 +191,6 @@ def test_noise_that_the_sensors_did_not_show_widens_the_sigmas(clean):
     assert louder[0].noise.omega > 2.0 * prepared(log).noise.omega
     assert abs(answer.mean[C] - math.log(1 / 25)) < 3.0 * sigmas(answer)[C]
     assert sigmas(answer)[C] > 1.5 * sigmas(found(log))[C]
-
-
-def test_brake_forces_are_2_per_axle():
-    p = np.array([0.0, 50e5])
-    front, rear = brake_forces(CAR, p, p)
-    # Table I at 50 bar: two wheels, two pad faces, at the radius of the wheel
-    assert front[1] == pytest.approx(2 * 2 * 0.38 * 28.84e-4 * 0.1309 * 50e5 / 0.322)
-    assert rear[1] == pytest.approx(2 * 2 * 0.38 * 11.34e-4 * 0.1240 * 50e5 / 0.322)
-    assert front[0] == rear[0] == 0.0
-    f, r = brake_forces(CAR, p, p, math.log(1.21))
-    assert f[1] / front[1] == pytest.approx(1.1)
-    assert r[1] / rear[1] == pytest.approx(1.0 / 1.1)
-
-
-def test_mean_slip_is_weighed_by_load(clean):
-    b = blocks(signals(clean["as nominal"], CAR))
-    v = np.full(b.end.size, 20.0)
-    rolling = replace(b, v=v, omega_f=v * (1 - 0.02) / 0.322, omega_r=v * (1 - 0.01) / 0.322)
-    slip = measured_slip(CAR, np.full(v.size, 0.6 * CAR.weight), rolling)
-    assert slip == pytest.approx(np.full(v.size, 0.6 * 0.02 + 0.4 * 0.01))
-    assert measured_slip(CAR, v, replace(b, v=None)) is None
 
 
 def test_sigmas_of_a_block_without_slip_are_those_of_its_sensors(clean):

@@ -8,7 +8,9 @@ import pytest
 from calib.errors import ModelError
 from calib.fitting.resistance import MODEL_ERROR, identify
 from calib.physics.effects import aerodynamic_drag, rolling_resistance
-from calib.signals.axle_signals import blocks, sensor_noise, signals
+from calib.signals.axle_signals import signals
+from calib.signals.blocks import blocks
+from calib.signals.noise import sensor_noise
 from tests.support.plant import Plant, as_log, drive
 from tests.support.tables import VEHICLE
 

@@ -216,3 +216,11 @@ def test_forces_account_for_what_simulate_adds():
     assert total[1:] == pytest.approx(wanted[1:], abs=0.02)
     without = forces.braking_sum(VEHICLE, z)
     assert np.min(without - wanted) > 10.0  # the drag is there to be accounted for
+
+
+def test_mean_slip_is_weighed_by_load():
+    v = np.array([20.0, 20.0, 0.0])
+    omega_f, omega_r = v * (1 - 0.02) / 0.322, v * (1 - 0.01) / 0.322
+    slip = forces.mean_slip(VEHICLE, np.full(3, 0.6 * VEHICLE.weight), omega_f, omega_r, v)
+    assert slip[:2] == pytest.approx(np.full(2, 0.6 * 0.02 + 0.4 * 0.01))
+    assert np.isnan(slip[2])

@@ -2,12 +2,9 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 from calib.names import G
-from calib.signals.driving_record import brake_events, centred_mean, driving_record, runs
+from calib.signals.driving_record import brake_events, driving_record
 from tests.support.made_runs import BAR_PER_G, changed, made_run, ramp, stop
 
 
@@ -78,20 +75,3 @@ def test_driven_lead_in_is_not_taken_for_rolling():
     course = driving_record(changed(log, a_x=log["a_x"] + gas))
     assert not course.unbraked[course.time < 1.9].any()
     assert course.unbraked[(course.time > 2.1) & (course.time < 3.8)].all()
-
-
-@given(x=arrays(float, st.integers(1, 40), elements=st.floats(-1e3, 1e3)), width=st.integers(1, 9))
-def test_centred_mean_is_the_mean_around_each(x, width):
-    half = width // 2
-    expected = [x[max(i - half, 0) : i + half + 1].mean() for i in range(x.size)]
-    np.testing.assert_allclose(centred_mean(x, width), expected, atol=1e-9)
-
-
-@given(mask=arrays(bool, st.integers(0, 40)))
-def test_runs_tile_the_mask(mask):
-    rebuilt = np.zeros_like(mask)
-    for start, end in runs(mask):
-        assert start < end
-        assert not rebuilt[max(start - 1, 0) : end].any()  # apart from the one before
-        rebuilt[start:end] = True
-    np.testing.assert_array_equal(rebuilt, mask)

@@ -10,7 +10,7 @@ from calib.estimation.pad_level import PadLevel
 from calib.estimation.split_filter import PadRatio
 from calib.logs.log import Log
 from calib.names import G
-from calib.signals.axle_signals import Blocks
+from calib.signals.blocks import Blocks
 from calib.validation.metrics import (
     METRICS,
     accuracy,

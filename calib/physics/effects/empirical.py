@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.physics.braking import BITE
 from calib.physics.effects.effect import Array, Card, Effect, Motion, Pair, Parameters, RunHistory
 from calib.physics.vehicle import Vehicle
-from calib.signals.driving_record import BITE
 
 PLACES = {
     "front_brakes": "front",

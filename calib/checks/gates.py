@@ -1,0 +1,66 @@
+"""What a set of logs must fulfil before anything is computed from it: each rule once."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import LogError
+from calib.logs.log import Log
+from calib.physics.braking import BITE
+from calib.physics.vehicle import Vehicle
+from calib.signals.axle_signals import Signals
+from calib.signals.blocks import Blocks
+from calib.signals.driving_record import SETTLE
+
+RADIUS_TOLERANCE = 0.03
+"""How far v/(R omega) may be from one on the unbraked part: tyre wear and pressure make 2 %."""
+
+
+def refuse_twice(logs: list[Log]) -> None:
+    """Refuse a run given twice: it would count double. Raises LogError."""
+    seen: dict[str, str] = {}
+    for log in logs:
+        if log.digest in seen:
+            raise LogError(
+                f"the same run as {seen[log.digest]}", where=log.source, do="give each run once"
+            )
+        if log.digest:  # a run that was never a file may have none
+            seen[log.digest] = log.source
+
+
+def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:
+    """Refuse a log whose wheels do not roll with the radii of the vehicle, where v is known.
+
+    Raises LogError. A log of another car with the same wheels cannot be told.
+    """
+    if s.v is None or not s.lead_in.any():
+        return
+    axles = {"front": (vehicle.front, s.omega_f), "rear": (vehicle.rear, s.omega_r)}
+    for side, (axle, omega) in axles.items():
+        radius = float(np.mean(s.v[s.lead_in]) / np.mean(omega[s.lead_in]))
+        if abs(radius / axle.rolling_radius - 1.0) > RADIUS_TOLERANCE:
+            raise LogError(
+                f"the {side} wheels roll with a radius of {radius:.3f} m",
+                where=log.source,
+                expected=f"{axle.rolling_radius:.3f} m as {vehicle.name} has",
+                do="this log is of another vehicle, or its wheel speeds or v have another unit",
+            )
+
+
+def eta_rise(b: Blocks, use: NDArray[np.bool_]) -> tuple[float, float]:
+    """Median of eta over ``use`` less that of the lead-in, and its standard error, both [1].
+
+    A median, so that a wheel that locks at times does not decide. NaN with fewer than four blocks
+    on either side.
+    """
+    sides = [b.eta[b.lead_in], b.eta[use]]
+    if min(side.size for side in sides) < 4:
+        return np.nan, np.nan
+    free, braked = (float(np.median(side)) for side in sides)
+    variance = sum(np.var(side, ddof=1) / side.size for side in sides)
+    return braked - free, float(np.sqrt(0.5 * np.pi * variance))
+
+
+def bitten(b: Blocks) -> float:
+    """Time from which on the brakes are applied and settled [s]; infinite if they never are."""
+    braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
+    return float(b.end[braked[0]]) + SETTLE if braked.size else np.inf

@@ -1,0 +1,92 @@
+"""The force balance of a car: what the tyres and the brakes must do for a deceleration.
+
+    W z = tyre forces + body forces          tyre forces = brakes + what else slows the wheels
+
+Quasi-static loads, straight line. Every room that asks for loads, resistances or the demanded brake
+force asks here; the simulation adds the same effects by the same functions.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.names import G
+from calib.physics.brakes import at_rest
+from calib.physics.effects.catalogue import Effects, total_axle_moment, total_body_force
+from calib.physics.effects.effect import Motion
+from calib.physics.forces import axle_loads, braking_sum
+from calib.physics.vehicle import Axle, Vehicle
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ForceBalance:
+    """Forces of a run [N], shapes (n,).
+
+    ``load_f``, ``load_r`` axle loads (6), (7); ``moment_f``, ``moment_r`` what slows the wheels
+    besides the brake, inertia included, as a force at the road; ``body`` what slows the body
+    directly; ``tyre_sum`` all tyre forces (5), (17).
+    """
+
+    load_f: Array
+    load_r: Array
+    moment_f: Array
+    moment_r: Array
+    body: Array
+    tyre_sum: Array
+
+    @property
+    def demanded(self) -> Array:
+        """Brake force of both axles [N] that the deceleration demands."""
+        return self.tyre_sum - self.moment_f - self.moment_r
+
+
+def force_balance(
+    vehicle: Vehicle,
+    effects: Effects,
+    time: Array,
+    speed: Array,
+    z: Array,
+    pressure: Array,
+    spin: tuple[Array, Array] | None = None,
+) -> ForceBalance:
+    """Balance at ``time`` [s], ``speed`` [m/s], ``z`` [1] and ``pressure`` [Pa], shapes (n,).
+
+    ``spin`` d omega/dt of the front and the rear wheels [rad/s^2]; without it the wheels slow with
+    the car, -g z/R, exact but for the change of slip.
+    """
+    load_f, load_r = axle_loads(vehicle, z)
+    history = replace(at_rest(time, pressure, 0.0), v=speed, z=z)
+    motion = Motion(speed, load_f, load_r, history)
+    moments = total_axle_moment(vehicle, effects, motion)
+    axles = (vehicle.front, vehicle.rear)
+    if spin is None:
+        spin = (-G * z / vehicle.front.rolling_radius, -G * z / vehicle.rear.rolling_radius)
+    moment_f, moment_r = (
+        moment_at_road(axle, moment, rate)
+        for axle, moment, rate in zip(axles, moments, spin, strict=True)
+    )
+    body = total_body_force(vehicle, effects, motion)
+    return ForceBalance(load_f, load_r, moment_f, moment_r, body, braking_sum(vehicle, z, body))
+
+
+def moment_at_road(axle: Axle, moment: Array | float, spin: Array) -> Array:
+    """Force at the road [N] of what slows both wheels of an axle besides the brake, (1).
+
+    ``moment`` [N m per axle], positive when it slows; ``spin`` d omega/dt [rad/s^2], negative while
+    the wheels slow: their inertia drives on.
+    """
+    return np.asarray((moment + 2.0 * axle.wheel_inertia * spin) / axle.rolling_radius)  # (1)
+
+
+def brake_forces(
+    vehicle: Vehicle, p_f: Array, p_r: Array, log_ratio: Array | float = 0.0
+) -> tuple[Array, Array]:
+    """Brake force of each axle at the road [N] by (2), nominal pads times exp(+-log_ratio/2)."""
+    front, rear = vehicle.front, vehicle.rear
+    gain_f = 2.0 * front.torque_gain * front.pad_friction / front.rolling_radius
+    gain_r = 2.0 * rear.torque_gain * rear.pad_friction / rear.rolling_radius
+    half = np.exp(0.5 * np.asarray(log_ratio))
+    return gain_f * half * p_f, gain_r / half * p_r

@@ -1,0 +1,83 @@
+"""Means, low-pass and stretches: what every room does to a sampled signal, each once."""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Index = NDArray[np.int64]
+
+
+def block_mean(x: Array, size: int) -> Array:
+    """Means over blocks of ``size`` samples along the last axis; a shorter rest is dropped.
+
+    >>> block_mean(np.array([1.0, 3.0, 5.0, 7.0, 9.0]), 2)
+    array([2., 6.])
+    """
+    count = x.shape[-1] // size
+    return np.asarray(x[..., : count * size].reshape(*x.shape[:-1], count, size).mean(axis=-1))
+
+
+def trailing_mean(x: Array, width: int) -> Array:
+    """Mean of the last ``width`` samples; of those there are, at the start. Shape (n,)."""
+    total = np.cumsum(np.concatenate([[0.0], x]))
+    stop = np.arange(1, x.size + 1)
+    start = np.maximum(stop - width, 0)
+    return np.asarray((total[stop] - total[start]) / (stop - start))
+
+
+def centred_mean(x: Array, width: int, *, held_ends: bool = False) -> Array:
+    """Mean over the ``width`` samples around each. Shape (n,).
+
+    An even width has one sample more before than behind. At both ends the mean is over fewer
+    samples, or, with ``held_ends``, over ``width`` of which those outside repeat the first or the
+    last.
+
+    >>> centred_mean(np.array([0.0, 3.0, 6.0]), 3)
+    array([1.5, 3. , 4.5])
+    >>> centred_mean(np.array([0.0, 3.0, 6.0]), 3, held_ends=True)
+    array([1., 3., 5.])
+    """
+    if held_ends:
+        before = width // 2
+        padded = np.pad(x, (before, width - 1 - before), "edge")
+        total = np.cumsum(np.concatenate([[0.0], padded]))
+        return np.asarray((total[width:] - total[:-width]) / width)
+    low, high, count = _window(x.size, width)
+    total = np.concatenate([[0.0], np.cumsum(x)])
+    return np.asarray((total[high] - total[low]) / count)
+
+
+@lru_cache(maxsize=8)
+def _window(size: int, width: int) -> tuple[Index, Index, Array]:
+    """First, one past the last, and number of the samples around each; equal for all channels."""
+    first = np.arange(size) - width // 2
+    low, high = np.maximum(first, 0), np.minimum(first + width, size)
+    return low, high, (high - low).astype(np.float64)
+
+
+def low_pass(x: Array, step: float, time_constant: float) -> Array:
+    """First-order causal low-pass of ``x`` (n,), started at its first value.
+
+    ``step`` and ``time_constant`` [s]. A sample is taken as held since the one before; where the
+    input is to run straight between its samples, use `calib.physics.lag.first_order`.
+    """
+    from scipy.signal import lfilter
+
+    gain = 1.0 - float(np.exp(-step / time_constant))
+    start = [(1.0 - gain) * x[0]]
+    return np.asarray(lfilter([gain], [1.0, gain - 1.0], x, zi=start)[0])
+
+
+def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
+    """First and one-past-last sample of each stretch of ``least`` samples where ``mask`` holds.
+
+    >>> runs(np.array([False, True, True, False, True]))
+    [(1, 3), (4, 5)]
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    first, last = edges[::2], edges[1::2]
+    long = last - first >= least
+    return list(zip(first[long].tolist(), last[long].tolist(), strict=True))
