@@ -81,7 +81,7 @@ def test_imports_go_downhill(file):
         if other == "calib":  # the version
             continue
         below = FLOOR[room(other)] < FLOOR[room(module)]
-        assert below or room(other) == room(module) or FLOOR[room(module)] == FLOOR["errors"], (
+        assert below or room(other) == room(module) or FLOOR[room(other)] == FLOOR["errors"], (
             f"{file} imports {other}, which is on its own floor or above"
         )
 

@@ -29,6 +29,7 @@ stands in the rules below, with the reasons. Not recorded: `watch`, PDF, and log
 
 import argparse
 import csv
+import hashlib
 import json
 import os
 import re
@@ -42,8 +43,9 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property
 from html.parser import HTMLParser
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -102,7 +104,7 @@ SHOWN = 20
 # What is recorded.
 
 LOGS, TABLES = f"{INPUTS}/sample_logs", f"{INPUTS}/tables"
-PLAN, PLAN_WITHOUT, BROKEN = f"{INPUTS}/plan.csv", f"{INPUTS}/plan_cars.csv", f"{INPUTS}/broken"
+PLAN, PLAN_OF_CARS, BROKEN = (f"{INPUTS}/{n}" for n in ("plan.csv", "plan_cars.csv", "broken"))
 FORMATS = {
     "json": "table.json",
     "csv": "table.csv",
@@ -118,25 +120,20 @@ COMMANDS = (
     *("tables show", "tables diff", "tables verify", "tables export", "tables import"),
     *("fleet", "fleet report", "limits", "limits init"),
 )
+CRASH = b"Traceback"
 MANOEUVRES = ("ramp", "step", "wave", "staircase", "coast", "stop")
 IDENTITY = "--serial 0815 --vin WVWZZZ1JZXW000001 --station line-2 --rxswin R1 --date 2025-01-02"
 PATIENCE = 600.0
 """Seconds after which a call is given up."""
 
 
-class Call(NamedTuple):
-    """One line to be typed; ``folder`` takes what comes out, and is {here} in the ``line``."""
-
-    folder: str
-    line: str
+Chain = list[str]
+"""Calls in their order, "FOLDER: WORDS": the words are typed, FOLDER takes what comes out and is
+{here} in the words. A call may need what the ones before it have made."""
 
 
 class MisuseError(Exception):
     """The script was called wrongly."""
-
-
-Chain = list[Call]
-"""Calls in their order, each may need what the ones before have made."""
 
 
 class Samples:
@@ -157,32 +154,31 @@ class Samples:
 
     def line(self, *patterns: str) -> str:
         """The same for a command line."""
-        return shlex.join(self(*patterns))
+        return " ".join(self(*patterns))
 
-
-def stem(path: str) -> str:
-    """File name without its ending."""
-    return Path(path).stem
+    @property
+    def stops(self) -> str:
+        """The hold-outs of the reference car."""
+        return self.line("sedan/*stop*", "sedan/transition*", "sedan/*wet_pads*")
 
 
 def chains(logs: Samples) -> dict[str, Chain]:
     """All that is recorded, by name; long ones first, so that no worker is left with one."""
-    cases = logs("hidden/case_*")
     return {
-        **{f"hidden {stem(case)}": hidden(logs, case) for case in cases},
-        "demo": [Call("demo/all", "demo --out {here}/out --json")],
+        **{f"hidden {Path(case).name}": hidden(logs, case) for case in logs("hidden/case_*")},
+        "demo": ["demo/all: demo --out {here}/out --json"],
+        "simulations": simulations(logs),
         "batch": batches(logs),
         "exports": exports(),
-        "sedan": sedan(logs),
-        "plots": plots(logs),
         "stored tables": stored(logs),
-        "third party": third_party(logs),
-        "simulation study": simulation_study(logs),
-        "station": stations(logs),
-        "simulations": simulations(logs),
-        "gauge": gauge(),
-        "checks": checks(logs),
+        "sedan": sedan(logs),
         "maps": maps(logs),
+        "plots": plots(logs),
+        "station": stations(logs),
+        "checks": checks(logs),
+        "simulation study": simulation_study(logs),
+        "third party": third_party(logs),
+        "gauge": gauge(),
         "refused": refused(logs),
         "cards and help": cards(),
     }
@@ -191,32 +187,28 @@ def chains(logs: Samples) -> dict[str, Chain]:
 def fits(car: str, vehicle: str, combinations: Mapping[str, str]) -> Chain:
     """Fits of a car into one store, version by version, and what `tables` says of it."""
     store = f"--store fit/{car}/store"
-    made = [
-        Call(f"fit/{car}/{name}", f"fit {logs} --vehicle {vehicle} {store} --json")
-        for name, logs in combinations.items()
-    ]
     return [
-        *made,
-        Call(f"tables/{car}/list", f"tables list {store} --json"),
-        Call(f"tables/{car}/verify", f"tables verify {store} --json"),
+        *(
+            f"fit/{car}/{name}: fit {logs} --vehicle {vehicle} {store} --json"
+            for name, logs in combinations.items()
+        ),
+        f"tables/{car}/list: tables list {store} --json",
+        f"tables/{car}/verify: tables verify {store} --json",
     ]
 
 
-def validations(car: str, name: str, versions: range, logs: str, more: str = "") -> Chain:
+def validations(car: str, table: str, count: int, logs: str) -> Chain:
     """Every version of a fitted table on all the logs."""
+    more = f"--store fit/{car}/store --out {{here}}/out --json"
     return [
-        Call(
-            f"validate/{car}/version_{n}",
-            f"validate {name}@{n} {logs} --store fit/{car}/store --out {{here}}/out --json {more}",
-        )
-        for n in versions
+        f"validate/{car}/version_{n}: validate {table}@{n} {logs} {more}"
+        for n in range(1, count + 1)
     ]
 
 
 def sedan(logs: Samples) -> Chain:
     """The reference car: all combinations of its ramps and its coast, on all of its stops."""
     one, two, coast = logs("sedan/ramp_wet_asphalt.csv", "sedan/ramp_*_repeat.csv", "sedan/coast*")
-    stops = logs.line("sedan/*stop*", "sedan/transition*", "sedan/*wet_pads*")
     vehicle = f"{LOGS}/sedan/vehicle.toml"
     store = "--store fit/sedan/store"
     combinations = {
@@ -230,155 +222,123 @@ def sedan(logs: Samples) -> Chain:
     }
     return [
         *fits("sedan", vehicle, combinations),
-        Call("fit/sedan/words", f"fit {one} {coast} --vehicle {vehicle} {store}"),
-        *validations("sedan", "sedan-2up", range(1, 7), stops),
-        Call(
-            "validate/sedan/calibration_logs",
-            f"validate sedan-2up@3 {one} {two} {coast} {store} --out {{here}}/out --json",
-        ),
-        Call("tables/sedan/diff", f"tables diff sedan-2up@1 sedan-2up@6 {store} --json"),
-        Call("tables/sedan/same", f"tables diff sedan-2up@2 sedan-2up@2 {store} --json"),
-        *(Call(f"tables/sedan/show_{n}", f"tables show sedan-2up@{n} {store} --json")
-          for n in (1, 6)),
-    ]  # fmt: skip
+        f"fit/sedan/words: fit {one} {coast} --vehicle {vehicle} {store}",
+        *validations("sedan", "sedan-2up", 6, logs.stops),
+        f"validate/sedan/ramps: validate sedan-2up@3 {one} {two} {store} --out {{here}}/out --json",
+        f"tables/sedan/diff: tables diff sedan-2up@1 sedan-2up@6 {store} --json",
+        f"tables/sedan/same: tables diff sedan-2up@2 sedan-2up@2 {store} --json",
+        *(f"tables/sedan/show_{n}: tables show sedan-2up@{n} {store} --json" for n in (1, 6)),
+    ]
 
 
 def simulation_study(logs: Samples) -> Chain:
     """The paper's Section IV, with the right pads in the vehicle file and with wrong ones."""
-    folder = f"{LOGS}/simulation_study"
+    car, study = f"{LOGS}/simulation_study/vehicle", "simulation_study"
     ramp, stop = logs("simulation_study/ramp*", "simulation_study/stop*")
-    right, wrong = f"{folder}/vehicle.toml", f"{folder}/vehicle_wrong_pads.toml"
-    store = "--store fit/simulation_study/store"
+    store, wrong = f"--store fit/{study}/store", f"--vehicle {car}_wrong_pads.toml"
+    more = f"{store} --out {{here}}/out --json"
     return [
-        *fits("simulation_study", right, {"ramp": ramp}),
-        Call("fit/simulation_study/wrong", f"fit {ramp} --vehicle {wrong} {store} --json"),
-        *validations("simulation_study", "sedan-sim", range(1, 3), f"{stop} {ramp}"),
-        Call(
-            "validate/simulation_study/other_pads",
-            f"validate sedan-sim@1 {stop} --vehicle {wrong} {store} --out {{here}}/out --json",
-        ),
-        Call("tables/simulation_study/show", f"tables show sedan-sim@2 {store} --json"),
+        *fits(study, f"{car}.toml", {"ramp": ramp}),
+        f"fit/{study}/wrong: fit {ramp} {wrong} {store} --json",
+        *validations(study, "sedan-sim", 2, f"{stop} {ramp}"),
+        f"validate/{study}/other_pads: validate sedan-sim@1 {stop} {wrong} {more}",
+        f"tables/{study}/show: tables show sedan-sim@2 {store} --json",
     ]
 
 
 def third_party(logs: Samples) -> Chain:
     """The multi-body car: its ramp, and the two of its hold-outs that can be fitted, too."""
-    ramp, holds = logs.line("third_party/cal_ramp*"), logs("third_party/hold*")
-    slow = [hold for hold in holds if "hold2" in hold or "hold4" in hold]
-    combinations = {
-        "ramp": ramp,
-        "slow_holds": " ".join(slow),
-        "all_slow": " ".join((ramp, *slow)),
-    }
+    ramp, slow = logs.line("third_party/cal*"), logs.line("third_party/hold[24]*")
+    combinations = {"ramp": ramp, "slow_holds": slow, "all_slow": f"{ramp} {slow}"}
     return [
         *fits("third_party", f"{LOGS}/third_party/vehicle.toml", combinations),
-        *validations("third_party", "escort", range(1, 4), " ".join(holds)),
+        *validations("third_party", "escort", 3, logs.line("third_party/hold*")),
     ]
 
 
 def hidden(logs: Samples, folder: str) -> Chain:
-    """A case for `diagnose`: fits, hold-outs, the search, and both with what was found."""
-    case = stem(folder)
-    vehicle, model = f"{folder}/vehicle.toml", f"diagnose/{case}/out/model.toml"
-    of = partial("hidden/{}/{}".format, case)
-    calibration, holdouts = logs.line(of("calibration/*")), logs.line(of("holdout/*"))
+    """A case for `diagnose`: the search, fits and hold-outs, and both with what was found."""
+    case, car = Path(folder).name, f"{folder}/vehicle.toml"
+    below = f"hidden/{case}"
+    calibration, holdouts = (logs.line(f"{below}/{f}/*") for f in ("calibration", "holdout"))
     ramp, fast, coast, slow = (
-        logs.line(of(f"calibration/{name}.*")) for name in ("ramp", "ramp_fast", "coast*w", "coast")
+        f"{folder}/calibration/{log}.parquet"
+        for log in ("ramp", "ramp_fast", "coast", "coast_slow")
     )
-    name = tomllib.loads((logs.home / vehicle).read_text(encoding="utf-8"))["name"]
-    store, driving = f"--store fit/{case}/store", f"--vehicle {vehicle} --model {model}"
     combinations = {
         "ramp": ramp,
         "ramp_coast": f"{ramp} {coast}",
         "ramps_coasts": f"{ramp} {fast} {coast} {slow}",
-        "everything": calibration,
     }
+    name = tomllib.loads((logs.home / car).read_text(encoding="utf-8"))["name"]
+    store, model = f"--store fit/{case}/store", f"--model diagnose/{case}/out/model.toml"
+    more = "--out {here}/out --json"
+    simulated = {Path(log).stem: log for log in (*logs(f"{below}/holdout/*"), ramp)}
     return [
-        Call(
-            f"diagnose/{case}",
-            f"diagnose {calibration} --holdout {holdouts} --vehicle {vehicle} "
-            "--out {here}/out --json",
-        ),
-        *fits(case, vehicle, combinations),
-        Call(f"fit/{case}/model", f"fit {ramp} {fast} {coast} {driving} {store} --json"),
-        *validations(case, name, range(1, 5), holdouts),
-        Call(
-            f"validate/{case}/model",
-            f"validate {name}@2 {holdouts} --model {model} {store} --out {{here}}/out --json",
-        ),
+        f"diagnose/{case}: diagnose {calibration} --holdout {holdouts} --vehicle {car} {more}",
+        *fits(case, car, combinations),
+        f"refused/{case}: fit {calibration} --vehicle {car} {store}",
+        f"fit/{case}/model: fit {ramp} {fast} {coast} --vehicle {car} {model} {store} --json",
+        *validations(case, name, 4, holdouts),
+        f"validate/{case}/model: validate {name}@2 {holdouts} {model} {store} {more}",
         *(
-            Call(
-                f"simulate/{case}/{stem(log)}",
-                f"simulate {log} {driving} --out {{here}}/sim{Path(log).suffix} --json",
-            )
-            for log in (*logs(of("holdout/*")), ramp)
+            f"simulate/{case}/{stem}: simulate {log} --vehicle {car} {model} "
+            "--out {here}/sim.parquet --json"
+            for stem, log in simulated.items()
         ),
-        Call(
-            f"simulate/{case}/manoeuvre",
-            f"simulate --manoeuvre wave --noise 3 {driving} --out {{here}}/sim.csv --json",
-        ),
+        f"simulate/{case}/wave: simulate --manoeuvre wave --noise 3 --vehicle {car} {model} "
+        "--out {here}/sim.csv --json",
     ]
 
 
 def stored(logs: Samples) -> Chain:
     """The tables of the repository, on the hold-outs of their cars and in the store's commands."""
     store, limits = f"--store {TABLES}", f"--limits {LOGS}/limits.toml"
-    stops = logs.line("sedan/*stop*", "sedan/transition*", "sedan/*wet_pads*")
     used = {
-        "sedan-2up@1": stops,
-        "sedan-2up@2": stops,
+        "sedan-2up@1": logs.stops,
+        "sedan-2up@2": logs.stops,
         "sedan-sim@1": logs.line("simulation_study/stop*"),
         "escort@1": logs.line("third_party/hold*"),
     }
-    folder = {table: table.replace("@", "_") for table in used}
-    return [
-        Call("tables/stored/list", f"tables list {store} --json"),
-        Call("tables/stored/list_words", f"tables list {store}"),
-        Call("tables/stored/verify", f"tables verify {store} --json"),
-        Call("tables/stored/verify_words", f"tables verify {store}"),
-        Call("tables/stored/diff", f"tables diff sedan-2up@1 sedan-2up@2 {store} --json"),
-        Call("tables/stored/diff_words", f"tables diff sedan-2up@1 sedan-2up@2 {store}"),
-        Call("tables/stored/diff_cars", f"tables diff sedan-2up@2 escort@1 {store} --json"),
-        *(Call(f"tables/stored/{folder[t]}_show", f"tables show {t} {store} --json") for t in used),
-        *(Call(f"tables/stored/{folder[t]}_show_words", f"tables show {t} {store}") for t in used),
-        *(
-            Call(
-                f"validate/stored/{folder[t]}",
-                f"validate {t} {logged} {store} --out {{here}}/out --json",
-            )
-            for t, logged in used.items()
-        ),
-        *(
-            Call(f"validate/stored/{folder[t]}_words", f"validate {t} {logged} {store}")
-            for t, logged in used.items()
-        ),
-        Call("validate/stored/limits", f"validate sedan-2up {stops} {store} {limits} --json"),
-        Call(
-            "export/state/cdfx",
-            f"tables export sedan-2up@2 --format cdfx --out {{here}}/table.cdfx {store} --json "
-            "--validation validate/stored/sedan-2up_2/out/summary.json",
-        ),
+    out = "--out {here}/out --json"
+    calls = [
+        f"tables/stored/list: tables list {store} --json",
+        f"tables/stored/list_words: tables list {store}",
+        f"tables/stored/verify: tables verify {store} --json",
+        f"tables/stored/verify_words: tables verify {store}",
+        f"tables/stored/diff: tables diff sedan-2up@1 sedan-2up@2 {store} --json",
+        f"tables/stored/diff_words: tables diff sedan-2up@1 sedan-2up@2 {store}",
+        f"tables/stored/diff_cars: tables diff sedan-2up@2 escort@1 {store} --json",
     ]
+    for table, holdouts in used.items():
+        name = table.replace("@", "_")
+        calls += [
+            f"tables/stored/{name}: tables show {table} {store} --json",
+            f"tables/stored/{name}_words: tables show {table} {store}",
+            f"validate/stored/{name}: validate {table} {holdouts} {store} {out}",
+            f"validate/stored/{name}_words: validate {table} {holdouts} {store}",
+        ]
+    summary = "--validation validate/stored/sedan-2up_2/out/summary.json"
+    return [
+        *calls,
+        f"validate/stored/limits: validate sedan-2up {logs.stops} {store} {limits} --json",
+        export("state/cdfx", "sedan-2up@2", "cdfx", summary),
+    ]
+
+
+def export(folder: str, table: str, form: str, more: str = "") -> str:
+    """A stored table in one format."""
+    out = f"--out {{here}}/{FORMATS[form]} --store {TABLES} --json"
+    return f"export/{folder}: tables export {table} --format {form} {out} {more}"
 
 
 def exports() -> Chain:
     """Every format of every stored table; fewer points, fixed point, and what is read back."""
-    store = f"--store {TABLES}"
-
-    def export(folder: str, table: str, form: str, more: str = "") -> Call:
-        return Call(
-            f"export/{folder}",
-            f"tables export {table} --format {form} --out {{here}}/{FORMATS[form]} {store} "
-            f"--json {more}",
-        )
-
     tables = ("sedan-2up@1", "sedan-2up@2", "sedan-sim@1", "escort@1")
+    names = {table: table.replace("@", "_") for table in tables}
+    words = (("sedan-2up_2", "--json"), ("points_16", "--json"), ("escort_1", ""))
     return [
-        *(
-            export(f"{table.replace('@', '_')}/{form}", table, form)
-            for table in tables
-            for form in FORMATS
-        ),
+        *(export(f"{names[table]}/{form}", table, form) for table in tables for form in FORMATS),
         *(export(f"points_16/{form}", "sedan-2up", form, "--points 16") for form in FORMATS),
         *(export(f"points_8/{form}", "escort", form, "--points 8") for form in ("dcm", "c-header")),
         *(
@@ -387,98 +347,72 @@ def exports() -> Chain:
             for car in ("sedan-2up", "escort")
         ),
         *(
-            Call(f"import/{folder}_{form}", f"tables import export/{folder}/{form}/{name} {more}")
-            for form, name in FORMATS.items()
-            if form in ("dcm", "cdfx")
-            for folder, more in (
-                ("sedan-2up_2", f"{store} --json"),
-                ("points_16", f"{store} --json"),
-                ("escort_1", store),
-            )
+            f"import/{folder}_{form}: tables import export/{folder}/{form}/{FORMATS[form]} "
+            f"--store {TABLES} {how}"
+            for form in ("dcm", "cdfx")
+            for folder, how in words
         ),
     ]
 
 
 def stations(logs: Samples) -> Chain:
     """A car that passes, with all exports; one that fails; one of the multi-body simulator."""
-    ramp, repeat, coast = logs(
-        "sedan/ramp_wet_asphalt.csv", "sedan/ramp_*_repeat.csv", "sedan/coast*"
-    )
-    same, wet = logs.line("sedan/dry*", "sedan/transition*"), logs.line("sedan/*wet_pads*")
-    vehicle = f"--vehicle {LOGS}/sedan/vehicle.toml --golden {TABLES}/sedan-2up/v0002"
-    forms = " ".join(f"--export {form}" for form in FORMATS)
+    one, two, coast = logs("sedan/ramp_wet_asphalt.csv", "sedan/ramp_*_repeat.csv", "sedan/coast*")
+    dry, wet = logs.line("sedan/dry*", "sedan/transition*"), logs.line("sedan/*wet_pads*")
+    car = f"--vehicle {LOGS}/sedan/vehicle.toml --golden {TABLES}/sedan-2up/v0002"
+    told = IDENTITY + "".join(f" --export {form}" for form in FORMATS)
     out = "--store {here}/store --out {here}/out"
-    other = logs.line("third_party/cal*", "third_party/hold*")
+    other = f"--vehicle {LOGS}/third_party/vehicle.toml"
     return [
-        Call("limits/file", "limits init --out {here}/line.toml --json"),
-        Call("limits/words", "limits init"),
-        Call(
-            "station/passed",
-            f"station {ramp} {same} --coast {coast} {vehicle} {IDENTITY} {forms} {out} --json",
-        ),
-        Call(
-            "station/failed",
-            f"station {ramp} {same} {wet} --ramp {repeat} --coast {coast} {vehicle} "
-            f"--limits limits/file/line.toml {IDENTITY} {forms} {out} --json",
-        ),
-        Call("station/words", f"station {ramp} {same} --coast {coast} {vehicle} {out}"),
-        Call(
-            "station/third_party",
-            f"station {other} --vehicle {LOGS}/third_party/vehicle.toml {out} --json",
-        ),
+        "limits/file: limits init --out {here}/line.toml --json",
+        "limits/words: limits init",
+        f"station/passed: station {one} {dry} --coast {coast} {car} {told} {out} --json",
+        f"station/failed: station {one} {dry} {wet} --ramp {two} --coast {coast} {car} {told} "
+        f"--limits limits/file/line.toml {out} --json",
+        f"station/words: station {one} {dry} --coast {coast} {car} {out}",
+        "station/third_party: station "
+        f"{logs.line('third_party/cal*', 'third_party/hold*')} {other} {out} --json",
     ]
 
 
 def simulations(logs: Samples) -> Chain:
     """Logs driven again by the vehicle's own model, and manoeuvres that are fitted and proved."""
+    sedan_file = f"{LOGS}/sedan/vehicle.toml"
+    driven = logs("sedan/*.csv", "simulation_study/*.parquet", "third_party/*.parquet")
     calls = [
-        Call(
-            f"simulate/{car}/{stem(log)}",
-            f"simulate {log} --vehicle {LOGS}/{car}/vehicle.toml "
-            f"--out {{here}}/sim{Path(log).suffix} --json",
-        )
-        for car in ("sedan", "simulation_study", "third_party")
-        for log in logs(f"{car}/*.csv" if car == "sedan" else f"{car}/*.parquet")
+        f"simulate/{Path(log).parent.name}/{Path(log).stem}: simulate {log} "
+        f"--vehicle {Path(log).parent}/vehicle.toml --out {{here}}/sim{Path(log).suffix} --json"
+        for log in driven
     ]
-    vehicle = f"--vehicle {LOGS}/sedan/vehicle.toml"
     calls += [
-        Call(
-            f"simulate/manoeuvres/{name}",
-            f"simulate --manoeuvre {name} {vehicle} --noise {seed} --out {{here}}/{name}.csv "
-            "--json",
-        )
+        f"simulate/manoeuvres/{name}: simulate --manoeuvre {name} --vehicle {sedan_file} "
+        f"--noise {seed} --out {{here}}/{name}.csv --json"
         for seed, name in enumerate(MANOEUVRES)
     ]
     made = {name: f"simulate/manoeuvres/{name}/{name}.csv" for name in MANOEUVRES}
-    stops = " ".join(made[name] for name in ("step", "wave", "staircase"))
     return [
         *calls,
-        Call(
-            "simulate/manoeuvres/told",
-            f"simulate --manoeuvre step {vehicle} --speed '90 km/h' --pressure '45 bar' "
-            "--rate 100 --out {here}/told.parquet --json",
-        ),
-        *fits(
-            "manoeuvres", f"{LOGS}/sedan/vehicle.toml", {"ramp": f"{made['ramp']} {made['coast']}"}
-        ),
-        *validations("manoeuvres", "sedan-2up", range(1, 2), stops),
-        Call("check/manoeuvres", f"check {' '.join(made.values())} --json"),
+        f"simulate/manoeuvres/told: simulate --manoeuvre step --vehicle {sedan_file} "
+        "--speed '90 km/h' --pressure '45 bar' --rate 100 --out {here}/told.parquet --json",
+        *fits("manoeuvres", sedan_file, {"ramp": f"{made['ramp']} {made['coast']}"}),
+        *validations("manoeuvres", "sedan-2up", 1, f"{made['step']} {made['wave']}"),
+        f"check/manoeuvres: check {' '.join(made.values())} --json",
     ]
 
 
 def gauge() -> Chain:
     """Two ramps each of six cars, with stations and without."""
     return [
-        Call("repeatability/stations", f"repeatability --plan {PLAN} --out {{here}}/out --json"),
-        Call("repeatability/cars", f"repeatability --plan {PLAN_WITHOUT} --eta 0.1 --json"),
-        Call("repeatability/words", f"repeatability --plan {PLAN_WITHOUT} --quantity pad_scale"),
+        f"repeatability/stations: repeatability --plan {PLAN} --out {{here}}/out --json",
+        f"repeatability/cars: repeatability --plan {PLAN_OF_CARS} --eta 0.1 --json",
+        f"repeatability/words: repeatability --plan {PLAN_OF_CARS} --quantity pad_scale",
     ]
 
 
 def batches(logs: Samples) -> Chain:
     """Batches of all commands, and what the fleet's report says of them."""
     many = " ".join(f"{LOGS}/{f}" for f in ("sedan", "simulation_study", "third_party", "hidden"))
-    case = logs("hidden/case_*")[0]
+    case, quick = logs("hidden/case_0", "hidden/case_5")
     jobs = {
         "check": f"check {many}",
         "check_map": f"check {LOGS}/real/toyota_brake.csv --map {LOGS}/real/toyota.toml",
@@ -487,83 +421,77 @@ def batches(logs: Samples) -> Chain:
         "validate": f"validate {LOGS}/sedan --table sedan-2up --store {TABLES}",
         "validate_limits": f"validate '{LOGS}/third_party/hold*.parquet' --table escort@1 "
         f"--store {TABLES} --limits {LOGS}/limits.toml",
-        "diagnose": f"diagnose {logs('hidden/case_5')[0]}",
+        "diagnose": f"diagnose {quick}",
     }
-    calls = [
-        Call(f"batch/{name}", f"batch {line} --workers 2 --out {{here}}/out --json")
-        for name, line in jobs.items()
-    ]
+    results = {name: f"batch/{name}/out/results.parquet" for name in jobs}
     reported = ("check", "fit_sedan", "fit_case", "validate", "validate_limits")
+    ordered = "--order speed_max --figure eta_zero --figure rate"
     return [
-        *calls,
         *(
-            Call(
-                f"fleet/{name}",
-                f"fleet report batch/{name}/out/results.parquet --out {{here}}/out --json",
-            )
+            f"batch/{name}: batch {words} --workers 2 --out {{here}}/out --json"
+            for name, words in jobs.items()
+        ),
+        *(
+            f"fleet/{name}: fleet report {results[name]} --out {{here}}/out --json"
             for name in reported
         ),
-        Call(
-            "fleet/ordered",
-            "fleet report batch/check/out/results.parquet --order speed_max --figure eta_zero "
-            "--figure rate --json",
-        ),
-        Call("fleet/words", "fleet report batch/check/out/results.parquet"),
+        f"fleet/ordered: fleet report {results['check']} {ordered} --json",
+        f"fleet/words: fleet report {results['check']}",
     ]
 
 
 def plots(logs: Samples) -> Chain:
     """A page of each sort."""
-    store, car = f"--store {TABLES}", f"--vehicle {LOGS}/simulation_study/vehicle_wrong_pads.toml"
     ramp, stop = logs("sedan/ramp_wet_asphalt.csv", "sedan/basalt*")
+    other = f"--vehicle {LOGS}/simulation_study/vehicle_wrong_pads.toml"
     drawn = {
         "table": "sedan-2up",
         "table_ramp": f"sedan-2up {ramp}",
         "tables": "sedan-2up@1 sedan-2up@2",
         "stop": f"sedan-2up {stop}",
-        "truth": f"escort {logs('third_party/hold3*')[0]}",
-        "other_pads": f"sedan-sim {logs('simulation_study/stop*')[0]} {car}",
-        "log": logs("third_party/cal*")[0],
+        "truth": f"escort {logs.line('third_party/hold3*')}",
+        "other_pads": f"sedan-sim {logs.line('simulation_study/stop*')} {other}",
+        "log": logs.line("third_party/cal*"),
         "real": f"{LOGS}/real/toyota_brake.csv --map {LOGS}/real/toyota.toml",
     }
     return [
-        Call(f"plot/{name}", f"plot {what} {store} --out {{here}}/page.svg --json")
+        f"plot/{name}: plot {what} --store {TABLES} --out {{here}}/page.svg --json"
         for name, what in drawn.items()
     ]
 
 
 def checks(logs: Samples) -> Chain:
     """What is in every log; a call for each folder."""
-    folders = [LOGS + "/sedan", LOGS + "/simulation_study", LOGS + "/third_party"]
-    folders += logs("hidden/case_*/calibration", "hidden/case_*/holdout")
-    calls = []
-    for folder in folders:
-        below = Path(folder).relative_to(LOGS).as_posix()
-        found = logs.line(f"{below}/*.csv" if below == "sedan" else f"{below}/*.parquet")
-        name = below.replace("hidden/", "")
-        calls.append(Call(f"check/{name}", f"check {found} --json"))
+    folders = {
+        "sedan": "sedan/*.csv",
+        "simulation_study": "simulation_study/*.parquet",
+        "third_party": "third_party/*.parquet",
+    }
+    for case in logs("hidden/case_*"):
+        for part in ("calibration", "holdout"):
+            folders[f"{Path(case).name}_{part}"] = f"hidden/{Path(case).name}/{part}/*.parquet"
     return [
-        *calls,
-        Call("check/words", f"check {logs.line('sedan/*.csv', 'third_party/*.parquet')}"),
+        *(f"check/{name}: check {logs.line(found)} --json" for name, found in folders.items()),
+        f"check/words: check {logs.line('sedan/*.csv', 'third_party/*.parquet')}",
     ]
 
 
 def maps(logs: Samples) -> Chain:
-    """The logs of production cars, with their maps and without; proposals for all CSV logs."""
+    """The logs of production cars, with their maps and without; proposals for other logs, too."""
     calls = []
     for log in logs("real/*.csv"):
-        name = stem(log)
+        name = Path(log).stem
         written = f"{LOGS}/real/{name.removesuffix('_brake')}.toml"
         calls += [
-            Call(f"check/{name}", f"check {log} --json"),
-            Call(f"check/{name}_map", f"check {log} --map {written} --json"),
-            Call(f"map/{name}", f"map suggest {log} --out {{here}}/map.toml --json"),
-            Call(f"map/{name}_told", f"map suggest {log} --take p_mc= --radius 0.31 --json"),
-            Call(f"map/{name}_words", f"map suggest {log} --map {written}"),
-            Call(f"check/{name}_suggested", f"check {log} --map map/{name}/map.toml --json"),
+            f"check/{name}: check {log} --json",
+            f"check/{name}_map: check {log} --map {written} --json",
+            f"map/{name}: map suggest {log} --out {{here}}/map.toml --json",
+            f"map/{name}_told: map suggest {log} --take p_mc= --radius 0.31 --json",
+            f"map/{name}_words: map suggest {log} --map {written}",
+            f"check/{name}_suggested: check {log} --map map/{name}/map.toml --json",
         ]
     others = logs("sedan/*.csv", "simulation_study/*.parquet", "third_party/cal*")
-    return [*calls, *(Call(f"map/{stem(log)}", f"map suggest {log} --json") for log in others)]
+    return [*calls, *(f"map/{Path(log).stem}: map suggest {log} --json" for log in others)]
 
 
 def refused(logs: Samples) -> Chain:
@@ -572,42 +500,41 @@ def refused(logs: Samples) -> Chain:
         "sedan/coast*", "sedan/dry*", "sedan/ramp_wet_asphalt.csv", "real/toyota*.csv"
     )
     vehicle, store = f"--vehicle {LOGS}/sedan/vehicle.toml", f"--store {TABLES}"
-    into = "--store {here}/store"
-    mapped = f"{real} --map {LOGS}/real/toyota.toml"
-    lines = {
-        "fit_coast": f"fit {coast} {vehicle} {into}",
-        "fit_stop": f"fit {stop} {vehicle} {into}",
-        "fit_twice": f"fit {ramp} {ramp} {vehicle} {into}",
-        "fit_real": f"fit {mapped} {vehicle} {into}",
-        "fit_no_vehicle": f"fit {ramp} --vehicle {LOGS}/limits.toml {into}",
-        "check_toml": f"check {LOGS}/limits.toml --json",
-        "check_missing": "check missing.csv --json",
-        "validate_no_table": f"validate sedan-3up {stop} {store}",
-        "validate_no_version": f"validate sedan-2up@9 {stop} {store}",
-        "validate_other_car": f"validate escort {stop} {vehicle} {store}",
-        "validate_real": f"validate sedan-2up {mapped} {store}",
-        "show_broken": f"tables show sedan-2up@1 --store {BROKEN}",
-        "verify_broken": f"tables verify --store {BROKEN} --json",
-        "export_form": f"tables export sedan-2up --format dmc --out {{here}}/x.dcm {store}",
-        "effect": "effects hydraulic_lak",
-        "option": "check --jason",
-        "simulate": f"simulate {vehicle} --out {{here}}/x.csv",
-        "station_golden": f"station {ramp} {stop} {vehicle} --golden sedan-2up --out {{here}}/x",
-        "quantity": f"repeatability --plan {PLAN} --quantity pad_scald",
-        "batch": f"batch validate {LOGS}/sedan --out {{here}}/x",
-    }
-    return [Call(f"refused/{name}", line) for name, line in lines.items()]
+    into, mapped = "--store {here}/store", f"{real} --map {LOGS}/real/toyota.toml"
+    return [
+        f"refused/fit_coast: fit {coast} {vehicle} {into}",
+        f"refused/fit_stop: fit {stop} {vehicle} {into}",
+        f"refused/fit_twice: fit {ramp} {ramp} {vehicle} {into}",
+        f"refused/fit_real: fit {mapped} {vehicle} {into}",
+        f"refused/fit_no_vehicle: fit {ramp} --vehicle {LOGS}/limits.toml {into}",
+        f"refused/check_toml: check {LOGS}/limits.toml --json",
+        "refused/check_missing: check missing.csv --json",
+        f"refused/validate_coast: validate sedan-2up {coast} {store}",
+        f"refused/validate_no_table: validate sedan-3up {stop} {store}",
+        f"refused/validate_no_version: validate sedan-2up@9 {stop} {store}",
+        f"refused/validate_other_car: validate escort {stop} {vehicle} {store}",
+        f"refused/validate_real: validate sedan-2up {mapped} {store}",
+        f"refused/show_broken: tables show sedan-2up@1 --store {BROKEN}",
+        f"refused/verify_broken: tables verify --store {BROKEN} --json",
+        f"refused/export_form: tables export sedan-2up --format dmc --out {{here}}/x {store}",
+        "refused/effect: effects hydraulic_lak",
+        "refused/option: check --jason",
+        f"refused/simulate: simulate {vehicle} --out {{here}}/x.csv",
+        f"refused/golden: station {ramp} {stop} {vehicle} --golden sedan-2up --out {{here}}/x",
+        f"refused/quantity: repeatability --plan {PLAN} --quantity pad_scald",
+        f"refused/batch: batch validate {LOGS}/sedan --out {{here}}/x",
+    ]
 
 
 def cards() -> Chain:
     """The catalogue of effects, and the help of every command."""
     return [
-        Call("effects/all", "effects --json"),
-        Call("effects/words", "effects"),
-        Call("effects/card", "effects hydraulic_lag"),
-        Call("help/all", "--help"),
-        Call("help/version", "--version"),
-        *(Call(f"help/{name.replace(' ', '_')}", f"{name} --help") for name in COMMANDS),
+        "effects/all: effects --json",
+        "effects/words: effects",
+        "effects/card: effects hydraulic_lag",
+        "help/all: --help",
+        "help/version: --version",
+        *(f"help/{name.replace(' ', '_')}: {name} --help" for name in COMMANDS),
     ]
 
 
@@ -633,14 +560,15 @@ def write_inputs(home: Path, samples: Path, tables: Path) -> None:
         car, vehicle = Path(folder).name, f"sample_logs/{folder}/vehicle.toml"
         with_station.append(f"sample_logs/{folder}/{log},{car},{'AB'[k % 2]},{vehicle}")
         without.append(f"sample_logs/{folder}/{log},{car},{vehicle}")
-    for path, lines in ((PLAN, with_station), (PLAN_WITHOUT, without)):
+    for path, lines in ((PLAN, with_station), (PLAN_OF_CARS, without)):
         (home / path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def run(call: Call, command: list[str], home: Path) -> int:
-    """Type one line in the folder of the recording and keep what comes out; the exit code."""
-    arguments = shlex.split(call.line.replace("{here}", call.folder))
-    folder = home / call.folder
+def run(call: str, command: list[str], home: Path) -> tuple[str, int]:
+    """Type one line in the folder of the recording, keep what comes out; its folder, exit code."""
+    name, _, words = call.partition(": ")
+    arguments = shlex.split(words.replace("{here}", name))
+    folder = home / name
     folder.mkdir(parents=True)
     environment = {k: v for k, v in os.environ.items() if k not in ("COLUMNS", "FORCE_COLOR")}
     done = subprocess.run(
@@ -652,52 +580,62 @@ def run(call: Call, command: list[str], home: Path) -> int:
         timeout=PATIENCE,
         check=False,
     )
-    told = {"arguments": arguments, "exit_code": done.returncode}
-    (folder / "call.json").write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
+    write_json(folder / "call.json", {"arguments": arguments, "exit_code": done.returncode})
     if done.stdout:
-        name = "stdout.json" if "--json" in arguments else "stdout.txt"
-        (folder / name).write_bytes(done.stdout)
-    if done.returncode not in (0, 1) or b"Traceback" in done.stderr:
+        stdout = "stdout.json" if "--json" in arguments else "stdout.txt"
+        (folder / stdout).write_bytes(done.stdout)
+    if done.returncode not in (0, 1) or CRASH in done.stderr:
         (folder / "error.txt").write_bytes(done.stderr)
-    return done.returncode
+    return name, done.returncode
 
 
-def record(home: Path, command: list[str], samples: Path, tables: Path, jobs: int) -> int:
-    """Run everything; 0 unless a call ended as only the refused ones may."""
+def write_json(path: Path, document: dict[str, object]) -> None:
+    """Write a document."""
+    path.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
+
+
+def version_of(command: list[str]) -> str:
+    """What the program says of itself."""
+    try:
+        asked = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise MisuseError(f"{shlex.join(command)} does not run ({error})") from None
+    return asked.stdout.strip()
+
+
+def record(home: Path, command: list[str], samples: Path, tables: Path, jobs: int) -> None:
+    """Run everything, and tell which calls ended as only the refused ones may."""
     if home.exists() and any(home.iterdir()):
         raise MisuseError(f"{home} is not empty")
-    version = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
+    version = version_of(command)
     home.mkdir(parents=True, exist_ok=True)
     write_inputs(home, samples, tables)
-    begun, codes = time.perf_counter(), {}
+    begun = time.perf_counter()
+    codes: dict[str, int] = {}
 
     def work(item: tuple[str, Chain]) -> str:
         start = time.perf_counter()
-        codes.update({call.folder: run(call, command, home) for call in item[1]})
+        codes.update(run(call, command, home) for call in item[1])
         return f"{item[0]:<20} {len(item[1]):4} calls {time.perf_counter() - start:6.1f} s"
 
     with ThreadPoolExecutor(jobs) as pool:
         for line in pool.map(work, chains(Samples(home)).items()):
             print(line, flush=True)
-    seconds = time.perf_counter() - begun
     counted = {str(code): count for code, count in sorted(Counter(codes.values()).items())}
     told = {
         "command": command,
-        "version": version.stdout.strip(),
+        "version": version,
         "recorded": time.strftime("%Y-%m-%d %H:%M:%S"),
-        "seconds": round(seconds, 1),
-        "calls": len(codes),
+        "seconds": round(time.perf_counter() - begun, 1),
         "exit_codes": counted,
     }
-    (home / RECORDING).write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
+    write_json(home / RECORDING, told)
     said = ", ".join(f"{count} with {code}" for code, count in counted.items())
-    print(f"\n{len(codes)} calls in {seconds:.0f} s; exit codes: {said}")
-    odd = [f for f, code in codes.items() if code not in (0, 1) and not f.startswith("refused/")]
-    odd += [p.parent.relative_to(home).as_posix() for p in sorted(home.rglob("error.txt"))
-            if "Traceback" in p.read_text(encoding="utf-8", errors="replace")]  # fmt: skip
-    for folder in odd:
-        print(f"look at {folder}/error.txt: exit code {codes[folder]}")
-    return 0
+    print(f"\n{len(codes)} calls in {told['seconds']:.0f} s; exit codes: {said}")
+    for folder, code in sorted(codes.items()):
+        error = home / folder / "error.txt"
+        if error.exists() and (CRASH in error.read_bytes() or not folder.startswith("refused/")):
+            print(f"look at {error}: exit code {code}")
 
 
 # ---------------------------------------------------------------------------------------------
@@ -725,11 +663,8 @@ class Side:
 
     def name(self, *keys: str) -> str:
         """The last of nested keys, as it is called in the other folder."""
-        whole = ".".join(keys)
-        for old, new in self.renamed.items():
-            if whole == old or whole.endswith(f".{old}"):
-                return new
-        return keys[-1]
+        ends = (".".join(keys[k:]) for k in range(len(keys)))
+        return next((self.renamed[end] for end in ends if end in self.renamed), keys[-1])
 
     def text(self, text: str) -> str:
         """A text without what is not compared."""
@@ -743,9 +678,20 @@ class Side:
         known = any(digest.startswith(found[0]) for digest in self.inputs)
         return found[0] if known else "DIGEST"
 
-    def named(self, path: Path) -> str:
-        """A file of this folder by its name in the other one."""
-        return "/".join(map(self.name, path.relative_to(self.home).parts))
+    @cached_property
+    def files(self) -> dict[str, Path]:
+        """Every file that is compared, by its name in the other folder."""
+        paths = [path for path in sorted(self.home.rglob("*")) if path.is_file()]
+        parts = {path: path.relative_to(self.home).parts for path in paths}
+        named = {"/".join(map(self.name, parts[path])): path for path in paths}
+        skipped = (RECORDING, f"{BROKEN}/")
+        return {name: path for name, path in named.items() if not name.startswith(skipped)}
+
+
+def input_digests(home: Path) -> frozenset[str]:
+    """SHA-256 of every log that a folder was made from."""
+    logs = [path for path in (home / LOGS).rglob("*") if path.is_file()]
+    return frozenset(hashlib.sha256(path.read_bytes()).hexdigest() for path in logs)
 
 
 def number(value: object) -> bool:
@@ -792,7 +738,7 @@ def read_toml(path: Path, side: Side) -> Leaves:
     yield from numbers_and_words([side.text(remark) for remark in remarks], "remark")
 
 
-def column(cells: list[str], side: Side) -> Leaf:
+def values_of(cells: list[str], side: Side) -> Leaf:
     """Numbers if every cell that holds something is one, else texts."""
     try:
         return Leaf(np.array([cell or "nan" for cell in cells], dtype=float))
@@ -805,15 +751,13 @@ def read_csv(path: Path, side: Side) -> Leaves:
     lines = path.read_text(encoding="utf-8").splitlines()
     remarks = [side.text(line) for line in lines if line.startswith("#")]
     yield from numbers_and_words(remarks, "remark")
-    rows = list(csv.reader(line for line in lines if line and not line.startswith("#")))
-    heads = []
-    for head in rows[0]:
-        name, bracket, unit = head.partition(" [")
-        heads.append(side.name(name) + bracket + unit)
-    yield "columns", Leaf(tuple(heads))
-    yield "cells", Leaf(tuple(str(n) for n in sorted({len(row) for row in rows})))
-    for head, cells in zip(heads, zip(*rows[1:], strict=False), strict=False):
-        yield head, column(list(cells), side)
+    rows = csv.reader(line for line in lines if line and not line.startswith("#"))
+    columns = list(zip_longest(*rows, fillvalue=""))
+    heads = [head.partition(" [") for head, *_ in columns]
+    names = [side.name(name) + bracket + unit for name, bracket, unit in heads]
+    yield "columns", Leaf(tuple(names))
+    for name, (_, *cells) in zip(names, columns, strict=True):
+        yield name, values_of(cells, side)
 
 
 def read_parquet(path: Path, side: Side) -> Leaves:
@@ -824,7 +768,9 @@ def read_parquet(path: Path, side: Side) -> Leaves:
     yield from leaves(metadata(table.schema.metadata), side, "metadata")
     for name, what in zip(names, table.schema, strict=True):
         yield from leaves(metadata(what.metadata), side, f"{name} metadata")
-        values = table.column(what.name).to_pandas().to_numpy()
+        column = table.column(what.name)
+        yield f"{name} type", Leaf((str(what.type), f"{column.null_count} nulls"))
+        values = column.to_pandas().to_numpy()
         if values.dtype.kind in "iuf":
             yield name, Leaf(values.astype(float))
         else:
@@ -1019,7 +965,7 @@ def compare(before: Path, after: Path, tolerance: float) -> int:
         told = json.loads((home / RECORDING).read_text(encoding="utf-8"))
         print(f"{home}: {shlex.join(told['command'])}, {told['version']}, {told['recorded']}")
     inputs = input_digests(before) | input_digests(after)
-    a, b = side(before, inputs, RENAMED, REWORDED), side(after, inputs)
+    a, b = Side(before, inputs, RENAMED, REWORDED), Side(after, inputs)
     tallies: dict[tuple[str, str], Tally] = {}
     pictures = []
     for name in sorted({*a.files, *b.files}):
