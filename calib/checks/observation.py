@@ -64,23 +64,23 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
     clock = clock_of(log.time)
     if set(missing) - {"p_mc"}:
         return Observation(present, missing, clock, sensors_of(log, None, noise=noise))
-    course = driving_record(log)
-    events = brake_events(course)
-    rolling = course.lead_in & course.moving
-    steady = rolling & (np.abs(course.z) < STEADY)
+    driving = driving_record(log)
+    events = brake_events(driving)
+    rolling = driving.lead_in & driving.moving
+    steady = rolling & (np.abs(driving.z) < STEADY)
     wheels = np.max([log[f"omega_{w}"] for w in WHEELS], axis=0)
     return Observation(
         present=present,
         missing=missing,
         clock=clock,
-        sensors=sensors_of(log, course, noise=noise),
+        sensors=sensors_of(log, driving, noise=noise),
         events=events,
-        lead_in=float(steady.sum() * course.step),
-        coasting=float(course.unbraked.sum() * course.step),
-        lead_in_driven=bool((course.wheel_z[rolling] < -0.1).sum() > 0.2 * rolling.sum()),
-        standing=float((wheels < STANDING).sum() * course.step),
-        speed=float(course.speed.max()),
-        z=float(course.z[course.moving].max()) if course.moving.any() else 0.0,
-        axles=axles_of(log, course),
-        slipping=slipping(log, course, events),
+        lead_in=float(steady.sum() * driving.step),
+        coasting=float(driving.unbraked.sum() * driving.step),
+        lead_in_driven=bool((driving.wheel_z[rolling] < -0.1).sum() > 0.2 * rolling.sum()),
+        standing=float((wheels < STANDING).sum() * driving.step),
+        speed=float(driving.speed.max()),
+        z=float(driving.z[driving.moving].max()) if driving.moving.any() else 0.0,
+        axles=axles_of(log, driving),
+        slipping=slipping(log, driving, events),
     )

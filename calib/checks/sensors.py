@@ -51,18 +51,20 @@ class Sensor:
     saturated: float
 
 
-def sensors_of(log: Log, course: DrivingRecord | None, *, noise: bool = True) -> tuple[Sensor, ...]:
-    """Look at every measured channel but time. Without a ``course`` nothing is known to move.
+def sensors_of(
+    log: Log, driving: DrivingRecord | None, *, noise: bool = True
+) -> tuple[Sensor, ...]:
+    """Look at every measured channel but time. Without a ``driving`` nothing is known to move.
 
     Without ``noise`` its figures, ``resolution`` and ``flat`` are NaN: they take most of the time.
     """
     names = [name for name in CHANNELS if name in log and name != "time"]
-    return tuple(_sensor(name, log[name], log, course, noise) for name in names)
+    return tuple(_sensor(name, log[name], log, driving, noise) for name in names)
 
 
-def _sensor(name: str, x: Array, log: Log, course: DrivingRecord | None, full: bool) -> Sensor:
+def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: bool) -> Sensor:
     step = log.sample_time
-    quiet = np.ones(x.size, bool) if course is None else course.unbraked
+    quiet = np.ones(x.size, bool) if driving is None else driving.unbraked
     noise, white, colour = noise_of(x, quiet, step) if full else UNKNOWN
     return Sensor(
         channel=name,
@@ -73,7 +75,7 @@ def _sensor(name: str, x: Array, log: Log, course: DrivingRecord | None, full: b
         white=white,
         autocorrelation=colour,
         flat=flatness(x[quiet]) if full else UNKNOWN[0],
-        stuck=() if course is None else _stuck(name, x, log, course),
+        stuck=() if driving is None else _stuck(name, x, log, driving),
         saturated=saturation(-x if name == "a_x" else x, step),
     )
 
@@ -144,32 +146,34 @@ def saturation(x: Array, step: float) -> float:
     return longest * step if odd else 0.0
 
 
-def _stuck(name: str, x: Array, log: Log, course: DrivingRecord) -> tuple[tuple[float, float], ...]:
+def _stuck(
+    name: str, x: Array, log: Log, driving: DrivingRecord
+) -> tuple[tuple[float, float], ...]:
     """Stretches of one value, longer than a second, while the car says otherwise."""
     same = np.concatenate([[False], np.diff(x) == 0])
     found = []
-    for start, end in runs(same, int(HANGING / course.step) - 1):
+    for start, end in runs(same, int(HANGING / driving.step) - 1):
         part = slice(start - 1, end)
-        if (end - start) * course.step >= HANGING and _others_move(name, log, course, part):
-            found.append((float(course.time[start - 1]), float(course.time[end - 1])))
+        if (end - start) * driving.step >= HANGING and _others_move(name, log, driving, part):
+            found.append((float(driving.time[start - 1]), float(driving.time[end - 1])))
     return tuple(found)
 
 
-def _others_move(name: str, log: Log, course: DrivingRecord, part: slice) -> bool:
+def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
     """Whether the other channels say that this one should have changed."""
     if name == "v" or name.startswith("omega"):
         others = [w for w in log.channels if w.startswith("omega") and w != name]
         wheel = np.mean([log[w][part] for w in others], axis=0)
         return bool(np.ptp(wheel) > max(1.0, 0.05 * wheel.max()))
     # Smoothing reaches across both ends of the stretch: look inside.
-    edge = round(SMOOTH / course.step)
+    edge = round(SMOOTH / driving.step)
     inside = slice(part.start + edge, part.stop - edge)
-    moving = course.moving[inside]
+    moving = driving.moving[inside]
     if name == "a_x":
-        spin = course.wheel_z[inside][moving]
+        spin = driving.wheel_z[inside][moving]
         return spin.size > 0 and bool(np.ptp(spin) > 0.1)
     if name == "p_mc":
-        z = course.z[inside][moving]
+        z = driving.z[inside][moving]
         braked = z.size > 0 and float(np.ptp(z)) > 0.15
         return braked and (log[name][part.start] != 0 or float(z.max()) > 0.3)
     return False

@@ -63,35 +63,37 @@ class Axles:
     eta_braked: IntervalEstimate | None
 
 
-def axles_of(log: Log, course: DrivingRecord) -> Axles:
+def axles_of(log: Log, driving: DrivingRecord) -> Axles:
     """Compare the wheels. The log must have ``a_x`` and the four wheel speeds."""
     fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
-    front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), course.unbraked
-    zero = mismatch(front, rear, free, course.step)
-    hard = course.braked & (course.wheel_z > 0.2) & (course.wheel_z < 0.5) & (course.speed > 5.0)
-    braked = mismatch(front, rear, hard, course.step)
+    front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), driving.unbraked
+    zero = mismatch(front, rear, free, driving.step)
+    hard = (
+        driving.braked & (driving.wheel_z > 0.2) & (driving.wheel_z < 0.5) & (driving.speed > 5.0)
+    )
+    braked = mismatch(front, rear, hard, driving.step)
     if braked is not None and zero is not None:
         braked = IntervalEstimate(
             braked.value - zero.value, float(np.hypot(braked.half, zero.half))
         )
     return Axles(
         front_rear=zero,
-        left_right_f=mismatch(fl, fr, free, course.step),
-        left_right_r=mismatch(rl, rr, free, course.step),
-        slope=_against_wheels(course),
+        left_right_f=mismatch(fl, fr, free, driving.step),
+        left_right_r=mismatch(rl, rr, free, driving.step),
+        slope=_against_wheels(driving),
         eta_braked=braked if zero is not None else None,
     )
 
 
-def _against_wheels(course: DrivingRecord) -> float | None:
+def _against_wheels(driving: DrivingRecord) -> float | None:
     """Slope of the measured deceleration against that of the wheels [m].
 
     Both are smoothed over 0.3 s, because slip builds up faster in a wheel than the car slows. A
     correlation below 0.8 gives None: a wet road with much slip, or an ``a_x`` that is none.
     """
-    width = max(1, round(0.3 / course.step)) | 1
-    spin = centred_mean(course.wheel_z * G / NOMINAL_RADIUS, width)[course.moving]
-    a = centred_mean(course.z * G, width)[course.moving]
+    width = max(1, round(0.3 / driving.step)) | 1
+    spin = centred_mean(driving.wheel_z * G / NOMINAL_RADIUS, width)[driving.moving]
+    a = centred_mean(driving.z * G, width)[driving.moving]
     if spin.size < 20 or np.ptp(spin) < 3.0 or np.ptp(a) == 0.0:  # 3 rad/s^2 are about 0.1 g
         return None
     if abs(np.corrcoef(a, spin)[0, 1]) < 0.8:
@@ -115,17 +117,17 @@ class Slipping:
     locked: tuple[str, ...]
 
 
-def slipping(log: Log, course: DrivingRecord, events: tuple[BrakeEvent, ...]) -> Slipping:
+def slipping(log: Log, driving: DrivingRecord, events: tuple[BrakeEvent, ...]) -> Slipping:
     """Look for ABS and locked wheels within the brake events.
 
     Slip is against the reference speed; without one against the fastest wheel, which misses the
     moments in which all four slip together.
     """
-    slips = _slips(log, course)
-    inside = np.zeros(course.time.size, bool)
+    slips = _slips(log, driving)
+    inside = np.zeros(driving.time.size, bool)
     for event in events:
         inside[event.first : event.last + 1] = True
-    inside &= course.speed > MOVING
+    inside &= driving.speed > MOVING
     cycles, locked = [], []
     for wheel, slip in slips.items():
         for start, end in runs(inside & (slip > BACK)):
@@ -133,16 +135,16 @@ def slipping(log: Log, course: DrivingRecord, events: tuple[BrakeEvent, ...]) ->
             if part.max() > LOCKED:
                 locked.append(wheel)
             came_back = end < inside.size and inside[end]
-            if part.max() > DEEP and came_back and (end - start) * course.step < CYCLE:
-                cycles.append((wheel, float(course.time[start])))
+            if part.max() > DEEP and came_back and (end - start) * driving.step < CYCLE:
+                cycles.append((wheel, float(driving.time[start])))
     return Slipping(tuple(sorted(cycles, key=lambda c: c[1])), tuple(dict.fromkeys(locked)))
 
 
-def _slips(log: Log, course: DrivingRecord) -> dict[str, Array]:
+def _slips(log: Log, driving: DrivingRecord) -> dict[str, Array]:
     """Slip of each wheel [1], smoothed over 30 ms, zero on the unbraked part where that is seen."""
-    width = max(1, round(0.03 / course.step)) | 1
+    width = max(1, round(0.03 / driving.step)) | 1
     omega = {w: centred_mean(log[f"omega_{w}"], width) for w in WHEELS}
-    free = course.unbraked
+    free = driving.unbraked
     if "v" in log and free.any():
         v = centred_mean(log["v"], width)
         scale = {w: float(np.median(v[free] / omega[w][free])) for w in WHEELS}

@@ -125,28 +125,28 @@ def _joined(active: Mask, step: float) -> Mask:
     return braked
 
 
-def brake_events(course: DrivingRecord) -> tuple[BrakeEvent, ...]:
+def brake_events(driving: DrivingRecord) -> tuple[BrakeEvent, ...]:
     """The applications of the brake, in their order."""
-    return tuple(_event(course, start, end) for start, end in runs(course.braked))
+    return tuple(_event(driving, start, end) for start, end in runs(driving.braked))
 
 
-def _event(course: DrivingRecord, start: int, end: int) -> BrakeEvent:
+def _event(driving: DrivingRecord, start: int, end: int) -> BrakeEvent:
     part = slice(start, end)
-    moving = course.moving[part]
-    z = course.z[part][moving] if moving.any() else course.z[part]
-    pressure = None if course.pressure is None else float(course.pressure[part].max())
-    rise, rise_z = _steady_rise(course, part)
+    moving = driving.moving[part]
+    z = driving.z[part][moving] if moving.any() else driving.z[part]
+    pressure = None if driving.pressure is None else float(driving.pressure[part].max())
+    rise, rise_z = _steady_rise(driving, part)
     return BrakeEvent(
-        start=float(course.time[start]),
-        end=float(course.time[end - 1]),
+        start=float(driving.time[start]),
+        end=float(driving.time[end - 1]),
         first=start,
         last=end - 1,
         pressure=pressure,
         z_low=float(z.min()),
         z_high=float(z.max()),
-        speed_start=float(course.speed[start]),
-        speed_end=float(course.speed[end - 1]),
-        braking=float(moving.sum() * course.step),
+        speed_start=float(driving.speed[start]),
+        speed_end=float(driving.speed[end - 1]),
+        braking=float(moving.sum() * driving.step),
         rise=rise,
         rise_z=rise_z,
     )
@@ -156,7 +156,7 @@ STROKE = 0.25
 """Steps in which a rise is judged [s]: longer than a driver's tremble, shorter than a ramp."""
 
 
-def _steady_rise(course: DrivingRecord, part: slice) -> tuple[float, float]:
+def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
     """Length [s] and span [g] of the steadiest rise of the braking in an event.
 
     Looks at pressure (deceleration where there is none) in strokes of a quarter second and takes
@@ -164,10 +164,10 @@ def _steady_rise(course: DrivingRecord, part: slice) -> tuple[float, float]:
     last had 5 % of the range and ends where it has 95 %, so that a step with a long hold behind it
     counts as short.
     """
-    moving = course.moving[part]
-    drive = course.z[part] if course.pressure is None else course.pressure[part]
-    drive, z = drive[moving], course.z[part][moving]
-    n = max(1, round(STROKE / course.step))
+    moving = driving.moving[part]
+    drive = driving.z[part] if driving.pressure is None else driving.pressure[part]
+    drive, z = drive[moving], driving.z[part][moving]
+    n = max(1, round(STROKE / driving.step))
     if drive.size < 2 * n:
         return 0.0, 0.0
     best = (0.0, 0.0)
@@ -181,5 +181,5 @@ def _steady_rise(course: DrivingRecord, part: slice) -> tuple[float, float]:
         end = int(np.argmax(stretch >= low + 0.95 * (high - low)))
         if end > begin:
             part_z = z[first * n + begin : first * n + end + 1]
-            best = max(best, (float((end - begin) * course.step), float(np.ptp(part_z))))
+            best = max(best, (float((end - begin) * driving.step), float(np.ptp(part_z))))
     return best

@@ -40,14 +40,14 @@ def side_difference(table: Table, log: Log, axle: str) -> IntervalEstimate | Non
     """
     if "v" not in log:
         return None
-    course = driving_record(log)
-    slips = [_slip(table, log, course, f"{axle}{side}") for side in "lr"]
-    free = [_means(s, course.unbraked, course) for s in slips]
-    use = course.braked & (course.z > LOW) & (course.z < HIGH) & (course.speed > MOVING)
+    driving = driving_record(log)
+    slips = [_slip(table, log, driving, f"{axle}{side}") for side in "lr"]
+    free = [_means(s, driving.unbraked, driving) for s in slips]
+    use = driving.braked & (driving.z > LOW) & (driving.z < HIGH) & (driving.speed > MOVING)
     if free[0].size < 3:
         return None
     left, right = (
-        _means(s, use, course) - np.mean(zero) for s, zero in zip(slips, free, strict=True)
+        _means(s, use, driving) - np.mean(zero) for s, zero in zip(slips, free, strict=True)
     )
     known = np.maximum(left, right) <= table.tyre.slip[-1]
     if np.count_nonzero(known) < FEWEST:
@@ -60,14 +60,14 @@ def side_difference(table: Table, log: Log, axle: str) -> IntervalEstimate | Non
     return IntervalEstimate(found.value - _pressures(log, axle, use), found.half)
 
 
-def _slip(table: Table, log: Log, course: DrivingRecord, wheel: str) -> Array:
+def _slip(table: Table, log: Log, driving: DrivingRecord, wheel: str) -> Array:
     """Slip of one wheel [1] (n,), (19), (20), not zeroed."""
     of = table.vehicle.front if wheel[0] == "f" else table.vehicle.rear
     return slip(of, log[f"omega_{wheel}"], np.maximum(log["v"], 1.0))
 
 
-def _means(x: Array, mask: NDArray[np.bool_], course: DrivingRecord) -> Array:
-    n = max(1, round(BLOCK / course.step))
+def _means(x: Array, mask: NDArray[np.bool_], driving: DrivingRecord) -> Array:
+    n = max(1, round(BLOCK / driving.step))
     return block_mean(x[mask], n)
 
 

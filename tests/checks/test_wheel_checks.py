@@ -10,8 +10,8 @@ from tests.support.made_runs import RADIUS, SLIP_F, SLIP_R, changed, made_run, r
 
 
 def slip_of(log):
-    course = driving_record(log)
-    return slipping(log, course, brake_events(course))
+    driving = driving_record(log)
+    return slipping(log, driving, brake_events(driving))
 
 
 def with_slip(log, wheels, start, length, depth, v=True):

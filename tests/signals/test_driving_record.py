@@ -9,8 +9,8 @@ from tests.support.made_runs import BAR_PER_G, changed, made_run, ramp, stop
 
 
 def test_ramp_is_one_event():
-    course = driving_record(made_run(ramp(start=1.5, rate=6.0, top=40.0), duration=7.0))
-    (event,) = brake_events(course)
+    driving = driving_record(made_run(ramp(start=1.5, rate=6.0, top=40.0), duration=7.0))
+    (event,) = brake_events(driving)
     assert event.start == pytest.approx(1.5 + 1.5 / 6.0, abs=0.05)  # 1.5 bar are reached then
     assert event.pressure == pytest.approx(33.0e5, rel=0.02)
     assert event.z_high == pytest.approx(33.0 / BAR_PER_G, rel=0.02)
@@ -32,14 +32,14 @@ def test_braking_counts_only_above_walking_pace():
 
 
 def test_lead_in_ends_before_the_brake():
-    course = driving_record(made_run(stop(start=2.0)))
-    assert course.time[course.lead_in][-1] == pytest.approx(1.9, abs=0.06)
+    driving = driving_record(made_run(stop(start=2.0)))
+    assert driving.time[driving.lead_in][-1] == pytest.approx(1.9, abs=0.06)
 
 
 def test_no_braking_is_all_lead_in():
-    course = driving_record(made_run(lambda t: 0.0 * t))
-    assert course.lead_in.all()
-    assert brake_events(course) == ()
+    driving = driving_record(made_run(lambda t: 0.0 * t))
+    assert driving.lead_in.all()
+    assert brake_events(driving) == ()
 
 
 def test_short_touch_is_no_event_and_short_release_does_not_end_one():
@@ -72,6 +72,6 @@ def test_rate_does_not_matter(rate):
 def test_driven_lead_in_is_not_taken_for_rolling():
     log = made_run(stop(start=4.0))
     gas = np.where(log.time < 2.0, 0.3 * G, 0.0)
-    course = driving_record(changed(log, a_x=log["a_x"] + gas))
-    assert not course.unbraked[course.time < 1.9].any()
-    assert course.unbraked[(course.time > 2.1) & (course.time < 3.8)].all()
+    driving = driving_record(changed(log, a_x=log["a_x"] + gas))
+    assert not driving.unbraked[driving.time < 1.9].any()
+    assert driving.unbraked[(driving.time > 2.1) & (driving.time < 3.8)].all()
