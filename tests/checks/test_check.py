@@ -9,8 +9,7 @@ import pytest
 from calib.checks.check import check, facts, problems_for, to_dict
 from calib.logs.read import read_log
 from calib.names import G
-from tests.checks.test_wheel_checks import with_slip
-from tests.support.made_runs import changed, made_run, ramp, stop
+from tests.support.made_runs import changed, made_run, ramp, stop, with_slip
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 

@@ -96,30 +96,15 @@ def scaled(name: str, front: float, rear: float) -> Callable[[Build], Build]:
 
 FAULTS: dict[str, tuple[Callable[[Build], Build], tuple[str, ...]]] = {
     # what is wrong with it, and the checks that are meant to see it
-    "pads 30 % weak, both axles": (
-        scaled("pads", 0.7, 0.7),
-        ("pad_scale",),
-    ),
-    "rear pads 35 % weak": (
-        scaled("pads", 1.0, 0.65),
-        ("pad_ratio", "golden_distance"),
-    ),
+    "pads 30 % weak, both axles": (scaled("pads", 0.7, 0.7), ("pad_scale",)),
+    "rear pads 35 % weak": (scaled("pads", 1.0, 0.65), ("pad_ratio", "golden_distance")),
     "front pads 30 % weak": (
         scaled("pads", 0.7, 1.0),
         ("pad_ratio", "golden_distance", "front_biased_up_to"),
     ),
-    "front left brake 35 % weak": (
-        scaled("left", 0.65, 1.0),
-        ("side_difference_f",),
-    ),
-    "rear left brake 50 % weak": (
-        scaled("left", 1.0, 0.5),
-        ("side_difference_r",),
-    ),
-    "rear tyres 2 % too small": (
-        scaled("radius", 1.0, 0.98),
-        ("ramp_eta_zero", "eta_zero"),
-    ),
+    "front left brake 35 % weak": (scaled("left", 0.65, 1.0), ("side_difference_f",)),
+    "rear left brake 50 % weak": (scaled("left", 1.0, 0.5), ("side_difference_r",)),
+    "rear tyres 2 % too small": (scaled("radius", 1.0, 0.98), ("ramp_eta_zero", "eta_zero")),
     "pads fade 8 % a second in stops": (
         lambda b: replace(b, fading=-0.08),
         ("pad_friction_drift_f", "pad_friction_drift_r"),
