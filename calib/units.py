@@ -36,7 +36,7 @@ class Unit:
 
 ONE = Unit()
 
-_TABLES: dict[str, tuple[str, dict[str, Unit]]] = {
+QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
     # SI unit: (quantity, {written unit: meaning})
     "s": ("time", {"s": ONE, "ms": Unit(per=1e3), "us": Unit(per=1e6), "min": Unit(60)}),
     "Pa": (
@@ -95,7 +95,7 @@ _TABLES: dict[str, tuple[str, dict[str, Unit]]] = {
     "J": ("energy", {"J": ONE, "kJ": Unit(1e3), "MJ": Unit(1e6)}),
 }
 
-_SPELLINGS = {
+SPELLINGS = {
     "sec": "s",
     "secs": "s",
     "Secs": "s",
@@ -155,7 +155,7 @@ def spelling(unit: str) -> str:
     """The one spelling of a unit that the tables hold: ``m/s²`` becomes ``m/s^2``."""
     text = unit.strip().replace("N.m", "N*m").replace("**", "^")
     text = text.replace("⁻²", "^-2").replace("⁻¹", "^-1").translate(_SIGNS)
-    return _SPELLINGS.get(text, text)
+    return SPELLINGS.get(text, text)
 
 
 def unit_of(unit: str, si: str) -> Unit:
@@ -163,9 +163,9 @@ def unit_of(unit: str, si: str) -> Unit:
 
     Raises `UnknownUnit` naming the unit, the quantity wanted and its known units.
     """
-    if si not in _TABLES:
-        raise UnknownUnit(f"no table for the SI unit {si!r}; known: {', '.join(_TABLES)}")
-    quantity, table = _TABLES[si]
+    if si not in QUANTITIES:
+        raise UnknownUnit(f"no table for the SI unit {si!r}; known: {', '.join(QUANTITIES)}")
+    quantity, table = QUANTITIES[si]
     written = spelling(unit)
     if written in table:
         return table[written]
@@ -173,7 +173,7 @@ def unit_of(unit: str, si: str) -> Unit:
 
 
 def _refusal(unit: str, written: str, quantity: str, table: dict[str, Unit]) -> str:
-    owners = [other for other, units in _TABLES.values() if written in units]
+    owners = [other for other, units in QUANTITIES.values() if written in units]
     by_lower = {name.lower(): name for name in table}
     close = [by_lower[c] for c in difflib.get_close_matches(written.lower(), by_lower, n=1)]
     if owners:
@@ -190,10 +190,10 @@ def si_of(unit: str) -> str:
     For values whose quantity is not known beforehand. Raises `UnknownUnit`.
     """
     written = spelling(unit)
-    for si, (_, table) in _TABLES.items():
+    for si, (_, table) in QUANTITIES.items():
         if written in table:
             return si
-    known = sorted({name for _, table in _TABLES.values() for name in table})
+    known = sorted({name for _, table in QUANTITIES.values() for name in table})
     raise UnknownUnit(f"unknown unit {unit!r}; known: {', '.join(known)}")
 
 

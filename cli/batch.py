@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, say
-from cli.jobs import Commands, Fresh, Limits, Out, Table, VehicleFile, Workers, job_of
-from cli.options import STORE, Json, Map, Store, example
+from cli.jobs import Commands, Fresh, JobOptions, Out, Workers
+from cli.options import Json, example, grouped
+from cli.outputs import writing
 
 if TYPE_CHECKING:
     from calib.fleet.job import Job
@@ -29,6 +30,7 @@ QUIET = 5.0
 """Seconds between two lines of progress where no terminal shows a bar."""
 
 
+@grouped
 def batch(
     command: Commands,
     logs: Annotated[
@@ -43,11 +45,7 @@ def batch(
     scheduler: Annotated[
         str | None, typer.Option(metavar="tcp://HOST:PORT", help="A Dask scheduler instead.")
     ] = None,
-    table: Table = None,
-    store: Store = STORE,
-    vehicle: VehicleFile = None,
-    limits: Limits = None,
-    channel_map: Map = None,
+    options: JobOptions,
     fresh: Fresh = False,
     json: Json = False,
 ) -> None:
@@ -59,14 +57,16 @@ def batch(
     """
     if workers is not None and scheduler is not None:
         raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
-    job = job_of(command, out, table, store, vehicle, limits, channel_map)
+    job = options.job(command, out)
     _check_logs(logs, job, out)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: rows are kept
+    from calib.fleet.run import run_batch
+
     executor = _executor(workers, scheduler)
     say(f"{command.value} on {executor.workers} worker{'s' * (executor.workers > 1)}")
     try:
-        with _progress() as report:
-            done = _run(job, logs, out, executor, report, fresh)
+        with _progress() as report, writing(out):
+            done = run_batch(job, logs, out, executor, report, fresh)
     except KeyboardInterrupt:
         say("stopped; the same line typed again goes on where it was")
         raise
@@ -95,24 +95,6 @@ def _executor(workers: int | None, scheduler: str | None) -> "Executor":
     from calib.fleet.pool import Pool, cores
 
     return Pool(workers or cores())
-
-
-def _run(
-    job: "Job",
-    logs: list[str],
-    out: Path,
-    executor: "Executor",
-    report: "Callable[[Pace], None]",
-    fresh: bool,
-) -> "Batch":
-    from calib.fleet.run import run_batch
-
-    try:
-        return run_batch(job, logs, out, executor, report, fresh)
-    except OSError as error:
-        raise typer.BadParameter(
-            f"{out} cannot be written ({error.strerror})", param_hint="--out"
-        ) from error
 
 
 def _tell(done: "Batch", json: bool) -> None:

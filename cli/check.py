@@ -1,10 +1,12 @@
 """`brake-cal check`: what is in a log, is it usable, and for what."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cli.grid import facts_grid
+from cli.inputs import channel_map_of
 from cli.options import Json, Map, example
 
 if TYPE_CHECKING:
@@ -12,6 +14,7 @@ if TYPE_CHECKING:
 
     from calib.checks.check import Findings
     from calib.errors import InputError
+    from calib.logs.channel_map import ChannelMap
 
 EPILOG = example("brake-cal check sample_logs/sedan/*.csv")
 
@@ -26,11 +29,9 @@ def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
     Exit code 1 if a log is usable for nothing, 3 if one cannot be read.
     """
     from calib.checks.check import to_dict
-    from calib.logs.channel_map import read_channel_map
     from cli.console import complain, emit, emit_json
 
-    mapping = read_channel_map(channel_map) if channel_map else None
-    found, errors = _look(logs, mapping)
+    found, errors = _look(logs, channel_map_of(channel_map))
     if json:
         failed = [{"source": path, "error": str(error)} for path, error in errors]
         emit_json({"schema": 1, "logs": [to_dict(f) for f in found], "unreadable": failed})
@@ -45,7 +46,9 @@ def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
         raise typer.Exit(USELESS)
 
 
-def _look(logs: list[Path], mapping: Any) -> "tuple[list[Findings], list[tuple[Path, InputError]]]":
+def _look(
+    logs: list[Path], mapping: "ChannelMap | None"
+) -> "tuple[list[Findings], list[tuple[Path, InputError]]]":
     """Check every log; one that cannot be read does not keep the others from being seen."""
     from calib.checks.check import check as look_at
     from calib.checks.computed_channels import computed_channels
@@ -71,14 +74,11 @@ def _look(logs: list[Path], mapping: Any) -> "tuple[list[Findings], list[tuple[P
 
 def _panel(findings: "Findings") -> "Panel":
     from rich.panel import Panel
-    from rich.table import Table
     from rich.text import Text
 
     from calib.checks.check import facts
 
-    grid = Table(box=None, show_header=False, pad_edge=False)
-    grid.add_column(style="bold", no_wrap=True)
-    grid.add_column(overflow="fold")
+    grid = facts_grid()
     for label, text in facts(findings):
         grid.add_row(label, Text(text))
     for text in findings.notes:

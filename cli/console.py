@@ -44,12 +44,17 @@ def emit(renderable: "RenderableType") -> None:
 
 def emit_json(document: object) -> None:
     """Print ``document`` as the one JSON document on stdout, see `plain` for what it may hold."""
-    print(json.dumps(plain(document), indent=2, allow_nan=False), flush=True)  # noqa: T201
+    print(json_text(document), end="", flush=True)  # noqa: T201
 
 
 def emit_line(text: str) -> None:
     """Print a line on stdout at once, as it is."""
     print(text, flush=True)  # noqa: T201
+
+
+def json_text(document: object) -> str:
+    """``document`` as the text of a JSON file."""
+    return json.dumps(plain(document), indent=2, allow_nan=False) + "\n"
 
 
 def json_line(document: object) -> str:

@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from cli.console import emit, emit_json, say
-from cli.options import Json, example
+from cli.grid import grid
+from cli.options import Json, example, out_folder
+from cli.outputs import refuse_file
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -18,7 +18,7 @@ FOLDER = Path("brake-cal-demo")
 
 
 def demo(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for everything.")] = FOLDER,
+    out: Annotated[Path, out_folder("Folder for everything.")] = FOLDER,
     json: Json = False,
 ) -> None:
     """Check, fit, validate and draw the sample logs, and print the paper's two studies.
@@ -29,8 +29,7 @@ def demo(
     from calib.demo.demo import hidden_story, run, section_five, section_four
     from calib.diagnosis.document import to_dict
 
-    if out.exists() and not out.is_dir():
-        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
+    refuse_file(out)
     out.mkdir(parents=True, exist_ok=True)
     outcomes = run(out, say)
     by_folder = {outcome.study.folder: outcome for outcome in outcomes}
@@ -81,37 +80,29 @@ def _hidden(story: "Story") -> str:
 
 
 def _four(rows: "list[SectionFour]") -> "Grid":
-    grid = _grid("method", "final front", "final rear", "torque error [N m]", "better by")
+    heads = ("final front", "final rear", "torque error [N m]", "better by")
+    table = grid("method", *heads, right=heads)
     nominal = next(row.torque_rms for row in rows if row.method == "nominal")
     for row in rows:
-        grid.add_row(
+        table.add_row(
             row.method,
             f"{row.final_f:.3f}",
             f"{row.final_r:.3f}",
             f"{row.torque_rms:.1f}",
             f"{nominal / row.torque_rms:.1f} x",
         )
-    return grid
+    return table
 
 
 def _five(rows: "list[SectionFive]") -> "Grid":
-    grid = _grid("stop", "front pads", "rear pads", "sum, nominal pads", "sum, compensated")
+    heads = ("front pads", "rear pads", "sum, nominal pads", "sum, compensated")
+    table = grid("stop", *heads, right=heads)
     for row in rows:
-        grid.add_row(
+        table.add_row(
             row.log,
             f"{row.pads_f:.3f} +- {row.width_f:.3f}",
             f"{row.pads_r:.3f} +- {row.width_r:.3f}",
             f"{row.sum_nominal:.2f}",
             f"{row.sum_compensated:.2f}",
         )
-    return grid
-
-
-def _grid(first: str, *others: str) -> "Grid":
-    from rich.table import Table
-
-    grid = Table(box=None, header_style="bold", pad_edge=False)
-    grid.add_column(first)
-    for title in others:
-        grid.add_column(title, justify="right")
-    return grid
+    return table

@@ -7,7 +7,9 @@ import typer
 from typer.core import TyperCommand
 
 from cli.console import emit, emit_json, say
-from cli.options import Json, Map, example
+from cli.inputs import channel_map_of
+from cli.options import Json, Map, example, out_folder, vehicle_file
+from cli.outputs import refuse_file, refuse_overwriting, stems_of, writing
 
 if TYPE_CHECKING:
     from calib.diagnosis.diagnose import Diagnosis
@@ -40,12 +42,8 @@ class Greedy(TyperCommand):
 def diagnose(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Logs to search in.")],
     *,
-    vehicle: Annotated[
-        Path, typer.Option("--vehicle", metavar="V.toml", help="Vehicle as the datasheet has it.")
-    ],
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Write diagnosis, model and report here.")
-    ],
+    vehicle: Annotated[Path, vehicle_file("Vehicle as the datasheet has it.")],
+    out: Annotated[Path, out_folder("Write diagnosis, model and report here.")],
     holdout: Annotated[
         list[Path] | None,
         typer.Option(HOLDOUT, metavar="LOG...", help="Logs to prove it on."),
@@ -56,50 +54,28 @@ def diagnose(
     """Find where simulation and measured runs disagree, name the missing effect and add it."""
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.document import text_of, to_dict
-    from calib.diagnosis.folder import write_folder
-    from calib.logs.channel_map import read_channel_map
+    from calib.diagnosis.folder import files_of, write_folder
     from calib.logs.read import read_log
     from calib.physics.vehicle import read_vehicle
     from calib.reports.diagnosis import report_html
 
     kept = holdout or []
-    _check_out([*logs, *kept, vehicle], kept, out)
+    stems = stems_of(kept, HOLDOUT)
+    refuse_file(out)
+    refuse_overwriting((out / file for file in files_of(stems)), [*logs, *kept], [vehicle])
     car = read_vehicle(vehicle)
-    mapping = read_channel_map(channel_map) if channel_map else None
+    mapping = channel_map_of(channel_map)
     calibration = [read_log(path, mapping) for path in logs]
     held = [read_log(path, mapping) for path in kept]
     say(f"searching {len(logs)} logs, proving on {len(kept)}")
     found = find(calibration, held, car)
-    try:
+    with writing(out):
         write_folder(found, text_of(found), report_html(found, car.name), out)
-    except OSError as error:
-        raise typer.BadParameter(
-            f"{out} cannot be written ({error.strerror})", param_hint="--out"
-        ) from error
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
     if json:
         emit_json(to_dict(found))
     else:
         emit(_told(found))
-
-
-def _check_out(inputs: list[Path], holdout: list[Path], out: Path) -> None:
-    """Refuse before the search what could not be written after it."""
-    from calib.diagnosis.folder import files_of
-    from calib.logs.tables import stem_of
-
-    stems = [stem_of(path) for path in holdout]
-    twice = sorted({stem for stem in stems if stems.count(stem) > 1})
-    if twice:
-        raise typer.BadParameter(
-            f"two logs are named {twice[0]}, and --out has one file a name", param_hint="--holdout"
-        )
-    if out.exists() and not out.is_dir():
-        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
-    written = {(out / file).resolve() for file in files_of(stems)}
-    lost = [path for path in inputs if path.resolve() in written]
-    if lost:
-        raise typer.BadParameter(f"would overwrite {lost[0]}", param_hint="--out")
 
 
 def _told(found: "Diagnosis") -> str:

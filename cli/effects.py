@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json
+from cli.grid import grid
 from cli.options import Json, example
 
 if TYPE_CHECKING:
@@ -39,14 +40,11 @@ def effects(
 
 
 def _list(cards: "list[Card]") -> "Grid":
-    from rich.table import Table as Grid
-
-    grid = Grid(box=None, header_style="bold", pad_edge=False)
-    grid.add_column("effect", no_wrap=True)
-    grid.add_column("cause", overflow="fold")
+    table = grid("effect", "cause", fold=True)
+    table.columns[0].no_wrap = True
     for card in cards:
-        grid.add_row(card.name, card.cause)
-    return grid
+        table.add_row(card.name, card.cause)
+    return table
 
 
 def _card(card: "Card") -> str:

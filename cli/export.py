@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, say
-from cli.options import STORE, Json, Store, example
+from cli.inputs import unknown_format
+from cli.options import STORE, Json, Store, TableVersion, example, out_file
+from cli.outputs import refuse_folder, writing
 
 if TYPE_CHECKING:
     from calib.table.exports.dataset import Dataset
@@ -21,9 +23,7 @@ EPILOG = example(
 
 
 def export_table(
-    table: Annotated[
-        str, typer.Argument(metavar="TABLE", help="name, name@version or path of a version")
-    ],
+    table: TableVersion,
     *,
     form: Annotated[
         str,
@@ -31,7 +31,7 @@ def export_table(
             "--format", metavar="F", help="json, csv, parquet, dcm, cdfx, c-header or inca-csv."
         ),
     ],
-    out: Annotated[Path, typer.Option(metavar="FILE", help="File to write.")],
+    out: Annotated[Path, out_file("File to write.")],
     points: Annotated[
         int | None,
         typer.Option(metavar="N", help="Breakpoints on each axis, placed best; all rows without."),
@@ -58,6 +58,7 @@ def export_table(
     form = _known(form)
     _check_usage(form, out, bits)
     from calib.errors import ExchangeError
+    from calib.files import write_whole
     from calib.table.exports.build import build
     from calib.table.exports.formats import FORMATS, Order
     from calib.table.store import load
@@ -73,20 +74,18 @@ def export_table(
     except ExchangeError as error:
         option = "--points" if bits is None else "--points, --fixed-point"
         raise typer.BadParameter(str(error), param_hint=option) from None
-    _write(out, content)
+    with writing(out):
+        write_whole(out, content)
     _report(order, form, out, content, json)
 
 
 def _known(form: str) -> str:
     from calib.table.exports.formats import FORMATS, SPOKEN
-    from calib.toml import did_you_mean
 
     said = form.lower().replace("_", "-").lstrip(".")
     known = SPOKEN.get(said, said)
     if known not in FORMATS:
-        near = did_you_mean(said, FORMATS)
-        what = f"unknown format {form!r}; {near} " if near else f"unknown format {form!r}; "
-        raise typer.BadParameter(f"{what}known: {', '.join(FORMATS)}", param_hint="--format")
+        raise unknown_format(form, said, FORMATS, "--format")
     return known
 
 
@@ -104,10 +103,7 @@ def _check_usage(form: str, out: Path, bits: int | None) -> None:
 
     if bits is not None and form not in FIXED_POINT:
         raise typer.BadParameter(f"only with {', '.join(FIXED_POINT)}", param_hint="--fixed-point")
-    if out.is_dir():
-        raise typer.BadParameter(f"{out} is a directory", param_hint="--out")
-    if not out.absolute().parent.is_dir():
-        raise typer.BadParameter(f"no directory {out.parent}", param_hint="--out")
+    refuse_folder(out)
 
 
 def _quality(path: Path | None, stored: "Stored") -> "Quality":
@@ -120,17 +116,6 @@ def _today() -> str:
     from datetime import UTC, datetime
 
     return datetime.now(UTC).date().isoformat()
-
-
-def _write(out: Path, content: bytes) -> None:
-    from calib.files import write_whole
-
-    try:
-        write_whole(out, content)
-    except OSError as error:
-        raise typer.BadParameter(
-            f"{out} cannot be written ({error.strerror})", param_hint="--out"
-        ) from error
 
 
 def _report(order: "Order", form: str, out: Path, content: bytes, json: bool) -> None:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, say
-from cli.options import STORE, Json, KnownModel, Map, Store, example
+from cli.inputs import channel_map_of
+from cli.options import STORE, Json, KnownModel, Map, Store, VehicleFile, example
 
 if TYPE_CHECKING:
     from calib.table.version import Stored
@@ -20,7 +21,7 @@ EPILOG = example(
 def fit(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Ramps, and coast logs.")],
     *,
-    vehicle: Annotated[Path, typer.Option(metavar="V.toml", help="Vehicle file.")],
+    vehicle: VehicleFile,
     model: KnownModel = None,
     store: Store = STORE,
     channel_map: Map = None,
@@ -33,14 +34,13 @@ def fit(
     as a new version; the same logs give the same version again.
     """
     from calib.fitting.fit import fit as fit_table
-    from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
     from calib.physics.model import read_model, with_model
     from calib.physics.vehicle import read_vehicle
     from calib.table.store import save
 
     car = read_vehicle(vehicle)
-    mapping = read_channel_map(channel_map) if channel_map else None
+    mapping = channel_map_of(channel_map)
     say(f"fitting {car.name} from {len(logs)} log{'s' * (len(logs) > 1)}")
     known = read_model(model, car) if model else None
     told = with_model(car, known) if known else car

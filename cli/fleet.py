@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cli.console import emit, emit_json, progress, say
-from cli.options import Json, example
+from cli.console import emit, emit_json, json_text, progress, say
+from cli.options import Json, example, out_folder
+from cli.outputs import refuse_file, writing
 
 if TYPE_CHECKING:
     from calib.fleet.summary import Summary
@@ -43,9 +44,7 @@ def report(
     figure: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="Only this figure; repeatable.")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Write report.html, fleet.json, PNGs here.")
-    ] = None,
+    out: Annotated[Path | None, out_folder("Write report.html, fleet.json, PNGs here.")] = None,
     json: Json = False,
 ) -> None:
     """Show distributions, outliers, drift of the line and errors of a batch of logs."""
@@ -53,8 +52,7 @@ def report(
     from calib.fleet.summary import summarise
     from calib.reports.fleet import document
 
-    if out is not None and out.exists() and not out.is_dir():
-        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
+    refuse_file(out)
     opened = open_fleet(results, order)
     say(f"reading {len(opened.logs)} rows, in the order of {opened.ordered_by}")
     found = summarise(opened, tuple(figure or ()))
@@ -68,31 +66,23 @@ def report(
 
 def _write(found: "Summary", results: Path, out: Path) -> None:
     """Draw everything first, then write it."""
-    import json
-
     from calib.files import printable, write_whole
     from calib.plots.fleet import picture_name
     from calib.reports.fleet import document, report_html
-    from cli.console import plain
 
     pictures = _pictures(found)
     title = printable(f"{results.absolute().parent.name}/{results.name}")
-    text = json.dumps(plain(document(found)), indent=2, allow_nan=False) + "\n"
     contents = {out / picture_name(name): picture for name, picture in pictures.items()} | {
-        out / "fleet.json": text.encode(),
+        out / "fleet.json": json_text(document(found)).encode(),
         out / "report.html": report_html(found, title, pictures).encode(),
     }
-    try:
+    with writing(out):
         out.mkdir(parents=True, exist_ok=True)
         left = _earlier(out) - contents.keys()
         for path, content in contents.items():
             write_whole(path, content)
         for path in left:
             path.unlink(missing_ok=True)
-    except OSError as error:
-        raise typer.BadParameter(
-            f"{out} cannot be written ({error.strerror})", param_hint="--out"
-        ) from error
     say(f"wrote {out}: report.html, fleet.json, {len(pictures)} pictures")
 
 

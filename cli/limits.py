@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from cli.console import emit_json, say
-from cli.options import Json, example
+from cli.options import Json, example, out_file
+from cli.outputs import refuse_folder, writing
 
 EPILOG = example("brake-cal limits init --out line.toml")
 app = typer.Typer(no_args_is_help=True, help="Limits of a car and of its stops.", epilog=EPILOG)
@@ -14,9 +15,7 @@ app = typer.Typer(no_args_is_help=True, help="Limits of a car and of its stops."
 
 @app.command(epilog=EPILOG)
 def init(
-    out: Annotated[
-        Path | None, typer.Option(metavar="L.toml", help="File to write; stdout without.")
-    ] = None,
+    out: Annotated[Path | None, out_file("File to write; stdout without.", "L.toml")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
     json: Json = False,
 ) -> None:
@@ -39,13 +38,9 @@ def init(
 def _write(text: str, out: Path, force: bool) -> None:
     from calib.files import write_whole
 
-    if out.exists() and (out.is_dir() or not force):
-        what = "is a directory" if out.is_dir() else "exists; --force replaces it"
-        raise typer.BadParameter(f"{out} {what}", param_hint="--out")
-    try:
+    refuse_folder(out)
+    if out.exists() and not force:
+        raise typer.BadParameter(f"{out} exists; --force replaces it", param_hint="--out")
+    with writing(out):
         write_whole(out, text.encode())
-    except OSError as error:
-        raise typer.BadParameter(
-            f"{out} cannot be written ({error.strerror})", param_hint="--out"
-        ) from error
     say(f"wrote {out}")

@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import complain, emit, emit_json, say
-from cli.options import Json, Map, example
+from cli.grid import facts_grid
+from cli.inputs import channel_map_of
+from cli.options import Json, Map, example, out_file
+from cli.outputs import refuse_folder, refuse_overwriting, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -46,9 +49,7 @@ def suggest(
         typer.Option(metavar="M", help="Radius [m] behind wheel speeds in km/h.", min=0.1, max=1.0),
     ] = None,
     channel_map: Map = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="M.toml", help="Write the map there.")
-    ] = None,
+    out: Annotated[Path | None, out_file("Write the map there.", "M.toml")] = None,
     json: Json = False,
 ) -> None:
     """Propose a channel map for a LOG from names, units and physics, and say how sure it is.
@@ -56,15 +57,16 @@ def suggest(
     Prints the map on stdout and the reasons on stderr. Where something is ambiguous it lists the
     candidates, writes no map and ends with 3. Of --map only what it says of the format is used.
     """
-    from calib.logs.channel_map import read_channel_map
     from calib.logs.read import open_log
     from calib.suggest.propose import suggest as propose
     from calib.suggest.written import to_toml
 
     told = dict(_pair(text) for text in take or [])
-    _check_out(log, out)
-    given = read_channel_map(channel_map) if channel_map else None
-    found = propose(open_log(log, given).source, str(log), told=told, radius=radius)
+    if out is not None:
+        refuse_folder(out)
+        refuse_overwriting([out], [log], [channel_map])
+    source = open_log(log, channel_map_of(channel_map)).source
+    found = propose(source, str(log), told=told, radius=radius)
     if json:
         emit_json({"schema": 1, "certain": not found.doubts, **_document(found)})
     else:
@@ -76,7 +78,8 @@ def suggest(
     if out is not None:
         from calib.files import write_whole
 
-        write_whole(out, to_toml(found).encode())
+        with writing(out):
+            write_whole(out, to_toml(found).encode())
         say(f"wrote {out}")
     elif not json:
         emit(to_toml(found).rstrip("\n"))
@@ -87,15 +90,6 @@ def _pair(text: str) -> tuple[str, str]:
     if not equals:
         raise typer.BadParameter(f"{text!r} is no CHANNEL=NAME", param_hint="--take")
     return channel.strip(), name.strip()
-
-
-def _check_out(log: Path, out: Path | None) -> None:
-    if out is None:
-        return
-    if out.is_dir() or not out.absolute().parent.is_dir():
-        raise typer.BadParameter(f"cannot write {out}", param_hint="--out")
-    if out.resolve() == log.resolve():
-        raise typer.BadParameter("would overwrite the LOG", param_hint="--out")
 
 
 def _document(found: "Suggestion") -> dict[str, object]:
@@ -114,14 +108,11 @@ def _tell(found: "Suggestion") -> None:
 
 
 def _grid(found: "Suggestion") -> "Grid":
-    from rich.table import Table as Grid
     from rich.text import Text
 
     from calib.suggest.written import to_lines
 
-    grid = Grid(box=None, show_header=False, pad_edge=False)
-    grid.add_column(style="bold", no_wrap=True)
-    grid.add_column(overflow="fold")
+    grid = facts_grid()
     for label, text in to_lines(found):
         grid.add_row(label, Text(text))
     return grid

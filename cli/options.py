@@ -1,9 +1,19 @@
-"""Options that several commands share, and the example at the end of a command's help."""
+"""Options that several commands share, each defined once, and options that go together.
 
+An option whose help depends on the command is a function of that help.
+"""
+
+from collections.abc import Callable
+from dataclasses import is_dataclass
+from functools import wraps
+from inspect import Parameter, signature
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, get_type_hints
 
 import typer
+
+STORE = Path("tables")
+"""Default of `Store`."""
 
 Store = Annotated[Path, typer.Option("--store", metavar="DIR", help="Directory of the tables.")]
 Map = Annotated[Path | None, typer.Option("--map", metavar="M.toml", help="Channel map, and DBC.")]
@@ -14,9 +24,62 @@ KnownModel = Annotated[
         "--model", metavar="M.toml", help="Model of `diagnose`, whose effects are known beforehand."
     ),
 ]
+TableVersion = Annotated[
+    str, typer.Argument(metavar="TABLE", help="name, name@version or path of a version")
+]
 
-STORE = Path("tables")
-"""Default of `Store`."""
+
+def vehicle_file(said: str = "Vehicle file.") -> Any:
+    """Option ``--vehicle``."""
+    return typer.Option("--vehicle", metavar="V.toml", help=said)
+
+
+def limits_file(said: str) -> Any:
+    """Option ``--limits``."""
+    return typer.Option("--limits", metavar="L.toml", help=said)
+
+
+def out_folder(said: str) -> Any:
+    """Option ``--out`` of a command that writes several files."""
+    return typer.Option("--out", metavar="DIR", help=said)
+
+
+def out_file(said: str, metavar: str = "FILE") -> Any:
+    """Option ``--out`` of a command that writes one file."""
+    return typer.Option("--out", metavar=metavar, help=said)
+
+
+VehicleFile = Annotated[Path, vehicle_file()]
+
+
+def grouped(command: Callable[..., None]) -> Callable[..., None]:
+    """Let a frozen record of options stand as one parameter of ``command``.
+
+    A parameter whose type is a dataclass gives way to the fields of the record, each an option;
+    the command is called with the record made of them.
+    """
+    hints = get_type_hints(command, include_extras=True)
+    records: dict[str, Callable[..., Any]] = {
+        name: hint for name, hint in hints.items() if isinstance(hint, type) and is_dataclass(hint)
+    }
+    options = {name: list(signature(kind).parameters) for name, kind in records.items()}
+
+    @wraps(command)
+    def run(**given: Any) -> None:
+        for name, kind in records.items():
+            given[name] = kind(**{option: given.pop(option) for option in options[name]})
+        command(**given)
+
+    parameters: list[Parameter] = []
+    for parameter in signature(command).parameters.values():
+        if parameter.name in records:
+            fields = signature(records[parameter.name]).parameters.values()
+            parameters += [field.replace(kind=Parameter.KEYWORD_ONLY) for field in fields]
+        else:
+            parameters.append(parameter.replace(annotation=hints[parameter.name]))
+    vars(run)["__signature__"] = signature(command).replace(parameters=parameters)
+    run.__annotations__ = {p.name: p.annotation for p in parameters}
+    return run
 
 
 def example(*lines: str) -> str:

@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cli.options import STORE, Json, Map, Store, example
+from cli.inputs import channel_map_of, vehicle_of
+from cli.options import STORE, Json, Map, Store, example, out_file, vehicle_file
+from cli.outputs import refuse_folder, writing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,14 +33,10 @@ def plot(
             help="A table (name, name@version or path), a log, a result of validate.",
         ),
     ],
-    out: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="File to write: .png, .svg or .pdf."),
-    ] = None,
+    out: Annotated[Path | None, out_file("File to write: .png, .svg or .pdf.")] = None,
     store: Store = STORE,
     vehicle: Annotated[
-        Path | None,
-        typer.Option(metavar="V.toml", help="Vehicle whose pads are the nominal ones."),
+        Path | None, vehicle_file("Vehicle whose pads are the nominal ones.")
     ] = None,
     figure: Annotated[
         str | None,
@@ -64,13 +62,8 @@ def plot(
     drawn = _draw(given, figure)
     files = _files(drawn, out, figure)
     pages = sum(map(len, files.values()))
-    try:
-        with progress(f"drawing {pages} page{'s' * (pages > 1)}", pages) as done:
-            save(files, done)
-    except OSError as error:
-        raise typer.BadParameter(
-            f"cannot be written ({error.strerror})", param_hint="--out"
-        ) from None
+    with writing(out), progress(f"drawing {pages} page{'s' * (pages > 1)}", pages) as done:
+        save(files, done)
     if json:
         emit_json({"schema": 1, "files": list(files), "sheets": [_document(s) for s, _ in drawn]})
         return
@@ -87,18 +80,13 @@ def _check_out(out: Path | None) -> None:
 
     if out.suffix.lower() not in ENDINGS:
         raise typer.BadParameter(f"must end in {', '.join(ENDINGS)}", param_hint="--out")
-    if not out.absolute().parent.is_dir():
-        raise typer.BadParameter(f"no directory {out.parent}", param_hint="--out")
-    if out.is_dir():
-        raise typer.BadParameter(f"{out} is a directory", param_hint="--out")
+    refuse_folder(out)
 
 
 def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path | None) -> "Given":
     """Read everything; whatever is no log and no result is a table."""
-    from calib.logs.channel_map import read_channel_map
     from calib.logs.read import FORMATS, REQUIRED, read_log
     from calib.logs.tables import ending_of
-    from calib.physics.vehicle import read_vehicle
     from calib.plots.choose import Given
     from calib.plots.result import is_result, read_result
     from calib.table.store import load
@@ -116,13 +104,13 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
     ]
     names = [w for w, p in zip(what, files, strict=True) if p not in results and p not in logs]
     _check_usage(len(names), len(logs), len(results), vehicle is not None)
-    mapping = read_channel_map(channel_map) if channel_map else None
+    mapping = channel_map_of(channel_map)
     needed = REQUIRED if names else ()  # a log alone is drawn as far as it goes
     return Given(
         tables=tuple(load(name, store) for name in names),
         logs=tuple(read_log(path, mapping, require=needed) for path in logs),
         results=tuple(read_result(path) for path in results),
-        vehicle=read_vehicle(vehicle) if vehicle else None,
+        vehicle=vehicle_of(vehicle),
     )
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json
+from cli.grid import grid
 from cli.options import STORE, Json, Store, example
 
 if TYPE_CHECKING:
@@ -63,18 +64,14 @@ def _print_found(found: "Returned") -> None:
 
 
 def _objects(found: "Returned") -> "Grid":
-    from rich.table import Table
-
-    grid = Table(box=None, header_style="bold", pad_edge=False)
-    for head in ("object", "points", "from", "to", "unit"):
-        grid.add_column(head, overflow="fold")
+    table = grid("object", "points", "from", "to", "unit", fold=True)
     content, units = found.content, found.units
     arrays = {**content.axes, **{n: y for n, (_, y) in content.curves.items()}}
     for name, y in arrays.items():
-        grid.add_row(name, str(len(y)), f"{min(y):.6g}", f"{max(y):.6g}", units[name])
+        table.add_row(name, str(len(y)), f"{min(y):.6g}", f"{max(y):.6g}", units[name])
     for name, value in content.scalars.items():
-        grid.add_row(name, "", f"{value:.6g}", "", units[name])
-    return grid
+        table.add_row(name, "", f"{value:.6g}", "", units[name])
+    return table
 
 
 def _verdict(found: "Returned", stored: "Stored | None", wrong: list[str]) -> str:

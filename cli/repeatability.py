@@ -5,8 +5,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cli.console import emit, emit_json, progress, say
-from cli.options import Json, Map, example
+from cli.console import emit, emit_json, json_text, progress, say
+from cli.grid import grid
+from cli.inputs import channel_map_of
+from cli.options import Json, Map, example, limits_file, out_folder, vehicle_file
+from cli.outputs import refuse_file, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -30,8 +33,7 @@ def repeatability(
     ] = None,
     *,
     vehicle: Annotated[
-        Path | None,
-        typer.Option(metavar="V.toml", help="Vehicle, unless the plan names one a log."),
+        Path | None, vehicle_file("Vehicle, unless the plan names one a log.")
     ] = None,
     plan: Annotated[
         Path | None, typer.Option(metavar="P.csv", help="Columns log, car, station, vehicle.")
@@ -46,12 +48,8 @@ def repeatability(
     eta: Annotated[
         float, typer.Option(metavar="PERCENT", help="eta - 1 where D, f1 and f2 are compared [%].")
     ] = 0.15,
-    limits: Annotated[
-        Path | None, typer.Option(metavar="L.toml", help="Limits of grr and ndc.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Write repeatability.json and .png here.")
-    ] = None,
+    limits: Annotated[Path | None, limits_file("Limits of grr and ndc.")] = None,
+    out: Annotated[Path | None, out_folder("Write repeatability.json and .png here.")] = None,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
@@ -61,14 +59,13 @@ def repeatability(
     repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
     """
     from calib.gauge.study import DEFAULTS, QUANTITIES, known_limits, study
-    from calib.logs.channel_map import read_channel_map
     from calib.validation.limits import read_limits
 
     _check_names(quantity or [], list(QUANTITIES))
-    _check_out(out)
+    refuse_file(out)
     held = read_limits(limits, known_limits()) if limits else DEFAULTS
     places = _places(logs or [], plan, folders)
-    mapping = read_channel_map(channel_map) if channel_map else None
+    mapping = channel_map_of(channel_map)
     readings = _readings(places, vehicle, mapping, eta / 100.0, quantity or list(QUANTITIES))
     found = study(readings, held, eta / 100.0)
     document = _document(found)
@@ -89,11 +86,6 @@ def _check_names(wanted: list[str], known: list[str]) -> None:
         if name not in known:
             hint = did_you_mean(name, known) or f"one of {', '.join(known)}"
             raise typer.BadParameter(f"no figure {name!r}; {hint}", param_hint="--quantity")
-
-
-def _check_out(out: Path | None) -> None:
-    if out is not None and out.exists() and not out.is_dir():
-        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
 
 
 def _places(logs: list[Path], plan: Path | None, folders: str | None) -> "tuple[Place, ...]":
@@ -189,26 +181,18 @@ def _entry(result: "GaugeResult") -> dict[str, object]:
 
 
 def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
-    import json
-
     from calib.files import write_whole
     from calib.plots.repeatability import sheet
     from calib.plots.save import render
-    from cli.console import plain
 
-    text = json.dumps(plain(document), indent=2, allow_nan=False) + "\n"
     contents = {
-        "repeatability.json": text.encode(),
+        "repeatability.json": json_text(document).encode(),
         "repeatability.png": render(sheet(found).overview(), ".png"),
     }
-    try:
+    with writing(out):
         out.mkdir(parents=True, exist_ok=True)
         for name, content in contents.items():
             write_whole(out / name, content)
-    except OSError as error:
-        raise typer.BadParameter(
-            f"{out} cannot be written ({error.strerror})", param_hint="--out"
-        ) from error
     say(f"wrote {out}: {', '.join(contents)}")
 
 
@@ -226,16 +210,11 @@ def _report(found: "GaugeStudy") -> None:
 
 
 def _grid(found: "GaugeStudy") -> "Grid":
-    from rich.table import Table
-
-    grid = Table(box=None, header_style="bold", pad_edge=False)
-    grid.add_column("figure")
-    for title in ("repeatability", "reproducibility", "cars", "%GRR", "95 %", "ndc"):
-        grid.add_column(title, justify="right")
-    grid.add_column("verdict")
+    numbers = ("repeatability", "reproducibility", "cars", "%GRR", "95 %", "ndc")
+    table = grid("figure", *numbers, "verdict", right=numbers)
     for result in found.results:
-        grid.add_row(result.name, *_cells(result), result.verdict)
-    return grid
+        table.add_row(result.name, *_cells(result), result.verdict)
+    return table
 
 
 def _cells(result: "GaugeResult") -> tuple[str, ...]:

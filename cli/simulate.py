@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, say
-from cli.options import Json, Map, example
+from cli.options import Json, Map, VehicleFile, example, out_file
+from cli.outputs import refuse_folder, refuse_overwriting
 
 if TYPE_CHECKING:
     from calib.logs.log import Log
@@ -25,8 +26,8 @@ def simulate(
         Path | None, typer.Argument(metavar="LOG", help="Log whose pressure is replayed.")
     ] = None,
     *,
-    vehicle: Annotated[Path, typer.Option(metavar="V.toml", help="Vehicle file.")],
-    out: Annotated[Path, typer.Option(metavar="SIM", help="Log to write: .csv or .parquet.")],
+    vehicle: VehicleFile,
+    out: Annotated[Path, out_file("Log to write: .csv or .parquet.", "SIM")],
     model: Annotated[
         Path | None,
         typer.Option(metavar="M.toml", help="Pads, tyre, effects; without it the vehicle's own."),
@@ -93,10 +94,8 @@ def _check_usage(
         raise typer.BadParameter(f"one of {', '.join(NAMES)}", param_hint="--manoeuvre")
     if out.suffix.lower() not in (".csv", ".parquet"):
         raise typer.BadParameter("must end in .csv or .parquet", param_hint="--out")
-    if not out.absolute().parent.is_dir():
-        raise typer.BadParameter(f"no directory {out.parent}", param_hint="--out")
-    if log is not None and out.resolve() == log.resolve():
-        raise typer.BadParameter("would overwrite the LOG", param_hint="--out")
+    refuse_folder(out)
+    refuse_overwriting([out], [log] if log else [])
 
 
 def _replay(model: "Model", path: Path, channel_map: Path | None) -> "Log":

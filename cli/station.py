@@ -1,12 +1,27 @@
 """`brake-cal station`: one car, from its logs to a verdict, a report and the files of the line."""
 
+from dataclasses import dataclass
+from datetime import date as day
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cli.console import emit, emit_json, progress, say
-from cli.options import STORE, Json, Map, Store, example
+from cli.grid import grid
+from cli.inputs import channel_map_of, limits_of_car, unknown_format
+from cli.options import (
+    STORE,
+    Json,
+    Map,
+    Store,
+    VehicleFile,
+    example,
+    grouped,
+    limits_file,
+    out_folder,
+)
+from cli.outputs import refuse_file, refuse_overwriting, stems_of, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -14,7 +29,6 @@ if TYPE_CHECKING:
     from calib.station.identity import Identity
     from calib.station.station import StationOutcome
     from calib.table.version import Stored
-    from calib.validation.limits import Limit
 
 EPILOG = example(
     "brake-cal limits init --out line.toml",
@@ -26,42 +40,94 @@ EPILOG = example(
 FAILED = 1
 
 
+@dataclass(frozen=True)
+class MoreLogs:
+    """Logs for the fit besides the ramp."""
+
+    coasts: Annotated[
+        list[Path] | None, typer.Option("--coast", metavar="LOG", help="A coast log; repeatable.")
+    ] = None
+    ramps: Annotated[
+        list[Path] | None,
+        typer.Option("--ramp", metavar="LOG", help="A further ramp for the fit; repeatable."),
+    ] = None
+
+
+@dataclass(frozen=True)
+class IdentityOptions:
+    """What the line knows the car by."""
+
+    serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None
+    vin: Annotated[str | None, typer.Option(metavar="V", help="Vehicle identification.")] = None
+    name: Annotated[
+        str | None, typer.Option("--station", metavar="NAME", help="Name of the station.")
+    ] = None
+    rxswin: Annotated[
+        str | None, typer.Option(metavar="R", help="Software identification, UN R156.")
+    ] = None
+
+    def identity(self) -> "Identity":
+        """The identity of the run; refuses a word that cannot be one."""
+        from calib.station.identity import Identity
+
+        identity = Identity(self.serial, self.vin, self.name, self.rxswin)
+        flaw = identity.flaw()
+        if flaw is not None:
+            raise typer.BadParameter(flaw[1], param_hint=f"--{flaw[0]}")
+        return identity
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """Files for the ECU."""
+
+    exports: Annotated[
+        list[str] | None,
+        typer.Option("--export", metavar="F", help="Export as `tables export`; repeatable."),
+    ] = None
+    date: Annotated[
+        str | None, typer.Option(metavar="YYYY-MM-DD", help="Date in the history of a cdfx.")
+    ] = None
+
+    def forms(self) -> list[str]:
+        """The formats; refuses an unknown one, and a date that is missing or none."""
+        from calib.station.write import DATED, ENDINGS
+
+        forms = self.exports or []
+        for form in forms:
+            if form not in ENDINGS:
+                raise unknown_format(form, form.lower(), ENDINGS, "--export")
+            if form in DATED and self.date is None:
+                raise typer.BadParameter(
+                    f"{form} holds a date; give one, so that the same run gives the same bytes",
+                    param_hint="--date",
+                )
+        if self.date is not None:
+            try:
+                day.fromisoformat(self.date)
+            except ValueError:
+                raise typer.BadParameter(
+                    f"{self.date!r} is no date such as 2025-03-31", param_hint="--date"
+                ) from None
+        return forms
+
+
+@grouped
 def station(
     ramp: Annotated[Path, typer.Argument(metavar="RAMP", help="The ramp that the table is of.")],
     holdouts: Annotated[
         list[Path], typer.Argument(metavar="HOLDOUT...", help="Stops to prove it on.")
     ],
     *,
-    vehicle: Annotated[Path, typer.Option(metavar="V.toml", help="Vehicle file.")],
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Write everything here.")],
-    limits: Annotated[
-        Path | None, typer.Option(metavar="L.toml", help="Limits, see `brake-cal limits init`.")
-    ] = None,
-    coasts: Annotated[
-        list[Path] | None, typer.Option("--coast", metavar="LOG", help="A coast log; repeatable.")
-    ] = None,
-    ramps: Annotated[
-        list[Path] | None,
-        typer.Option("--ramp", metavar="LOG", help="A further ramp for the fit; repeatable."),
-    ] = None,
+    vehicle: VehicleFile,
+    out: Annotated[Path, out_folder("Write everything here.")],
+    limits: Annotated[Path | None, limits_file("Limits, see `brake-cal limits init`.")] = None,
+    more: MoreLogs,
     golden: Annotated[
         str | None, typer.Option(metavar="TABLE@N", help="Golden table of the model.")
     ] = None,
-    serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None,
-    vin: Annotated[str | None, typer.Option(metavar="V", help="Vehicle identification.")] = None,
-    name: Annotated[
-        str | None, typer.Option("--station", metavar="NAME", help="Name of the station.")
-    ] = None,
-    rxswin: Annotated[
-        str | None, typer.Option(metavar="R", help="Software identification, UN R156.")
-    ] = None,
-    exports: Annotated[
-        list[str] | None,
-        typer.Option("--export", metavar="F", help="Export as `tables export`; repeatable."),
-    ] = None,
-    date: Annotated[
-        str | None, typer.Option(metavar="YYYY-MM-DD", help="Date in the history of a cdfx.")
-    ] = None,
+    line: IdentityOptions,
+    ecu: ExportOptions,
     store: Store = STORE,
     channel_map: Map = None,
     json: Json = False,
@@ -74,7 +140,6 @@ def station(
     """
     from calib.checks.gates import refuse_twice
     from calib.files import workshop
-    from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
     from calib.physics.vehicle import read_vehicle
     from calib.station.folder import publish
@@ -84,37 +149,31 @@ def station(
     from calib.table.store import load
     from calib.validation.validate import require_same_vehicle
 
-    forms, count = exports or [], 1 + len(ramps or [])
-    for_fit = [ramp, *(ramps or []), *(coasts or [])]
-    identity = _identity(serial, vin, name, rxswin)
-    _check_forms(forms, date)
+    ramps, coasts = [ramp, *(more.ramps or [])], more.coasts or []
+    identity, forms = line.identity(), ecu.forms()
     _check_golden(golden)
-    given = [*for_fit, *holdouts, *(path for path in (vehicle, limits, channel_map) if path)]
-    _check_out(given, holdouts, forms, out)
-    car, held = read_vehicle(vehicle), _limits(limits)
+    outputs = _outputs(holdouts, forms, out)
+    refuse_overwriting(outputs, [*ramps, *coasts, *holdouts], [vehicle, limits, channel_map])
+    car, held = read_vehicle(vehicle), limits_of_car(limits)
     reference = load(golden, store) if golden else None
     if reference:
         require_same_vehicle(reference.table, car, vehicle)
-    mapping = read_channel_map(channel_map) if channel_map else None
+    mapping = channel_map_of(channel_map)
     with progress(f"fitting {car.name}, proving on {len(holdouts)}", len(holdouts) + 1) as done:
-        logs = [read_log(path, mapping) for path in for_fit]
-        table = table_of(car, logs[:count], logs[count:], identity)
+        ramp_logs = [read_log(path, mapping) for path in ramps]
+        coast_logs = [read_log(path, mapping) for path in coasts]
+        table = table_of(car, ramp_logs, coast_logs, identity)
         done()
         stops, results = [read_log(path, mapping) for path in holdouts], []
         refuse_twice(stops)
         for log in stops:
             results.append(validated(table, log, held))
             done()
-    judged = Car(table, logs[:count], stops, results, reference.table if reference else None)
-    found = outcome(judged, logs[count:], held, identity, reference.id if reference else "")
-    try:
-        with workshop(out) as work:
-            stored, document = store_and_write(found, store, forms, date or "", work)
-            paths = publish(work, out)
-    except OSError as error:
-        raise typer.BadParameter(
-            f"{out} cannot be written ({error.strerror})", param_hint="--out"
-        ) from error
+    judged = Car(table, ramp_logs, stops, results, reference.table if reference else None)
+    found = outcome(judged, coast_logs, held, identity, reference.id if reference else "")
+    with writing(out), workshop(out) as work:
+        stored, document = store_and_write(found, store, forms, ecu.date or "", work)
+        paths = publish(work, out)
     say(f"wrote {len(paths)} files to {out}")
     if json:
         emit_json(document)
@@ -122,43 +181,6 @@ def station(
         _report(found, stored, forms)
     if not found.passed:
         raise typer.Exit(FAILED)
-
-
-def _identity(
-    serial: str | None, vin: str | None, name: str | None, rxswin: str | None
-) -> "Identity":
-    from calib.station.identity import Identity
-
-    identity = Identity(serial, vin, name, rxswin)
-    flaw = identity.flaw()
-    if flaw is not None:
-        raise typer.BadParameter(flaw[1], param_hint=f"--{flaw[0]}")
-    return identity
-
-
-def _check_forms(forms: list[str], date: str | None) -> None:
-    from datetime import date as day
-
-    from calib.station.write import DATED, ENDINGS
-    from calib.toml import did_you_mean
-
-    for form in forms:
-        if form not in ENDINGS:
-            near = did_you_mean(form.lower(), ENDINGS)
-            what = f"unknown format {form!r}; {near} " if near else f"unknown format {form!r}; "
-            raise typer.BadParameter(f"{what}known: {', '.join(ENDINGS)}", param_hint="--export")
-        if form in DATED and date is None:
-            raise typer.BadParameter(
-                f"{form} holds a date; give one, so that the same run gives the same bytes",
-                param_hint="--date",
-            )
-    if date is not None:
-        try:
-            day.fromisoformat(date)
-        except ValueError:
-            raise typer.BadParameter(
-                f"{date!r} is no date such as 2025-03-31", param_hint="--date"
-            ) from None
 
 
 def _check_golden(golden: str | None) -> None:
@@ -170,36 +192,17 @@ def _check_golden(golden: str | None) -> None:
         )
 
 
-def _check_out(inputs: list[Path], holdouts: list[Path], forms: list[str], out: Path) -> None:
-    from calib.logs.tables import stem_of
+def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
+    """Every file that will be written; refuses names that two of them would have."""
     from calib.station.folder import FIXED
     from calib.station.write import export_name
 
-    stems = [stem_of(path) for path in holdouts]
-    twice = sorted({stem for stem in stems if stems.count(stem) > 1})
-    if twice:
-        raise typer.BadParameter(
-            f"two hold-outs are named {twice[0]}, and --out has one file a name",
-            param_hint="HOLDOUT",
-        )
+    stems = stems_of(holdouts, "HOLDOUT", "hold-outs")
     if "table" in stems:
         raise typer.BadParameter("a hold-out named table takes the export's place; rename it")
-    if out.exists() and not out.is_dir():
-        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
-    names = [*FIXED, *map(export_name, forms), *(f"{stem}.parquet" for stem in stems)]
-    written = {(out / name).resolve() for name in names}
-    lost = [path for path in inputs if path.resolve() in written]
-    if lost:
-        raise typer.BadParameter(f"would overwrite {lost[0]}", param_hint="--out")
-
-
-def _limits(path: Path | None) -> "tuple[Limit, ...]":
-    from calib.station.advice import LIMITS
-    from calib.station.metrics import METRICS as OF_CAR
-    from calib.validation.limits import read_limits
-    from calib.validation.metrics import METRICS as OF_STOPS
-
-    return read_limits(path, {*OF_STOPS, *OF_CAR}) if path else LIMITS
+    refuse_file(out)
+    exports = [export_name(form) for form in forms]
+    return [out / name for name in (*FIXED, *exports, *(f"{stem}.parquet" for stem in stems))]
 
 
 def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None:
@@ -215,15 +218,12 @@ def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None
 
 
 def _grid(found: "StationOutcome") -> "Grid":
-    from rich.table import Table
-
     from calib.station.words import bounds, value_of
 
-    grid = Table(box=None, header_style="bold", pad_edge=False)
-    for title in ("scope", "figure", "value", "no warning", "limit", "verdict"):
-        grid.add_column(title, justify="right" if title == "value" else "left")
+    heads = ("scope", "figure", "value", "no warning", "limit", "verdict")
+    table = grid(*heads, right=("value",))
     for check in found.checks:
         j = check.judgement
         warn, fail = bounds(j.warn_low, j.warn_high), bounds(j.low, j.high)
-        grid.add_row(check.scope, check.figure, value_of(check), warn, fail, check.verdict)
-    return grid
+        table.add_row(check.scope, check.figure, value_of(check), warn, fail, check.verdict)
+    return table

@@ -6,8 +6,20 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, progress, say
-from cli.jobs import limits_of_stops
-from cli.options import STORE, Json, KnownModel, Map, Store, example
+from cli.grid import grid
+from cli.inputs import channel_map_of, limits_of_stops, vehicle_of
+from cli.options import (
+    STORE,
+    Json,
+    KnownModel,
+    Map,
+    Store,
+    example,
+    limits_file,
+    out_folder,
+    vehicle_file,
+)
+from cli.outputs import refuse_file, refuse_overwriting, stems_of, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -28,16 +40,11 @@ def validate(
     *,
     store: Store = STORE,
     vehicle: Annotated[
-        Path | None,
-        typer.Option(metavar="V.toml", help="Vehicle with other nominal pads than the table's."),
+        Path | None, vehicle_file("Vehicle with other nominal pads than the table's.")
     ] = None,
     model: KnownModel = None,
-    limits: Annotated[
-        Path | None, typer.Option(metavar="L.toml", help="Limits that decide pass or fail.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Write LOG.parquet and summary.json here.")
-    ] = None,
+    limits: Annotated[Path | None, limits_file("Limits that decide pass or fail.")] = None,
+    out: Annotated[Path | None, out_folder("Write LOG.parquet and summary.json here.")] = None,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
@@ -45,19 +52,17 @@ def validate(
 
     Exit code 0 if every log holds its limits, 1 if one does not.
     """
-    from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
-    from calib.physics.vehicle import read_vehicle
     from calib.table.store import load
     from calib.validation.validate import require_same_vehicle, to_dict, validate_one
 
     _check_out(logs, out)
     stored = load(table, store)
-    car = read_vehicle(vehicle) if vehicle else None
+    car = vehicle_of(vehicle)
     require_same_vehicle(stored.table, car, vehicle)
     used = _with_known(stored.table, model) if model else stored.table
     held = limits_of_stops(limits)
-    mapping = read_channel_map(channel_map) if channel_map else None
+    mapping = channel_map_of(channel_map)
     results = []
     plural = "s" * (len(logs) > 1)
     with progress(f"validating {stored.id} on {len(logs)} log{plural}", len(logs)) as done:
@@ -89,31 +94,16 @@ def _with_known(table: "Table", path: Path) -> "Table":
 def _check_out(logs: list[Path], out: Path | None) -> None:
     if out is None:
         return
-    from calib.logs.tables import stem_of
-
-    stems = [stem_of(path) for path in logs]
-    twice = sorted({stem for stem in stems if stems.count(stem) > 1})
-    if twice:
-        raise typer.BadParameter(
-            f"two logs are named {twice[0]}, and --out has one file a name", param_hint="LOG"
-        )
-    written = {(out / f"{stem}.parquet").resolve() for stem in stems}
-    lost = [path for path in logs if path.resolve() in written]
-    if lost:
-        raise typer.BadParameter(f"would overwrite the log {lost[0]}", param_hint="--out")
-    if out.exists() and not out.is_dir():
-        raise typer.BadParameter(f"{out} is a file", param_hint="--out")
+    stems = stems_of(logs, "LOG")
+    refuse_overwriting((out / f"{stem}.parquet" for stem in stems), logs)
+    refuse_file(out)
 
 
 def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -> None:
     from calib.validation.results import write_results
 
-    try:
+    with writing(out):
         paths = write_results(results, summary, out)
-    except OSError as error:
-        raise typer.BadParameter(
-            f"{out} cannot be written ({error.strerror})", param_hint="--out"
-        ) from error
     for path in paths:
         say(f"wrote {path}")
 
@@ -141,14 +131,11 @@ def _report(results: "list[Validation]") -> None:
 
 
 def _grid(results: "list[Validation]") -> "Grid":
-    from rich.table import Table
-
-    grid = Table(box=None, header_style="bold", pad_edge=False)
-    for title in ("log", "front pads", "rear pads", "valid", "torque error", "verdict"):
-        grid.add_column(title, justify="left" if title in ("log", "verdict") else "right")
+    numbers = ("front pads", "rear pads", "valid", "torque error")
+    table = grid("log", *numbers, "verdict", right=numbers)
     for r in results:
         f = r.figures
-        grid.add_row(
+        table.add_row(
             r.log,
             _pads(f["pad_friction_f"], f["interval_f"]),
             _pads(f["pad_friction_r"], f["interval_r"]),
@@ -156,7 +143,7 @@ def _grid(results: "list[Validation]") -> "Grid":
             _errors(f["torque_error_f"], f["torque_error_r"]),
             "passed" if r.passed else "failed",
         )
-    return grid
+    return table
 
 
 def _pads(mu: float | None, width: float | None) -> str:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cli.console import complain, emit_line, json_line, say
-from cli.jobs import Command, Commands, Fresh, Limits, Out, Table, VehicleFile, Workers, job_of
-from cli.options import STORE, Map, Store, example
+from cli.jobs import Command, Commands, Fresh, JobOptions, Out, Workers
+from cli.options import example, grouped
+from cli.outputs import writing
 
 if TYPE_CHECKING:
     from calib.fleet.row import Row
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 EPILOG = example("brake-cal watch check sample_logs/sedan --out watched")
 
 
+@grouped
 def watch(
     command: Commands,
     folder: Annotated[
@@ -27,11 +29,7 @@ def watch(
     *,
     out: Out,
     workers: Workers = None,
-    table: Table = None,
-    store: Store = STORE,
-    vehicle: VehicleFile = None,
-    limits: Limits = None,
-    channel_map: Map = None,
+    options: JobOptions,
     fresh: Fresh = False,
     every: Annotated[float, typer.Option(metavar="S", min=0.05, help="Seconds between looks.")] = 1,
     settle: Annotated[
@@ -47,14 +45,14 @@ def watch(
     """
     if command is Command.DIAGNOSE:
         raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")
-    job = job_of(command, out, table, store, vehicle, limits, channel_map)
+    job = options.job(command, out)
     from calib.fleet.pool import Pool, cores
     from calib.fleet.watch import watch as watch_folder
 
     pool = Pool(workers or cores())
     show = _teller(command, json)
     try:
-        with _stopped() as stop:
+        with writing(out), _stopped() as stop:
             say(f"watching {folder} for logs to {command.value}; Ctrl-C ends it")
             done = watch_folder(
                 job,
@@ -68,12 +66,6 @@ def watch(
                 settle=settle,
                 fresh=fresh,
             )
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        raise typer.BadParameter(
-            f"{out} cannot be written ({error.strerror})", param_hint="--out"
-        ) from error
     finally:
         pool.close()
     counts = ", ".join(f"{n} {status}" for status, n in done.counts.items())

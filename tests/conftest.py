@@ -5,10 +5,12 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from calib.fitting.fit import fit
 from calib.table.store import save
 from calib.table.table import Table
 from calib.table.version import Stored
 from cli.main import main
+from tests.support.reference_car import CAR, REAL, noisy, ramp
 from tests.support.tables import made_table
 
 # The first example of a test imports what it needs, on any machine: no deadline is fair.
@@ -19,6 +21,12 @@ settings.load_profile("brake-cal")
 @pytest.fixture
 def table() -> Table:
     return made_table()
+
+
+@pytest.fixture(scope="session")
+def fitted() -> Table:
+    """The table of the reference car from one ramp."""
+    return fit(CAR, [noisy(ramp(REAL), 1)])
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.names import CHANNELS, TRUTH_UNITS
-from calib.units import _SPELLINGS, _TABLES, UnknownUnit, from_si, si_of, spelling, to_si
+from calib.units import QUANTITIES, SPELLINGS, UnknownUnit, from_si, si_of, spelling, to_si
 
 # Pint's names. Its own reading of three of ours would be wrong: "Nm" is a nanometre to it, "g" a
 # gram, and a Hz one radian per second.
@@ -116,13 +116,13 @@ def test_refuses_what_it_does_not_know(unit, si, words):
 
 def test_every_unit_of_the_table_was_compared_with_pint():
     compared = {(si, spelling(ours)) for si, ours, _ in CASES}
-    assert compared == {(si, unit) for si, (_, units) in _TABLES.items() for unit in units}
+    assert compared == {(si, unit) for si, (_, units) in QUANTITIES.items() for unit in units}
 
 
 def test_every_spelling_leads_to_a_unit():
-    known = {unit for _, units in _TABLES.values() for unit in units}
-    assert {s: u for s, u in _SPELLINGS.items() if u not in known} == {}
-    assert not set(_SPELLINGS) & known
+    known = {unit for _, units in QUANTITIES.values() for unit in units}
+    assert {s: u for s, u in SPELLINGS.items() if u not in known} == {}
+    assert not set(SPELLINGS) & known
 
 
 def test_refuses_an_unknown_quantity():

@@ -140,18 +140,6 @@ def to_dict(findings: Findings) -> dict[str, Any]:
     return {"usable": findings.usable, **asdict(findings)}
 
 
-def to_text(findings: Findings) -> str:
-    """The findings as lines of text, in the units of a log file."""
-    lines = [findings.source]
-    lines += [f"  {label:<12} {text}" for label, text in facts(findings)]
-    lines += [f"  {'read':<12} {text}" for text in findings.notes]
-    lines += [f"  {'warning':<12} {text}" for text in findings.warnings]
-    for verdict in findings.verdicts:
-        lines.append(f"  {verdict.purpose:<12} {'usable' if verdict.usable else 'not usable'}")
-        lines += [f"  {'':<12} - {reason}" for reason in verdict.reasons]
-    return "\n".join(lines)
-
-
 def facts(findings: Findings) -> Iterator[tuple[str, str]]:
     """Label and text of what was found, without warnings and verdicts; units of a log file."""
     seen, clock = findings.seen, findings.seen.clock

@@ -102,17 +102,21 @@ def _not_for_fit(seen: Observation) -> Iterator[str]:
     if not seen.events:
         yield "no braking: drive a slow pressure ramp of 3 to 8 s; a coast log goes beside one"
         return
-    if seen.lead_in < LEAD_IN_FIT:
-        yield (
-            f"{seen.lead_in:.2f} s of steady rolling at the start: "
-            "roll for a second before the ramp"
-        )
+    yield from _short_lead_in(seen, LEAD_IN_FIT, "ramp")
     ramp = ramp_of(seen)
     if ramp is None:
         yield from _no_ramp(max(seen.events, key=lambda e: e.rise_z))
         ramp = max(seen.events, key=lambda e: e.braking)
     yield from _disturbed(seen, ramp)
     yield from _blurred_eta(seen)
+
+
+def _short_lead_in(seen: Observation, least: float, braking: str) -> Iterator[str]:
+    if seen.lead_in < least:
+        yield (
+            f"{seen.lead_in:.2f} s of steady rolling at the start: "
+            f"roll for a second before the {braking}"
+        )
 
 
 def ramp_of(seen: Observation) -> BrakeEvent | None:
@@ -174,11 +178,7 @@ def _not_for_validate(seen: Observation) -> Iterator[str]:
     if not seen.events:
         yield "no braking: drive a stop from 50 km/h or more"
         return
-    if seen.lead_in < LEAD_IN_VALIDATE:
-        yield (
-            f"{seen.lead_in:.2f} s of steady rolling at the start: "
-            "roll for a second before the stop"
-        )
+    yield from _short_lead_in(seen, LEAD_IN_VALIDATE, "stop")
     braking = sum(event.braking for event in seen.events)
     if braking < BRAKING:
         yield f"{braking:.1f} s of braking above 3 m/s: brake for {BRAKING:g} s or more"

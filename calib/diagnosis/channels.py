@@ -24,7 +24,6 @@ from calib.signals.filters import block_mean
 Array = NDArray[np.float64]
 
 CHANNELS = ("a_x", "v", "rim", "front_rear", "front_sides", "rear_sides")
-UNITS = ("m/s^2", "m/s", "rad/s", "rad/s", "rad/s", "rad/s")
 
 STEP = 0.02
 """Clock of the evidence [s]."""

@@ -19,7 +19,6 @@ from calib.errors import InputError
 from calib.physics.vehicle import Axle
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 RATE = 8.0
 """Speed of adaptation at the reference pressure [1/s]: 90 % of a step of zeta in 0.3 s."""
@@ -94,13 +93,3 @@ def least_squares(y: Array, u: Array, memory: float, dt: float, prior: float = 0
     above = lfilter([1.0], pole, u * y)
     below = lfilter([1.0], pole, u * u) + prior
     return np.asarray(np.divide(above, below, out=np.zeros_like(above), where=below > 0.0))
-
-
-def lyapunov(theta_error: Array, gamma: float) -> Array:
-    """V = theta_err^2/(2 gamma) [N^2 m^2 s], the honest form of (26)."""
-    return theta_error**2 / (2.0 * gamma)  # (26)
-
-
-def lyapunov_rate(theta_error: Array, u: Array) -> Array:
-    """dV/dt = -(theta_err u)^2 = -eps^2 <= 0 [N^2 m^2] of that V under (25); for (27), (28)."""
-    return -((theta_error * u) ** 2)  # (27), (28)

@@ -6,6 +6,7 @@
 Sign convention: z = -a_x/g, so z, forces, torques and slips are positive when the car brakes. The
 paper prints (6)-(8), (13), (14) for a forward-positive a_x and (11), (12), (17) for a positive
 deceleration; here all of them are in z. Every function says whether it is per wheel or per axle.
+The ratios (8) to (10) follow from the loads: F_xf/F_xr = F_f F_zf/(F_r F_zr).
 Flat road, straight line, no aerodynamic pitch moment, load transfer without delay.
 """
 
@@ -55,13 +56,6 @@ def tyre_force(
     return (axle.wheel_inertia * spin_rate + torque + drag_moment) / axle.rolling_radius  # (1)
 
 
-def wheel_torque(
-    axle: Axle, force: Array, spin_rate: Array, drag_moment: Array | float = 0.0
-) -> Array:
-    """Brake torque of one wheel [N m] that goes with the tyre ``force`` [N]; (1) the other way."""
-    return axle.rolling_radius * force - axle.wheel_inertia * spin_rate - drag_moment  # (1)
-
-
 def spin_rate(axle: Axle, torque: Array, force: Array) -> Array:
     """d omega/dt [rad/s^2] of one wheel under ``torque`` [N m] and tyre ``force`` [N], (1).
 
@@ -74,22 +68,6 @@ def spin_rate(axle: Axle, torque: Array, force: Array) -> Array:
 def braking_sum(vehicle: Vehicle, z: Array, body_force: Array | float = 0.0) -> Array:
     """Sum of all tyre forces [N] at z [1], (5) and (17), less what slows the body directly [N]."""
     return vehicle.weight * z - body_force  # (5), (17)
-
-
-def force_ratio(vehicle: Vehicle, F_f: Array, F_r: Array, z: Array) -> Array:
-    """F_xf/F_xr [1] of the axles from their normalised forces [1], (8)."""
-    L_f, L_r, h = vehicle.cg_to_front_axle, vehicle.cg_to_rear_axle, vehicle.cg_height
-    return F_f * (L_r + z * h) / (F_r * (L_f - z * h))  # (8)
-
-
-def torque_ratio(vehicle: Vehicle, F_f: Array, F_r: Array, z: Array) -> Array:
-    """T_br/T_bf [1] of the axles, (9) and (10); (9) takes the radii as equal and J_w as nought."""
-    return 1.0 / force_ratio(vehicle, F_f, F_r, z)  # (9), (10)
-
-
-def ideal_torque_ratio(vehicle: Vehicle, z: Array) -> Array:
-    """T_br/T_bf [1] at which both axles use the same friction: the I curve of Fig. 2."""
-    return torque_ratio(vehicle, np.ones_like(z), np.ones_like(z), z)
 
 
 def split(vehicle: Vehicle, z: Array, D: Array, level: Array | None = None) -> tuple[Array, Array]:

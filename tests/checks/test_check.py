@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.checks.check import check, problems_for, to_dict, to_text
+from calib.checks.check import check, facts, problems_for, to_dict
 from calib.logs.read import read_log
 from calib.names import G
-from tests.checks.test_wheel_checks import with_slip
-from tests.support.made_runs import changed, made_run, ramp, stop
+from tests.support.made_runs import changed, made_run, ramp, stop, with_slip
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 
@@ -221,8 +220,8 @@ def test_no_reference_speed_is_warned_of():
 
 def test_text_and_data():
     findings = check(made_run())
-    text = to_text(findings)
-    assert "200 Hz" in text
+    text = dict(facts(findings))
+    assert "200 Hz" in text["clock"]
     assert "braking 1" in text
     data = to_dict(findings)
     assert data["usable"] is True
@@ -231,5 +230,7 @@ def test_text_and_data():
 
 
 @pytest.mark.parametrize("channel", ["p_mc", "omega_fl"])
-def test_text_of_a_log_that_lacks_something(channel):
-    assert f"{channel} is missing" in to_text(check(changed(made_run(), **{channel: None})))
+def test_a_log_that_lacks_something_is_of_no_use(channel):
+    findings = check(changed(made_run(), **{channel: None}))
+    assert not findings.usable
+    assert all(f"{channel} is missing" in verdict.reasons[0] for verdict in findings.verdicts)

@@ -6,20 +6,12 @@ import pytest
 from calib.checks.wheel_checks import axles_of, mismatch, slipping
 from calib.names import WHEELS
 from calib.signals.driving_record import brake_events, driving_record
-from tests.support.made_runs import RADIUS, SLIP_F, SLIP_R, changed, made_run, ramp, stop
+from tests.support.made_runs import RADIUS, SLIP_F, SLIP_R, changed, made_run, ramp, stop, with_slip
 
 
 def slip_of(log):
     driving = driving_record(log)
     return slipping(log, driving, brake_events(driving))
-
-
-def with_slip(log, wheels, start, length, depth, v=True):
-    """Slip added to some wheels as half a sine wave, as an ABS lets it come and go."""
-    t = log.time
-    bump = np.where((t > start) & (t < start + length), np.sin(np.pi * (t - start) / length), 0.0)
-    wheel = {f"omega_{w}": log[f"omega_{w}"] * (1 - depth * bump) for w in wheels}
-    return changed(log, **wheel, **({} if v else {"v": None}))
 
 
 def test_interval_holds_the_truth_as_often_as_it_says():

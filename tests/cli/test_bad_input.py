@@ -12,7 +12,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.fitting.fit import fit
 from calib.logs.write import write_csv, write_parquet
 from calib.table.store import save
 from tests.support.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, swapped, without
@@ -21,14 +20,14 @@ WHEELS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")
 
 
 @pytest.fixture(scope="module")
-def bench(tmp_path_factory):
+def bench(tmp_path_factory, fitted):
     """A good ramp and a good stop, each as a log and as a file, and a store with the table."""
     home = tmp_path_factory.mktemp("bench")
     logs = {"fit": noisy(ramp(REAL), 1), "validate": noisy(stop(REAL), 2)}
     for command, log in logs.items():
         write_csv(replace(log, truth={}), home / f"{command}.csv")
         write_parquet(replace(log, truth={}), home / f"{command}.parquet")
-    save(fit(CAR, [logs["fit"]]), home / "tables")
+    save(fitted, home / "tables")
     return home, logs
 
 

@@ -5,22 +5,19 @@ import json
 import pyarrow.parquet as pq
 import pytest
 
-from calib.fitting.fit import fit
 from calib.fleet.columns import COLUMNS, HEAD
 from calib.table.store import save
-from calib.table.table import Table
 from calib.validation.metrics import METRICS
 from tests.support.fleet_logs import many
-from tests.support.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, with_pads
+from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, stop
 
 
 @pytest.fixture(scope="module")
-def home(tmp_path_factory):
+def home(tmp_path_factory, fitted):
     """A table of the car in tables/, and three logs of which one will not do in logs/."""
     home = tmp_path_factory.mktemp("home")
-    wet = noisy(stop(with_pads(REAL, 0.31, 0.27)), 3)
-    table: Table = fit(CAR, [noisy(ramp(REAL), 1)])
-    save(table, home / "tables")
+    wet = noisy(stop(WET), 3)
+    save(fitted, home / "tables")
     many(home / "logs", [wet, noisy(stop(REAL), 4), cut(wet, 1.8)], 3)
     return home
 

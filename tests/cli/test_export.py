@@ -6,14 +6,6 @@ import pytest
 FORMATS = ("json", "csv", "parquet", "dcm", "cdfx", "c-header", "inca-csv")
 
 
-@pytest.fixture
-def tables(brake_cal, stored, store):
-    def run(*arguments):
-        return brake_cal("tables", *arguments, "--store", store)
-
-    return run
-
-
 @pytest.mark.parametrize("form", FORMATS)
 def test_every_format_is_written_and_names_its_table(tables, stored, tmp_path, form):
     out = tmp_path / "out"

@@ -5,12 +5,21 @@ import shlex
 
 import pytest
 
+from calib.demo.samples import sample_logs
 from calib.logs.write import write_csv
 from calib.table.store import load
 from cli.fit import EPILOG
 from tests.support.reference_car import CAR, REAL, SEDAN, noisy, ramp, with_pads
 
 VEHICLE = SEDAN / "vehicle.toml"
+CASE = sample_logs() / "hidden" / "case_3"
+RAMP, COAST = (CASE / "calibration" / f"{name}.parquet" for name in ("ramp", "coast"))
+STOP = CASE / "holdout" / "stop_b.parquet"
+VALVE = """schema = 1
+[effects.rear_proportioning]
+knee = "13.57 bar"
+knee_slope = 0.334
+"""
 
 
 @pytest.fixture(scope="module")
@@ -103,3 +112,37 @@ def test_a_store_that_cannot_be_written_ends_with_4(brake_cal, log, tmp_path):
     assert (ran.code, ran.out) == (4, "")
     assert "cannot be written" in ran.err
     assert file.read_text() == "no directory"
+
+
+@pytest.fixture
+def model(tmp_path):
+    path = tmp_path / "model.toml"
+    path.write_text(VALVE)
+    return path
+
+
+def test_the_table_keeps_what_was_known(brake_cal, model, tmp_path):
+    store = tmp_path / "tables"
+    fitted = brake_cal(
+        *("fit", RAMP, COAST, "--vehicle", CASE / "vehicle.toml", "--model", model),
+        *("--store", store, "--json"),
+    )
+    assert fitted.code == 0, fitted.err
+    said = json.loads(fitted.out)
+    assert "known effects taken out of the logs: rear_proportioning" in said["remarks"]
+    told = brake_cal("validate", "suv-d", STOP, "--store", store, "--json")
+    again = brake_cal("validate", "suv-d", STOP, "--store", store, "--model", model, "--json")
+    assert told.code == again.code == 0
+    assert json.loads(told.out) == json.loads(again.out)
+
+
+def test_a_slip_in_the_model_is_named(brake_cal, model, tmp_path):
+    model.write_text(VALVE.replace("rear_prop", "raer_prop"))
+    ran = brake_cal(
+        *("fit", RAMP, "--vehicle", CASE / "vehicle.toml", "--model", model),
+        *("--store", tmp_path / "tables"),
+    )
+    assert ran.code == 3
+    assert "raer_proportioning" in ran.err
+    assert "rear_proportioning" in ran.err.replace("raer_proportioning", "")
+    assert not (tmp_path / "tables").exists()

@@ -7,18 +7,21 @@ from tests.support.tables import made_table
 
 
 @pytest.fixture
-def tables(brake_cal, stored, store):
-    def run(*arguments):
-        return brake_cal("tables", *arguments, "--store", store)
+def exported(tables, stored, tmp_path):
+    """Write the stored table in a format; returns the file."""
 
-    return run
+    def write(form, *more):
+        out = tmp_path / "a"
+        assert tables("export", stored.name, "--format", form, "--out", out, *more).code == 0
+        return out
+
+    return write
 
 
 @pytest.mark.parametrize("form", ["dcm", "cdfx"])
 @pytest.mark.parametrize("points", [(), ("--points", "6")])
-def test_import_says_what_is_in_it_and_that_it_agrees(tables, tmp_path, form, points):
-    out = tmp_path / "a"
-    tables("export", "sedan", "--format", form, "--out", out, *points)
+def test_import_says_what_is_in_it_and_that_it_agrees(tables, exported, form, points):
+    out = exported(form, *points)
     ran = tables("import", out)
     assert (ran.code, ran.err) == (0, "")
     assert "agrees with sedan@1 to the last bit" in ran.out
@@ -33,18 +36,16 @@ def test_import_says_what_is_in_it_and_that_it_agrees(tables, tmp_path, form, po
     assert len(document["curves"]["sedan_f1"]["x"]) == (6 if points else 21)
 
 
-def test_import_without_the_table_says_so(tables, brake_cal, tmp_path):
-    out = tmp_path / "a"
-    tables("export", "sedan", "--format", "dcm", "--out", out)
+def test_import_without_the_table_says_so(brake_cal, exported, tmp_path):
+    out = exported("dcm")
     ran = brake_cal("tables", "import", out, "--store", tmp_path / "none")
     assert ran.code == 0
     assert "sedan@1 is not in this store" in ran.out
 
 
 @pytest.mark.parametrize("form", ["dcm", "cdfx"])
-def test_a_changed_number_ends_with_4_and_is_named(tables, tmp_path, form):
-    out = tmp_path / "a"
-    tables("export", "sedan", "--format", form, "--out", out)
+def test_a_changed_number_ends_with_4_and_is_named(tables, exported, form):
+    out = exported(form)
     out.write_text(out.read_text().replace("1744.0", "1745.0"))
     ran = tables("import", out)
     assert ran.code == 4
@@ -55,9 +56,8 @@ def test_a_changed_number_ends_with_4_and_is_named(tables, tmp_path, form):
     assert json.loads(ran.out)["unchanged"] is False
 
 
-def test_the_digest_of_another_table_ends_with_4(tables, brake_cal, tmp_path):
-    out = tmp_path / "a"
-    tables("export", "sedan", "--format", "dcm", "--out", out)
+def test_the_digest_of_another_table_ends_with_4(brake_cal, exported, tmp_path):
+    out = exported("dcm")
     save(made_table(28.0), tmp_path / "other")
     ran = brake_cal("tables", "import", out, "--store", tmp_path / "other")
     assert ran.code == 4
@@ -65,9 +65,8 @@ def test_the_digest_of_another_table_ends_with_4(tables, brake_cal, tmp_path):
 
 
 @pytest.mark.parametrize("form", ["dcm", "cdfx"])
-def test_half_a_file_ends_with_3(tables, tmp_path, form):
-    out = tmp_path / "a"
-    tables("export", "sedan", "--format", form, "--out", out)
+def test_half_a_file_ends_with_3(tables, exported, form):
+    out = exported(form)
     out.write_bytes(out.read_bytes()[: out.stat().st_size // 2])
     ran = tables("import", out)
     assert (ran.code, ran.out) == (3, "")

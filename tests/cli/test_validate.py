@@ -7,24 +7,21 @@ from dataclasses import replace
 import pyarrow.parquet as pq
 import pytest
 
-from calib.fitting.fit import fit
 from calib.logs.write import write_csv, write_parquet
 from calib.physics.vehicle import write_vehicle
 from calib.table.store import save
 from calib.validation.metrics import METRICS
 from cli.validate import EPILOG
-from tests.support.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, with_pads
+from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, ramp, stop, with_pads
 
 LOGS = ("wet.csv", "harder.parquet", "bad.csv")
-WET = with_pads(REAL, 0.31, 0.27)
 
 
 @pytest.fixture(scope="module")
-def bench(tmp_path_factory):
+def bench(tmp_path_factory, fitted):
     """A store with a table of the car, two stops that pass, and one that will not do."""
     home = tmp_path_factory.mktemp("bench")
-    table = fit(CAR, [noisy(ramp(REAL), 1)])
-    save(table, home / "tables")
+    save(fitted, home / "tables")
     wet = noisy(stop(WET), 3)
     write_csv(wet, home / "wet.csv")
     write_parquet(noisy(stop(WET, pressure=30e5), 4), home / "harder.parquet")

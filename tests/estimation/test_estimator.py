@@ -16,23 +16,20 @@ from tests.support.plant import as_log, drive, magic
 from tests.support.reference_car import (
     CAR,
     REAL,
+    WET,
     cut,
     noisy,
     parked,
-    ramp,
     stop,
     true_forces,
     with_pads,
     without,
 )
 
-WET = with_pads(REAL, 0.31, 0.27)
-"""Wet pads, the rear ones more."""
-
 
 @pytest.fixture(scope="module")
-def table():
-    return fit(CAR, [noisy(ramp(REAL), 1)])
+def table(fitted):
+    return fitted
 
 
 @pytest.fixture(scope="module")

@@ -42,6 +42,7 @@ from tests.support.reference_car import (
     with_ratio,
     without,
 )
+from tests.support.refusals import refusal
 
 ROOT = SEDAN.parents[1]
 LOGS = [SEDAN / f"{n}.csv" for n in ("ramp_wet_asphalt", "ramp_wet_asphalt_repeat", "coast")]
@@ -67,11 +68,8 @@ def coast():
     return noisy(as_log(drive(REAL, lambda t: 0.0, 33.0, duration=90.0, rtol=1e-7), "coast"), 11)
 
 
-def refusal(*logs, vehicle=CAR):
-    with pytest.raises(LogError) as error:
-        fit(vehicle, list(logs))
-    assert error.value.exit_code == 3
-    return str(error.value)
+def refused(*logs, vehicle=CAR):
+    return refusal(fit, vehicle, list(logs), kind=LogError)
 
 
 def test_same_logs_in_two_processes_give_the_same_bytes(tmp_path):
@@ -269,28 +267,28 @@ def test_a_glitch_of_a_x_that_no_car_can_do_takes_no_part(run, table):
 
 
 def test_no_log_is_a_ramp(coast):
-    assert "none of the logs holds a braking" in refusal(coast)
+    assert "none of the logs holds a braking" in refused(coast)
 
 
 def test_nothing_to_fit():
-    assert "none of the logs" in refusal()
+    assert "none of the logs" in refused()
 
 
 def test_stop_is_no_ramp():
-    assert "press slowly" in refusal(noisy(stop(), 0))
+    assert "press slowly" in refused(noisy(stop(), 0))
 
 
 def test_ramp_that_is_too_short(run):
-    assert "will not do for a fit" in refusal(cut(run, 0.0, 3.4))
+    assert "will not do for a fit" in refused(cut(run, 0.0, 3.4))
 
 
 def test_ramp_without_lead_in(run):
-    assert "roll for a second" in refusal(cut(run, 1.7))
+    assert "roll for a second" in refused(cut(run, 1.7))
 
 
 def test_one_bad_log_among_good_ones_is_named(run):
     bad = replace(cut(run, 1.7), source="bad.csv", digest="bad")
-    assert refusal(run, bad).startswith("bad.csv")
+    assert refused(run, bad).startswith("bad.csv")
 
 
 def test_wheel_speeds_too_coarse_for_a_tyre_curve(clean):
@@ -298,16 +296,16 @@ def test_wheel_speeds_too_coarse_for_a_tyre_curve(clean):
     log = noisy(clean, 1)
     held = np.repeat(log["omega_fl"][::20], 20)[: log.time.size]
     coarse = replace(log, channels={**log.channels, "omega_fl": held})
-    assert "slip would fall while force grows" in refusal(coarse)
+    assert "slip would fall while force grows" in refused(coarse)
 
 
 def test_a_run_given_twice(run):
     """It would count double: every interval would be too narrow by a factor of 1.4."""
-    assert "the same run as plant" in refusal(run, replace(run, name="copy"))
+    assert "the same run as plant" in refused(run, replace(run, name="copy"))
 
 
 def test_swapped_axles(run):
-    assert "are the axles swapped?" in refusal(swapped(run))
+    assert "are the axles swapped?" in refused(swapped(run))
 
 
 def test_a_rear_biased_car_is_refused_for_what_it_is():
@@ -318,13 +316,13 @@ def test_a_rear_biased_car_is_refused_for_what_it_is():
     b = blocks(signals(log, odd))
     rise, error = eta_rise(b, b.z > 0.1)
     assert rise < -4.0 * error
-    assert "swapped" in refusal(log)
-    assert "eta does not rise under braking" in refusal(log, vehicle=odd)
+    assert "swapped" in refused(log)
+    assert "eta does not rise under braking" in refused(log, vehicle=odd)
 
 
 def test_vehicle_of_another_car(run):
     other = read_vehicle(ROOT / "sample_logs/third_party/vehicle.toml")  # R = 0.344 m
-    message = refusal(run, vehicle=other)
+    message = refused(run, vehicle=other)
     assert "radius of 0.322 m" in message
     assert "0.344 m" in message
 

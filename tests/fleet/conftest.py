@@ -1,16 +1,7 @@
 import pytest
 
-from calib.fitting.fit import fit
-from calib.table.table import Table
 from tests.support.fleet_logs import many
-from tests.support.reference_car import CAR, REAL, cut, noisy, ramp, stop, with_pads
-
-WET = with_pads(REAL, 0.31, 0.27)
-
-
-@pytest.fixture(scope="session")
-def fitted() -> Table:
-    return fit(CAR, [noisy(ramp(REAL), 1)])
+from tests.support.reference_car import WET, cut, noisy, stop
 
 
 @pytest.fixture(scope="session")

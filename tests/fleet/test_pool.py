@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import BrokenExecutor, Future
+from multiprocessing import active_children
 from pathlib import Path
 
 import pytest
@@ -47,7 +48,7 @@ def test_a_killed_worker_costs_no_row(fitted, sixty, undisturbed, tmp_path):
 
     def report(pace):
         if pace.done >= 10 and not killed:
-            killed.append(next(iter(pool._pool._processes)))
+            killed.append(active_children()[0].pid)
             os.kill(killed[0], signal.SIGKILL)
 
     try:

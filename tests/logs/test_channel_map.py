@@ -7,6 +7,7 @@ import pytest
 from calib.errors import ChannelMapError, LogError
 from calib.logs.channel_map import Mapping, read_channel_map
 from calib.logs.read import read_log
+from tests.support.refusals import refusal
 
 HEADER = "Zeit [ms],Brake pressure,Decel [g],FL [rpm],FR [rpm],RL [rpm],RR [rpm],p_mc [bar]"
 ROW = "{},{},0.5,60,60,60,60,999"
@@ -41,12 +42,8 @@ def write_map(tmp_path, text):
     return path
 
 
-def refusal(path):
-    with pytest.raises(ChannelMapError) as error:
-        read_channel_map(path)
-    assert error.value.exit_code == 3
-    assert str(path) in str(error.value)
-    return str(error.value)
+def refused(path):
+    return refusal(read_channel_map, path, kind=ChannelMapError, names=path)
 
 
 def test_names_units_signs_scale_and_offset(tmp_path, log_file):
@@ -105,12 +102,12 @@ def test_mapped_channel_still_needs_a_unit(tmp_path, log_file):
     ],
 )
 def test_slips_are_named(tmp_path, old, new, words):
-    message = refusal(write_map(tmp_path, MAP.replace(old, new, 1)))
+    message = refused(write_map(tmp_path, MAP.replace(old, new, 1)))
     assert [word for word in words if word not in message] == []
 
 
 def test_no_file(tmp_path):
-    assert "no such file" in refusal(tmp_path / "none.toml")
+    assert "no such file" in refused(tmp_path / "none.toml")
 
 
 def test_dbc_files_are_relative_to_the_map(tmp_path):
@@ -124,7 +121,7 @@ def test_dbc_files_are_relative_to_the_map(tmp_path):
 
 @pytest.mark.parametrize("dbc", ["5", '""', '["a.dbc", 5]', "{can0 = 'a.dbc'}"])
 def test_dbc_that_is_no_path(tmp_path, dbc):
-    assert "expected the path of a DBC file" in refusal(
+    assert "expected the path of a DBC file" in refused(
         write_map(tmp_path, f"schema = 1\ndbc = {dbc}\n")
     )
 

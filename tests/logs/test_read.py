@@ -8,6 +8,7 @@ import pytest
 
 from calib.errors import LogError
 from calib.logs.read import REQUIRED, read_log
+from tests.support.refusals import refusal
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 NAMES = ["time", "p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr"]
@@ -33,12 +34,8 @@ def write(tmp_path, text, name="run.csv"):
     return path
 
 
-def refusal(path, *arguments, **keywords):
-    with pytest.raises(LogError) as error:
-        read_log(path, *arguments, **keywords)
-    assert error.value.exit_code == 3
-    assert str(path) in str(error.value)
-    return str(error.value)
+def refused(path, *arguments, **keywords):
+    return refusal(read_log, path, *arguments, kind=LogError, names=path, **keywords)
 
 
 def test_gives_si(tmp_path):
@@ -99,34 +96,34 @@ def test_all_samples_are_read():
 
 
 def test_no_file(tmp_path):
-    assert "no such file" in refusal(tmp_path / "none.csv")
+    assert "no such file" in refused(tmp_path / "none.csv")
 
 
 def test_directory(tmp_path):
-    assert "directory" in refusal(tmp_path)
+    assert "directory" in refused(tmp_path)
 
 
 def test_unknown_ending(tmp_path):
-    message = refusal(write(tmp_path, "x", "run.xlsx"))
+    message = refused(write(tmp_path, "x", "run.xlsx"))
     assert "'.xlsx'" in message
     assert ".parquet" in message
 
 
 @pytest.mark.parametrize("text", ["", "\n\n", csv_text(table()).split("\n")[0] + "\n"])
 def test_nothing_in_it(tmp_path, text):
-    message = refusal(write(tmp_path, text))
+    message = refused(write(tmp_path, text))
     assert "empty" in message or "no samples" in message
 
 
 def test_too_few_samples(tmp_path):
-    assert "only 49 samples" in refusal(write(tmp_path, csv_text(table(49))))
+    assert "only 49 samples" in refused(write(tmp_path, csv_text(table(49))))
     read_log(write(tmp_path, csv_text(table(50))))
 
 
 @pytest.mark.parametrize("name", REQUIRED)
 def test_missing_channel(tmp_path, name):
     columns = {head: cells for head, cells in table().items() if not head.startswith(name)}
-    message = refusal(write(tmp_path, csv_text(columns)))
+    message = refused(write(tmp_path, csv_text(columns)))
     assert f"channel {name} missing" in message
     assert "--map" in message
 
@@ -134,7 +131,7 @@ def test_missing_channel(tmp_path, name):
 def test_misspelt_channel_is_suggested(tmp_path):
     columns = table()
     columns["omega_lf [rad/s]"] = columns.pop("omega_fl [rad/s]")
-    message = refusal(write(tmp_path, csv_text(columns)))
+    message = refused(write(tmp_path, csv_text(columns)))
     assert "is 'omega_lf' meant to be omega_fl?" in message
 
 
@@ -145,30 +142,30 @@ def test_channel_that_is_not_required_may_be_missing(tmp_path):
 
 def test_time_is_always_required(tmp_path):
     columns = {head: cells for head, cells in table().items() if not head.startswith("time")}
-    assert "channel time missing" in refusal(write(tmp_path, csv_text(columns)), require=())
+    assert "channel time missing" in refused(write(tmp_path, csv_text(columns)), require=())
 
 
 def test_duplicate_channel(tmp_path):
     columns = {**table(), "a_x [g]": ["0.1"] * 60}
-    message = refusal(write(tmp_path, csv_text(columns)))
+    message = refused(write(tmp_path, csv_text(columns)))
     assert "a_x: the channel is there twice" in message
 
 
 def test_missing_unit(tmp_path):
-    message = refusal(write(tmp_path, csv_text(table()).replace("p_mc [bar]", "p_mc")))
+    message = refused(write(tmp_path, csv_text(table()).replace("p_mc [bar]", "p_mc")))
     assert "p_mc: the unit is missing" in message
     assert "[Pa]" in message
 
 
 def test_unknown_unit(tmp_path):
-    message = refusal(write(tmp_path, csv_text(table()).replace("[bar]", "[barg]")))
+    message = refused(write(tmp_path, csv_text(table()).replace("[bar]", "[barg]")))
     assert "p_mc" in message
     assert "'barg'" in message
     assert "did you mean 'bar'" in message
 
 
 def test_unit_of_another_quantity(tmp_path):
-    message = refusal(write(tmp_path, csv_text(table()).replace("[bar]", "[N]")))
+    message = refused(write(tmp_path, csv_text(table()).replace("[bar]", "[N]")))
     assert "'N' is a unit of force, not of pressure" in message
 
 
@@ -176,20 +173,20 @@ def test_hole(tmp_path):
     columns = table()
     columns["a_x [m/s^2]"][7] = ""
     columns["a_x [m/s^2]"][9] = "NaN"
-    message = refusal(write(tmp_path, csv_text(columns)), require=())
+    message = refused(write(tmp_path, csv_text(columns)), require=())
     assert "a_x: no value in 2 of 60 rows, first in row 8" in message
 
 
 def test_infinite_value(tmp_path):
     columns = table()
     columns["a_x [m/s^2]"][7] = "inf"
-    assert "an infinite value in 1 of 60 rows" in refusal(write(tmp_path, csv_text(columns)))
+    assert "an infinite value in 1 of 60 rows" in refused(write(tmp_path, csv_text(columns)))
 
 
 def test_empty_channel(tmp_path):
     columns = {**table(), "p_mc [bar]": [""] * 60}
     path = write(tmp_path, csv_text(columns))
-    assert "p_mc: the channel is empty" in refusal(path)
+    assert "p_mc: the channel is empty" in refused(path)
     log = read_log(path, require=())
     assert "p_mc" not in log
     assert log.notes == ("p_mc is empty and was left out",)
@@ -206,11 +203,11 @@ def test_optional_channel_with_holes_is_left_out_and_said(tmp_path):
 def test_time_that_does_not_run(tmp_path, cell, words):
     columns = table()
     columns["time [s]"][10] = cell
-    message = refusal(write(tmp_path, csv_text(columns)))
+    message = refused(write(tmp_path, csv_text(columns)))
     assert f"time {words} in row 11" in message
 
 
 def test_value_that_only_a_damaged_file_holds(tmp_path):
     columns = table()
     columns["a_x [m/s^2]"][7] = "1e200"
-    assert "a_x: row 8 holds 1e+200" in refusal(write(tmp_path, csv_text(columns)))
+    assert "a_x: row 8 holds 1e+200" in refused(write(tmp_path, csv_text(columns)))

@@ -67,10 +67,9 @@ def test_a_wheel_by_hand():
 
 
 @given(st.floats(0.0, 5e3), st.floats(-500.0, 500.0), st.floats(0.0, 100.0))
-def test_the_three_forms_of_equation_1_agree(torque, spin, moment):
+def test_both_forms_of_equation_1_agree(torque, spin, moment):
     axle = VEHICLE.rear
     force = forces.tyre_force(axle, torque, spin, moment)
-    assert forces.wheel_torque(axle, force, spin, moment) == pytest.approx(torque, abs=1e-9)
     assert forces.spin_rate(axle, torque + moment, force) == pytest.approx(spin, abs=1e-9)
 
 
@@ -93,24 +92,27 @@ def test_braking_loads_the_front_axle():
 
 
 @given(vehicles(), friction, friction)
-def test_loads_and_ratios_against_statics(car, F_f, F_r):
+def test_loads_and_sums_against_statics(car, F_f, F_r):
     """(5)-(10), (17): the deceleration is what the two axles give, by moments about the c.g."""
     F_zf, F_zr = loads_by_moments(car, F_f, F_r)
     F_xf, F_xr = F_f * F_zf, F_r * F_zr
     z = np.asarray((F_xf + F_xr) / (car.mass * 9.80665))
     assert forces.axle_loads(car, z) == pytest.approx((F_zf, F_zr), rel=1e-9)
     assert forces.braking_sum(car, z) == pytest.approx(F_xf + F_xr, rel=1e-9)
-    assert forces.force_ratio(car, F_f, F_r, z) == pytest.approx(F_xf / F_xr, rel=1e-9)
-    assert forces.torque_ratio(car, F_f, F_r, z) == pytest.approx(F_xr / F_xf, rel=1e-9)
+    L_f, L_r, h = car.cg_to_front_axle, car.cg_to_rear_axle, car.cg_height
+    load_f, load_r = forces.axle_loads(car, z)
+    ratio = F_f * (L_r + z * h) / (F_r * (L_f - z * h))  # (8); (9), (10) are 1 over it
+    assert F_f * load_f / (F_r * load_r) == pytest.approx(ratio, rel=1e-9)
 
 
 @given(vehicles(), st.floats(0.01, 1.2))
-def test_i_curve_is_its_closed_form(car, z):
-    """F_xr over F_xf without z: what is left when z is taken out of F_x = z F_z on both axles."""
+def test_the_loads_give_the_i_curve(car, z):
+    """Fig. 2: F_xr over F_xf, z taken out of F_x = z F_z on both axles."""
     W, h, l_r, L = car.mass * 9.80665, car.cg_height, car.cg_to_rear_axle, car.wheelbase
     F_xf = z * W * (l_r + z * h) / L
     F_xr = 0.5 * (W / h * np.sqrt(l_r**2 + 4.0 * h * L * F_xf / W) - (W * l_r / h + 2.0 * F_xf))
-    assert forces.ideal_torque_ratio(car, np.asarray(z)) == pytest.approx(F_xr / F_xf, rel=1e-6)
+    F_zf, F_zr = forces.axle_loads(car, np.asarray(z))
+    assert F_zr / F_zf == pytest.approx(F_xr / F_xf, rel=1e-6)
 
 
 # The split ---------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from calib.errors import ModelError
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import WET_ASPHALT, Model, Surface, default_model, read_model, write_model
 from calib.physics.vehicle import read_vehicle
+from tests.support.refusals import refusal
 
 SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
 KNOWN = replace(SEDAN, effects={"rolling_resistance": {"coefficient": 0.012}})
@@ -44,11 +45,8 @@ def read(tmp_path, text, vehicle=SEDAN):
     return read_model(path, vehicle)
 
 
-def refusal(tmp_path, text):
-    with pytest.raises(ModelError) as error:
-        read(tmp_path, text)
-    assert error.value.exit_code == 3
-    return str(error.value)
+def refused(tmp_path, text):
+    return refusal(read, tmp_path, text, kind=ModelError)
 
 
 def test_reads_every_section_in_si(tmp_path):
@@ -141,15 +139,15 @@ def test_written_and_read_back_it_is_the_same(tmp_path_factory, model):
 )
 def test_refuses_and_says_what_is_wrong(tmp_path, old, new, says):
     assert old in WHOLE
-    message = refusal(tmp_path, WHOLE.replace(old, new, 1))
+    message = refused(tmp_path, WHOLE.replace(old, new, 1))
     assert says in message
     assert "model.toml" in message
 
 
 def test_refuses_what_is_no_section(tmp_path):
-    assert "double brackets" in refusal(tmp_path, "schema = 1\n[surfaces]\nstart = 1")
-    assert "not a table" in refusal(tmp_path, "schema = 1\npads = 1")
-    assert "not a table" in refusal(tmp_path, "schema = 1\neffects = 1")
+    assert "double brackets" in refused(tmp_path, "schema = 1\n[surfaces]\nstart = 1")
+    assert "not a table" in refused(tmp_path, "schema = 1\npads = 1")
+    assert "not a table" in refused(tmp_path, "schema = 1\neffects = 1")
 
 
 def test_refuses_a_file_that_is_not_there(tmp_path):

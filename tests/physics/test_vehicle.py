@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from calib.errors import VehicleError
 from calib.physics.vehicle import AXLE, CHASSIS, Axle, Vehicle, checked, read_vehicle, write_vehicle
+from tests.support.refusals import refusal
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
 TEXT = SEDAN.read_text()
@@ -24,12 +25,8 @@ def write(tmp_path, *changes):
     return path
 
 
-def refusal(path):
-    with pytest.raises(VehicleError) as error:
-        read_vehicle(path)
-    assert error.value.exit_code == 3
-    assert str(path) in str(error.value)
-    return str(error.value)
+def refused(path):
+    return refusal(read_vehicle, path, kind=VehicleError, names=path)
 
 
 def test_reads_tables_i_and_ii():
@@ -105,16 +102,16 @@ def test_known_effects_and_tolerance_come_in_si(tmp_path):
     ],
 )
 def test_slips_are_named(tmp_path, old, new, words):
-    message = refusal(write(tmp_path, (old, new)))
+    message = refused(write(tmp_path, (old, new)))
     assert [word for word in words if word not in message] == []
 
 
 def test_no_file_and_no_text(tmp_path):
-    assert "no such file" in refusal(tmp_path / "none.toml")
-    assert "a directory" in refusal(tmp_path)
+    assert "no such file" in refused(tmp_path / "none.toml")
+    assert "a directory" in refused(tmp_path)
     binary = tmp_path / "car.toml"
     binary.write_bytes(b"\xff\xfe\x00")
-    assert "not TOML" in refusal(binary)
+    assert "not TOML" in refused(binary)
 
 
 def test_a_replaced_value_is_checked_too():

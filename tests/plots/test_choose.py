@@ -7,7 +7,7 @@ from calib.logs.read import read_log
 from calib.plots.choose import Given, sheets
 from calib.table.version import Stored
 from tests.plots.conftest import SEDAN, SIMULATION
-from tests.plots.test_trace import made_result
+from tests.support.stored_results import made_result
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@ import re
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
 
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import styled
@@ -24,6 +25,11 @@ def renderer(page):
         return canvas.get_renderer()
 
 
+def text_of(artist, words):
+    """The text with these words, on a page or in a pair of axes."""
+    return next(text for text in artist.findobj(Text) if text.get_text() == words)
+
+
 def test_every_axis_has_a_name_and_a_unit(page):
     for ax in page.axes:
         assert UNIT.match(ax.get_xlabel()), ax.get_title()
@@ -43,7 +49,7 @@ def test_legends_stand_above_the_data(page, renderer):
         if (legend := ax.get_legend()) is not None:
             box = legend.get_window_extent(renderer)
             assert box.y0 >= ax.get_window_extent(renderer).y1 - 1.0, ax.get_title(loc="left")
-            title = ax._left_title.get_window_extent(renderer)
+            title = text_of(ax, ax.get_title(loc="left")).get_window_extent(renderer)
             assert title.y0 >= box.y1 - 4.0, ax.get_title(loc="left")
 
 
@@ -58,7 +64,7 @@ def test_nothing_is_cut_off_and_panels_do_not_touch(page, renderer):
         for b in boxes[:i]:
             overlap = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
             assert min(overlap) <= 6.0  # pixels of 100 to the inch
-    note = page._supxlabel.get_window_extent(renderer)
+    note = text_of(page, page.get_supxlabel()).get_window_extent(renderer)
     assert note.x1 <= page.bbox.x1
 
 

@@ -5,10 +5,11 @@ import pytest
 
 from calib.estimation.estimator import estimate
 from calib.physics.vehicle import read_vehicle
-from calib.plots.result import COLUMNS, StoredResult, read_result
+from calib.plots.result import read_result
 from calib.plots.trace import from_estimate, from_result
 from calib.validation.results import write_result
 from tests.plots.conftest import SEDAN
+from tests.support.stored_results import made_result
 
 WEIGHT = 1744.0 * 9.80665
 
@@ -68,13 +69,6 @@ def test_without_v_there_is_neither_slip_nor_speed(sedan, transition):
     assert found.v_wheel is None
     assert found.front.slip is None
     assert found.rear.slip is None
-
-
-def made_result():
-    n = 40
-    values = dict.fromkeys(COLUMNS, np.full(n, 0.4)) | {"time": 0.01 * np.arange(n)}
-    values |= {f"brake_torque_{w}": np.full(n, 100.0) for w in ("fl", "fr", "rl", "rr")}
-    return StoredResult("stop", "ab" * 32, values, np.ones(n, bool))
 
 
 def test_a_result_alone_has_no_nominal_pads():

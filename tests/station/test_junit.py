@@ -4,7 +4,7 @@ from dataclasses import replace
 from xml.etree import ElementTree
 
 from calib.station.junit import junit_xml
-from tests.station.conftest import MARKUP
+from tests.support.station_run import MARKUP
 
 
 def test_counts_are_those_of_the_cases(found, kept):

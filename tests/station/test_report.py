@@ -8,8 +8,8 @@ from itertools import pairwise
 import pytest
 
 from calib.station.report import report_html
-from tests.station.conftest import MARKUP
 from tests.support.browser import BROWSER, Browser
+from tests.support.station_run import MARKUP
 
 needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium here; apt install chromium")
 

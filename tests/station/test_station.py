@@ -15,7 +15,7 @@ from calib.station.station import outcome, table_of, validated
 from calib.station.words import in_full, sentence
 from calib.validation.limits import Limit
 from calib.validation.metrics import METRICS as OF_STOPS
-from tests.station.conftest import SEDAN
+from tests.support.station_run import SEDAN
 
 GOOD = ("dry_asphalt_stop", "transition_dry_to_basalt")
 

@@ -84,37 +84,27 @@ def scattered(rng: np.random.Generator) -> Build:
     )
 
 
-def both(pair: tuple[float, float], front: float, rear: float) -> tuple[float, float]:
-    """A pair with each part multiplied."""
-    return pair[0] * front, pair[1] * rear
+def scaled(name: str, front: float, rear: float) -> Callable[[Build], Build]:
+    """A change of a car: the pair ``name`` with each part multiplied."""
+
+    def change(build: Build) -> Build:
+        pair = getattr(build, name)
+        return replace(build, **{name: (pair[0] * front, pair[1] * rear)})
+
+    return change
 
 
 FAULTS: dict[str, tuple[Callable[[Build], Build], tuple[str, ...]]] = {
     # what is wrong with it, and the checks that are meant to see it
-    "pads 30 % weak, both axles": (
-        lambda b: replace(b, pads=both(b.pads, 0.7, 0.7)),
-        ("pad_scale",),
-    ),
-    "rear pads 35 % weak": (
-        lambda b: replace(b, pads=both(b.pads, 1.0, 0.65)),
-        ("pad_ratio", "golden_distance"),
-    ),
+    "pads 30 % weak, both axles": (scaled("pads", 0.7, 0.7), ("pad_scale",)),
+    "rear pads 35 % weak": (scaled("pads", 1.0, 0.65), ("pad_ratio", "golden_distance")),
     "front pads 30 % weak": (
-        lambda b: replace(b, pads=both(b.pads, 0.7, 1.0)),
+        scaled("pads", 0.7, 1.0),
         ("pad_ratio", "golden_distance", "front_biased_up_to"),
     ),
-    "front left brake 35 % weak": (
-        lambda b: replace(b, left=both(b.left, 0.65, 1.0)),
-        ("side_difference_f",),
-    ),
-    "rear left brake 50 % weak": (
-        lambda b: replace(b, left=both(b.left, 1.0, 0.5)),
-        ("side_difference_r",),
-    ),
-    "rear tyres 2 % too small": (
-        lambda b: replace(b, radius=both(b.radius, 1.0, 0.98)),
-        ("ramp_eta_zero", "eta_zero"),
-    ),
+    "front left brake 35 % weak": (scaled("left", 0.65, 1.0), ("side_difference_f",)),
+    "rear left brake 50 % weak": (scaled("left", 1.0, 0.5), ("side_difference_r",)),
+    "rear tyres 2 % too small": (scaled("radius", 1.0, 0.98), ("ramp_eta_zero", "eta_zero")),
     "pads fade 8 % a second in stops": (
         lambda b: replace(b, fading=-0.08),
         ("pad_friction_drift_f", "pad_friction_drift_r"),

@@ -60,3 +60,13 @@ def changed(log: Log, **channels: Array | None) -> Log:
     """The run with some channels replaced, or left out where None."""
     merged = {**log.channels, **channels}
     return replace(log, channels={k: v for k, v in merged.items() if v is not None})
+
+
+def with_slip(
+    log: Log, wheels: list[str], start: float, length: float, depth: float, v: bool = True
+) -> Log:
+    """Slip added to some wheels as half a sine wave, as an ABS lets it come and go."""
+    t = log.time
+    bump = np.where((t > start) & (t < start + length), np.sin(np.pi * (t - start) / length), 0.0)
+    wheel = {f"omega_{w}": log[f"omega_{w}"] * (1 - depth * bump) for w in wheels}
+    return changed(log, **wheel, **({} if v else {"v": None}))

@@ -26,6 +26,10 @@ def with_pads(plant: Plant, front: float, rear: float) -> Plant:
     return replace(plant, pads=lambda t: (front, rear))
 
 
+WET = with_pads(REAL, 0.31, 0.27)
+"""It with wet pads, the rear ones more."""
+
+
 def with_ratio(plant: Plant, ratio: float) -> Plant:
     """The plant with pads in ``ratio`` front over rear, their geometric mean nominal."""
     half = math.sqrt(ratio)

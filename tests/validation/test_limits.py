@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from calib.errors import LimitsError
 from calib.validation.limits import DEFAULTS, Judgement, Limit, judge, read_limits
 from calib.validation.metrics import METRICS
+from tests.support.refusals import refusal
 
 KNOWN = set(METRICS)
 
@@ -17,12 +18,8 @@ def write(tmp_path, text):
     return path
 
 
-def refusal(path):
-    with pytest.raises(LimitsError) as error:
-        read_limits(path, KNOWN)
-    assert error.value.exit_code == 3
-    assert str(path) in str(error.value)
-    return str(error.value)
+def refused(path):
+    return refusal(read_limits, path, KNOWN, kind=LimitsError, names=path)
 
 
 def test_read_in_the_order_of_the_file(tmp_path):
@@ -53,18 +50,18 @@ def test_defaults_are_known_figures():
 
 def test_unknown_figure_is_suggested(tmp_path):
     path = write(tmp_path, "schema = 1\n[limits]\ntorque_eror_f = { max = 0.05 }\n")
-    assert "unknown figure 'torque_eror_f'; did you mean 'torque_error_f'?" in refusal(path)
+    assert "unknown figure 'torque_eror_f'; did you mean 'torque_error_f'?" in refused(path)
 
 
 def test_figure_like_no_other_gets_the_list(tmp_path):
-    assert "known: covered_share, " in refusal(
+    assert "known: covered_share, " in refused(
         write(tmp_path, "schema = 1\n[limits]\nzzz = { max = 1 }\n")
     )
 
 
 def test_min_above_max(tmp_path):
     path = write(tmp_path, "schema = 1\n[limits]\nvalid_share = { min = 0.9, max = 0.8 }\n")
-    assert "min 0.9 lies above max 0.8" in refusal(path)
+    assert "min 0.9 lies above max 0.8" in refused(path)
 
 
 @pytest.mark.parametrize(
@@ -88,14 +85,14 @@ def test_min_above_max(tmp_path):
     ],
 )
 def test_what_is_no_limits_file(tmp_path, text, says):
-    assert says in refusal(write(tmp_path, text))
+    assert says in refused(write(tmp_path, text))
 
 
 def test_no_file_and_no_text(tmp_path):
-    assert "no such file" in refusal(tmp_path / "none.toml")
+    assert "no such file" in refused(tmp_path / "none.toml")
     path = tmp_path / "limits.toml"
     path.write_bytes(b"\xff\xfe schema")
-    assert "not TOML" in refusal(path)
+    assert "not TOML" in refused(path)
 
 
 @given(value=st.floats(-2, 2), low=st.none() | st.floats(-1, 0), high=st.none() | st.floats(0, 1))
@@ -163,7 +160,7 @@ def test_a_wider_range_never_judges_harder(value, fail, warn, required):
     ],
 )
 def test_what_is_no_range(tmp_path, spec, says):
-    assert says in refusal(write(tmp_path, f"schema = 1\n[limits]\nvalid_share = {spec}\n"))
+    assert says in refused(write(tmp_path, f"schema = 1\n[limits]\nvalid_share = {spec}\n"))
 
 
 def test_what_is_not_there_is_not_judged():

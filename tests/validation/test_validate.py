@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from calib.errors import LogError, VehicleError
-from calib.fitting.fit import fit
 from calib.physics.vehicle import Axle
 from calib.validation.limits import DEFAULTS, Judgement, Limit
 from calib.validation.metrics import METRICS
@@ -26,6 +25,7 @@ from tests.support.plant import magic
 from tests.support.reference_car import (
     CAR,
     REAL,
+    WET,
     cut,
     noisy,
     ramp,
@@ -34,9 +34,8 @@ from tests.support.reference_car import (
     with_pads,
     without,
 )
+from tests.support.refusals import refusal
 from tests.validation.test_metrics import made_estimate
-
-WET = with_pads(REAL, 0.31, 0.27)
 
 
 @pytest.fixture(scope="module")
@@ -45,8 +44,8 @@ def run():
 
 
 @pytest.fixture(scope="module")
-def table(run):
-    return fit(CAR, [run])
+def table(fitted):
+    return fitted
 
 
 @pytest.fixture(scope="module")
@@ -64,11 +63,8 @@ def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), **figures):
     return Validation(name, "ab" * 32, "hold-out", made_estimate(), values, tuple(judgements), {})
 
 
-def refusal(table, log, vehicle=None):
-    with pytest.raises((LogError, VehicleError)) as error:
-        validate(table, [log], vehicle)
-    assert error.value.exit_code == 3
-    return str(error.value)
+def refused(table, log, vehicle=None):
+    return refusal(validate, table, [log], vehicle, kind=(LogError, VehicleError))
 
 
 def test_a_good_stop_passes_with_all_its_figures(passed):
@@ -173,21 +169,21 @@ def test_no_geometry_of_an_axle_may_differ(table, side, key):
 
 
 def test_vehicle_of_another_mass_is_refused_with_a_log(table, wet):
-    assert "another car" in refusal(table, wet, replace(CAR, mass=1500.0))
+    assert "another car" in refused(table, wet, replace(CAR, mass=1500.0))
 
 
 def test_log_of_a_car_with_other_wheels(table, wet):
     """The same stop with wheels of 0.30 m turns 7 % faster."""
     faster = {f"omega_{w}": wet[f"omega_{w}"] * 0.322 / 0.30 for w in ("fl", "fr", "rl", "rr")}
     other = replace(wet, channels={**wet.channels, **faster})
-    assert "radius of 0.300 m" in refusal(table, other)
+    assert "radius of 0.300 m" in refused(table, other)
     assert validate(table, [without(other, "v")])  # without v it cannot be told
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_swapped_axles_are_refused(table, seed):
     """The filter would find pads for them: 0.30 in front and 0.58 behind, with 3 % of error."""
-    message = refusal(table, swapped(noisy(stop(WET), seed)))
+    message = refused(table, swapped(noisy(stop(WET), seed)))
     assert "are the axles swapped?" in message
 
 
@@ -213,9 +209,9 @@ def test_abs_on_the_rear_axle_is_not_taken_for_swapped(table, wet):
 
 
 def test_logs_that_will_not_do(table, wet):
-    assert "roll for a second before the stop" in refusal(table, cut(wet, 1.8))
-    assert "no braking" in refusal(table, made_run(lambda t: 0.0 * t))
-    assert "brake for 1 s or more" in refusal(table, made_run(made_stop(end=2.0)))
+    assert "roll for a second before the stop" in refused(table, cut(wet, 1.8))
+    assert "no braking" in refused(table, made_run(lambda t: 0.0 * t))
+    assert "brake for 1 s or more" in refused(table, made_run(made_stop(end=2.0)))
 
 
 # What is said of all together.

@@ -70,12 +70,7 @@ def _walk_v4(file: BinaryIO, size: int, path: Path) -> None:
         file.seek(place)
         kind, length, links = _V4.unpack(file.read(_V4.size))
         if kind[:2] != b"##" or links > _MOST_LINKS or length < _V4.size + 8 * links:
-            raise LogError(
-                f"no block at byte {place}, where one should be",
-                where=path,
-                expected="an undamaged file",
-                do="copy the log again",
-            )
+            raise _no_block("block", place, path)
         end = max(end, place + length)
         if links and place + _V4.size + 8 * links <= size:
             todo += struct.unpack(f"<{links}Q", file.read(8 * links))
@@ -96,12 +91,7 @@ def _walk_v3(file: BinaryIO, order: str, size: int, path: Path) -> None:
         file.seek(place)
         found, length, *rest = layout.unpack(file.read(layout.size))
         if found != kind:
-            raise LogError(
-                f"no {kind.decode()} block at byte {place}, where one should be",
-                where=path,
-                expected="an undamaged file",
-                do="copy the log again",
-            )
+            raise _no_block(f"{kind.decode()} block", place, path)
         end = max(end, place + length)
         return tuple(rest)
 
@@ -138,5 +128,14 @@ def _short(size: int, end: int, path: Path) -> LogError:
         f"are missing ({100 * (1 - size / end):.0f} % of the file)",
         where=path,
         expected="a whole file",
+        do="copy the log again",
+    )
+
+
+def _no_block(what: str, place: int, path: Path) -> LogError:
+    return LogError(
+        f"no {what} at byte {place}, where one should be",
+        where=path,
+        expected="an undamaged file",
         do="copy the log again",
     )

@@ -7,15 +7,14 @@ import pytest
 
 from calib.errors import LogError
 from calib.logs.read import read_log
-from tests.support.recordings import write_bus, write_dbc
+from tests.support.recordings import write_bus
+from tests.support.refusals import refusal
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    path = tmp_path_factory.mktemp("asc")
-    write_dbc(path)
-    write_bus(path / "whole.asc")
-    return path
+def folder(bus):
+    write_bus(bus / "whole.asc")
+    return bus
 
 
 def read(folder, text):
@@ -25,10 +24,7 @@ def read(folder, text):
 
 
 def refused(folder, text):
-    with pytest.raises(LogError) as error:
-        read(folder, text)
-    assert error.value.exit_code == 3
-    return str(error.value)
+    return refusal(read, folder, text, kind=LogError)
 
 
 @pytest.fixture(scope="module")

@@ -13,25 +13,21 @@ from hypothesis import strategies as st
 from calib.errors import LogError
 from calib.logs.bus.blf import check_whole
 from calib.logs.read import read_log
-from tests.support.recordings import messages, ramp, write_bus, write_dbc
+from tests.support.recordings import messages, ramp, write_bus
+from tests.support.refusals import refusal
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(bus):
     """A whole BLF file, `whole.blf`, and its map."""
-    path = tmp_path_factory.mktemp("blf")
-    write_dbc(path)
-    write_bus(path / "whole.blf", 1.7e9)
-    return path
+    write_bus(bus / "whole.blf", 1.7e9)
+    return bus
 
 
 def refused(folder, data, name="cut.blf"):
     path = folder / name
     path.write_bytes(data)
-    with pytest.raises(LogError) as error:
-        read_log(path, folder / "map.toml")
-    assert error.value.exit_code == 3
-    return str(error.value)
+    return refusal(read_log, path, folder / "map.toml", kind=LogError)
 
 
 @cache

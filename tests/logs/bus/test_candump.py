@@ -5,15 +5,14 @@ import pytest
 
 from calib.errors import ChannelMapError, LogError
 from calib.logs.read import read_log
-from tests.support.recordings import MAP, write_bus, write_dbc
+from tests.support.recordings import MAP, write_bus
+from tests.support.refusals import refusal
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    path = tmp_path_factory.mktemp("candump")
-    write_dbc(path)
-    write_bus(path / "whole.log", 1.7e9)
-    return path
+def folder(bus):
+    write_bus(bus / "whole.log", 1.7e9)
+    return bus
 
 
 @pytest.fixture(scope="module")
@@ -28,10 +27,7 @@ def read(folder, lines, chart="map.toml"):
 
 
 def refused(folder, lines):
-    with pytest.raises(LogError) as error:
-        read(folder, lines)
-    assert error.value.exit_code == 3
-    return str(error.value)
+    return refusal(read, folder, lines, kind=LogError)
 
 
 def test_it_says_what_cannot_be_seen(folder, lines):

@@ -8,16 +8,15 @@ import pytest
 from calib.errors import LogError
 from calib.logs.source import Column
 from calib.logs.text.csv import open_csv
+from tests.support.refusals import refusal
 
 HEADER = "time [s],p_mc [bar]\n"
 ROWS = "".join(f"{i / 200:.3f},{i / 10:.2f}\n" for i in range(60))
 
 
-def refusal(text, indices=(0, 1)):
-    with pytest.raises(LogError) as error:
-        open_csv(text if isinstance(text, bytes) else text.encode(), "run.csv").read(indices)
-    assert "run.csv" in str(error.value)
-    return str(error.value)
+def refused(text, indices=(0, 1)):
+    data = text if isinstance(text, bytes) else text.encode()
+    return refusal(lambda: open_csv(data, "run.csv").read(indices), kind=LogError, names="run.csv")
 
 
 def test_reads_the_columns_that_are_asked_for():
@@ -50,11 +49,11 @@ def test_header_in_an_old_encoding():
 
 
 def test_not_text():
-    assert "not text" in refusal(b"MDF     \0\0\0\0")
+    assert "not text" in refused(b"MDF     \0\0\0\0")
 
 
 def test_cell_that_is_no_number():
-    message = refusal(HEADER + ROWS.replace("0.015,0.30", "0.015,open"))
+    message = refused(HEADER + ROWS.replace("0.015,0.30", "0.015,open"))
     assert "p_mc: row 4: 'open' is not a number" in message
 
 
@@ -64,7 +63,7 @@ def test_foreign_text_column_does_not_matter():
 
 
 def test_uneven_row():
-    assert "row 4 has 3 cells" in refusal(HEADER + ROWS.replace("0.015,", "0.015,7,"))
+    assert "row 4 has 3 cells" in refused(HEADER + ROWS.replace("0.015,", "0.015,7,"))
 
 
 @pytest.mark.parametrize("cut", [1, 2, 3, 4, 6, 9])
@@ -76,7 +75,7 @@ def test_every_cut_within_the_last_line_is_seen(cut):
         assert source.read([1])[0].size == 60
         assert "no end of line" in source.notes[0]
     else:
-        assert "cut off" in refusal(whole[:-cut])
+        assert "cut off" in refused(whole[:-cut])
 
 
 def test_thousands_of_rows_take_milliseconds():

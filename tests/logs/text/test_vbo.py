@@ -9,6 +9,7 @@ from calib.errors import LogError
 from calib.logs.read import read_log
 from calib.logs.source import Column
 from calib.logs.text.vbo import open_vbo
+from tests.support.refusals import refusal
 
 HEAD = """File created on 31/07/2006 at 09:55:20
 
@@ -60,11 +61,8 @@ def vbo(start=START, rows=60, end="\r\n", blank=" ", tail=""):
     return (HEAD.replace("\n", end) + body).encode()
 
 
-def refusal(data):
-    with pytest.raises(LogError) as error:
-        open_vbo(data, "run.vbo").read(range(5))
-    assert "run.vbo" in str(error.value)
-    return str(error.value)
+def refused(data):
+    return refusal(lambda: open_vbo(data, "run.vbo").read(range(5)), kind=LogError, names="run.vbo")
 
 
 @pytest.mark.parametrize(
@@ -122,11 +120,11 @@ def test_as_a_log_through_a_map(tmp_path):
 
 @pytest.mark.parametrize("cut", [3, 9, 20, 60])
 def test_a_row_with_too_few_columns_was_cut_off(cut):
-    assert "last line is cut off" in refusal(vbo()[:-cut])
+    assert "last line is cut off" in refused(vbo()[:-cut])
 
 
 def test_cut_off_in_the_header():
-    assert "no section [data]: the file is cut off?" in refusal(HEAD[:200].encode())
+    assert "no section [data]: the file is cut off?" in refused(HEAD[:200].encode())
 
 
 @pytest.mark.parametrize(
@@ -141,7 +139,7 @@ def test_cut_off_in_the_header():
     ],
 )
 def test_what_is_no_vbo(data, words):
-    assert words in refusal(data)
+    assert words in refused(data)
 
 
 def test_units_that_do_not_fit_the_names_are_not_taken():

@@ -1,8 +1,15 @@
 """What the report draws are the numbers of the estimate."""
 
 import numpy as np
+import pytest
 
 from calib.plots.station import sheet
+from tests.support.station_run import failed_car
+
+
+@pytest.fixture(scope="module")
+def found():
+    return failed_car()
 
 
 def axes_of(sheet, name):

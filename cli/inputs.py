@@ -1,0 +1,66 @@
+"""Files that a command may be given or not, and names that it must know."""
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from calib.logs.channel_map import ChannelMap
+    from calib.physics.vehicle import Vehicle
+    from calib.validation.limits import Limit
+
+
+def channel_map_of(path: Path | None) -> "ChannelMap | None":
+    """The channel map of ``--map``, read once for all logs."""
+    from calib.logs.channel_map import read_channel_map
+
+    return read_channel_map(path) if path else None
+
+
+def vehicle_of(path: Path | None) -> "Vehicle | None":
+    """The vehicle of a ``--vehicle`` that may be left out."""
+    from calib.physics.vehicle import read_vehicle
+
+    return read_vehicle(path) if path else None
+
+
+def limits_of_stops(path: Path | None) -> "tuple[Limit, ...]":
+    """The limits of a file that hold for single stops; by default where there is no file."""
+    from calib.errors import LimitsError
+    from calib.validation.limits import DEFAULTS
+    from calib.validation.metrics import METRICS
+
+    if path is None:
+        return DEFAULTS
+    limits = tuple(limit for limit in _limits(path) if limit.figure in METRICS)
+    if not limits:
+        raise LimitsError(
+            "no limit for a stop", where=path, do="judge the car with `brake-cal station`"
+        )
+    return limits
+
+
+def limits_of_car(path: Path | None) -> "tuple[Limit, ...]":
+    """The limits of a file that hold for a car and its stops; by default without a file."""
+    from calib.station.advice import LIMITS
+
+    return _limits(path) if path else LIMITS
+
+
+def _limits(path: Path) -> "tuple[Limit, ...]":
+    from calib.station.metrics import METRICS as OF_CAR
+    from calib.validation.limits import read_limits
+    from calib.validation.metrics import METRICS as OF_STOPS
+
+    return read_limits(path, {*OF_STOPS, *OF_CAR})
+
+
+def unknown_format(form: str, said: str, known: Collection[str], option: str) -> typer.BadParameter:
+    """The refusal of an export format that is not known; ``said`` is ``form`` without its case."""
+    from calib.toml import did_you_mean
+
+    near = did_you_mean(said, known)
+    what = f"unknown format {form!r}; {near} " if near else f"unknown format {form!r}; "
+    return typer.BadParameter(f"{what}known: {', '.join(known)}", param_hint=option)

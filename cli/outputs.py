@@ -1,0 +1,65 @@
+"""What ``--out`` names: refused before the work where it could not be written after it."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+
+OUT = "--out"
+
+
+def refuse_file(out: Path | None) -> None:
+    """Refuse an existing file where a folder will be written."""
+    if out is not None and out.exists() and not out.is_dir():
+        raise typer.BadParameter(f"{out} is a file", param_hint=OUT)
+
+
+def refuse_folder(out: Path) -> None:
+    """Refuse a folder, and a file in no folder, where a file will be written."""
+    if out.is_dir():
+        raise typer.BadParameter(f"cannot write {out}: it is a directory", param_hint=OUT)
+    if not out.absolute().parent.is_dir():
+        raise typer.BadParameter(f"cannot write {out}: no directory {out.parent}", param_hint=OUT)
+
+
+def refuse_overwriting(
+    outputs: Iterable[Path], logs: Sequence[Path], others: Iterable[Path | None] = ()
+) -> None:
+    """Refuse an output that is one of the inputs: a log, or one of the other files."""
+    written = {path.resolve() for path in outputs}
+    for path in (*logs, *others):
+        if path is not None and path.resolve() in written:
+            what = "the log " if path in logs else ""
+            raise typer.BadParameter(f"would overwrite {what}{path}", param_hint=OUT)
+
+
+def stems_of(logs: Iterable[Path], param_hint: str, called: str = "logs") -> list[str]:
+    """Names of the logs without their endings, each of which names a file in ``--out``."""
+    from calib.logs.tables import stem_of
+
+    stems = [stem_of(path) for path in logs]
+    twice = sorted({stem for stem in stems if stems.count(stem) > 1})
+    if twice:
+        raise typer.BadParameter(
+            f"two {called} are named {twice[0]}, and --out has one file a name",
+            param_hint=param_hint,
+        )
+    return stems
+
+
+@contextmanager
+def writing(out: Path | None) -> Iterator[None]:
+    """Turn an OSError of what is done within into a usage error that names ``out``.
+
+    A reader of our output that went away is not meant: BrokenPipeError goes on.
+    """
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        what = f"cannot be written ({error.strerror})"
+        raise typer.BadParameter(
+            what if out is None else f"{out} {what}", param_hint=OUT
+        ) from error

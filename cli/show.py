@@ -1,0 +1,101 @@
+"""`brake-cal tables show`: what a table rests on, how good it is, and its curves."""
+
+from typing import TYPE_CHECKING
+
+from cli.console import emit, emit_json
+from cli.grid import grid
+from cli.options import STORE, Json, Store, TableVersion, example
+
+if TYPE_CHECKING:
+    from rich.table import Table as Grid
+
+    from calib.table.table import Table, Value
+    from calib.table.version import Stored
+
+EPILOG = example("brake-cal tables show sedan-2up")
+ROWS = 12
+"""Rows of f1 and f2 that are printed; all of them are in the JSON."""
+
+
+def show(table: TableVersion, store: Store = STORE, json: Json = False) -> None:
+    """Print what a table rests on, how good it is, and its curves."""
+    from calib.table.store import load
+
+    stored = load(table, store)
+    if json:
+        emit_json(_document(stored))
+        return
+    emit(_facts(stored))
+    emit(_curves(stored.table))
+    for remark in stored.table.remarks:
+        emit(f"- {remark}")
+
+
+def _document(stored: "Stored") -> dict[str, object]:
+    record, curves = stored.table.content()
+    eta, D = stored.table.difference.peak
+    return {
+        "id": stored.id,
+        "name": stored.name,
+        "version": stored.version,
+        "digest": stored.digest,
+        "path": stored.path,
+        "decelerations": stored.table.paper.decelerations,
+        "peak": {"eta": eta, "D": D},
+        "record": record,
+        "curves": curves,
+    }
+
+
+def _facts(stored: "Stored") -> str:
+    """Lines of name and value; not a grid, which would break a digest on a narrow terminal."""
+    table = stored.table
+    vehicle, pads = table.vehicle, table.calibration
+    facts = [
+        ("table", stored.id),
+        ("digest", stored.digest),
+        ("vehicle", f"{vehicle.name}, {vehicle.mass:g} kg, wheelbase {vehicle.wheelbase:g} m"),
+        *table.provenance.identity.items(),
+        *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
+        *(
+            (effect, f"{parameter} {_interval(value)} {_unit(effect, parameter)}")
+            for effect, parameters in table.effects.items()
+            for parameter, value in parameters.items()
+        ),
+        ("pad scale", _interval(pads.pad_scale)),
+        ("pad friction front", _interval(pads.pad_friction_f)),
+        ("pad friction rear", _interval(pads.pad_friction_r)),
+        ("deceleration", "{:.3f} to {:.3f} g".format(*table.paper.decelerations)),
+        ("D peak", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
+        *((figure, f"{number:.4g}") for figure, number in table.quality.items()),
+    ]
+    width = max(len(name) for name, _ in facts)
+    return "\n".join(f"{name:<{width}}  {value}" for name, value in facts)
+
+
+def _interval(value: "Value") -> str:
+    lower, upper = value.ci95
+    return f"{value.value:.4g} (95 %: {lower:.4g} to {upper:.4g})"
+
+
+def _unit(effect: str, parameter: str) -> str:
+    """Unit on the effect's card; an effect of another catalogue is in SI all the same."""
+    from calib.physics.effects.catalogue import CATALOGUE
+
+    card = CATALOGUE[effect].card if effect in CATALOGUE else None
+    units = {p.name: p.unit for p in card.parameters} if card else {}
+    return units.get(parameter, "SI")
+
+
+def _curves(table: "Table") -> "Grid":
+    curve, rows = table.paper, grid("eta", "z", "f1", "f2", "blocks", fold=True)
+    last = len(curve.eta) - 1
+    for i in sorted({round(k * last / (ROWS - 1)) for k in range(ROWS)}):
+        rows.add_row(
+            f"{curve.eta[i]:.5f}",
+            f"{curve.z[i]:.3f}",
+            f"{curve.f1[i]:+.4f}",
+            f"{curve.f2[i]:+.4f}",
+            f"{curve.count[i]:g}",
+        )
+    return rows

@@ -1,0 +1,35 @@
+"""`brake-cal tables verify`: which versions of a store are damaged."""
+
+from typing import Annotated
+
+import typer
+
+from cli.console import emit, emit_json
+from cli.grid import grid
+from cli.options import STORE, Json, Store, example
+
+EPILOG = example("brake-cal tables verify")
+DAMAGED = 4
+"""Exit code of a damaged store, as `StoreError` has it."""
+
+
+def verify(
+    name: Annotated[str | None, typer.Argument(help="one table; all without it")] = None,
+    store: Store = STORE,
+    json: Json = False,
+) -> None:
+    """Recompute digests and invariants of every version; exit code 4 when one is damaged."""
+    from calib.table.store import verify as verdicts_of
+
+    verdicts = verdicts_of(store, name)
+    sound = all(v.sound for v in verdicts)
+    if json:
+        rows = [{"id": v.id, "sound": v.sound, "violations": v.violations} for v in verdicts]
+        emit_json({"store": store, "sound": sound, "versions": rows})
+    else:
+        table = grid("table", "verdict", fold=True)
+        for verdict in verdicts:
+            table.add_row(verdict.id, "\n".join(verdict.violations) or "sound")
+        emit(table if verdicts else f"{store} holds no table")
+    if not sound:
+        raise typer.Exit(DAMAGED)

@@ -1,0 +1,59 @@
+"""Outputs that are refused before the work."""
+
+from contextlib import nullcontext
+from pathlib import Path
+
+import pytest
+import typer
+
+from cli.outputs import refuse_file, refuse_folder, refuse_overwriting, stems_of, writing
+
+
+def test_a_file_where_a_folder_is_meant(tmp_path):
+    refuse_file(None)
+    refuse_file(tmp_path)
+    refuse_file(tmp_path / "new")
+    (tmp_path / "file").touch()
+    with pytest.raises(typer.BadParameter, match="is a file"):
+        refuse_file(tmp_path / "file")
+
+
+def test_a_folder_or_no_folder_where_a_file_is_meant(tmp_path):
+    refuse_folder(tmp_path / "new.csv")
+    with pytest.raises(typer.BadParameter, match="it is a directory"):
+        refuse_folder(tmp_path)
+    with pytest.raises(typer.BadParameter, match=r"no directory .*none"):
+        refuse_folder(tmp_path / "none" / "new.csv")
+
+
+@pytest.mark.parametrize(
+    ("output", "says"),
+    [
+        ("new.csv", None),
+        ("a.csv", "would overwrite the log a.csv"),
+        ("sub/../a.csv", "would overwrite the log a.csv"),
+        ("car.toml", "would overwrite car.toml"),
+    ],
+)
+def test_an_output_that_is_an_input(tmp_path, monkeypatch, output, says):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sub").mkdir()
+    refused = pytest.raises(typer.BadParameter, match=f"^{says}$") if says else nullcontext()
+    with refused:
+        refuse_overwriting([Path(output)], [Path("a.csv")], [None, Path("car.toml")])
+
+
+def test_logs_of_one_stem(tmp_path):
+    paths = [tmp_path / name for name in ("a.csv", "b.csv.gz", "c.parquet")]
+    assert stems_of(paths, "LOG") == ["a", "b", "c"]
+    with pytest.raises(typer.BadParameter, match="two stops are named b, and --out") as error:
+        stems_of([*paths, tmp_path / "b.vbo"], "LOG", "stops")
+    assert error.value.param_hint == "LOG"
+
+
+def test_what_cannot_be_written_names_the_place(tmp_path):
+    refused = pytest.raises(typer.BadParameter, match=r"a.txt cannot be written \(No such file")
+    with refused, writing(tmp_path / "a.txt"):
+        (tmp_path / "none" / "a.txt").write_text("a")
+    with pytest.raises(BrokenPipeError), writing(None):
+        raise BrokenPipeError

@@ -1,0 +1,29 @@
+"""A car that failed at the station, from the sample logs."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+from calib.logs.read import read_log
+from calib.physics.vehicle import read_vehicle
+from calib.station.advice import LIMITS
+from calib.station.identity import Identity
+from calib.station.metrics import Car
+from calib.station.station import StationOutcome, outcome, table_of, validated
+
+SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
+MARKUP = "<img src=x onerror=alert(1)>&\"'$"
+"""A name that would do harm where it is not escaped, and a dollar that would start a formula."""
+
+
+@cache
+def failed_car() -> StationOutcome:
+    """A car with a log and a serial number named in markup; basalt with wet pads fails it."""
+    car = replace(read_vehicle(SEDAN / "vehicle.toml"), name="sedan")
+    ramp, coast = (read_log(SEDAN / f"{n}.csv") for n in ("ramp_wet_asphalt", "coast"))
+    stops = [read_log(SEDAN / f"{n}.csv") for n in ("dry_asphalt_stop", "basalt_wet_pads")]
+    stops[0] = replace(stops[0], name=MARKUP, notes=(f"channel {MARKUP} was not taken",))
+    identity = Identity(serial=MARKUP, vin="WVWZZZ1JZXW000001")
+    table = table_of(car, [ramp], [coast], identity)
+    results = [validated(table, log, LIMITS) for log in stops]
+    return outcome(Car(table, [ramp], stops, results), [coast], LIMITS, identity)
