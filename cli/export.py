@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json, say
 from cli.options import STORE, Json, Store, example
 
 if TYPE_CHECKING:
     from calib.table.exports.dataset import Dataset
-    from calib.table.exports.formats import Order
+    from calib.table.exports.export import Exported
     from calib.table.exports.quality import Quality
     from calib.table.version import Stored
 
@@ -58,36 +59,31 @@ def export_table(
     form = _known(form)
     _check_usage(form, out, bits)
     from calib.errors import ExchangeError
-    from calib.table.exports.build import build
-    from calib.table.exports.formats import FORMATS, Order
-    from calib.table.store import load
 
-    stored = load(table, store)
+    stored = calib.Store(store).load(table)
     if not force:
         _refuse_foreign(out, stored)
     quality = _quality(validation, stored)
     try:
-        data = build(stored, points, quality)
-        order = Order(data, stored, _today(), bits)
-        content = FORMATS[form](order)
+        written = calib.export(stored, out, form, points=points, bits=bits, quality=quality)
     except ExchangeError as error:
         option = "--points" if bits is None else "--points, --fixed-point"
         raise typer.BadParameter(str(error), param_hint=option) from None
-    _write(out, content)
-    _report(order, form, out, content, json)
+    except OSError as error:
+        raise typer.BadParameter(
+            f"{out} cannot be written ({error.strerror})", param_hint="--out"
+        ) from error
+    _report(written, bits, json)
 
 
 def _known(form: str) -> str:
-    from calib.table.exports.formats import FORMATS, SPOKEN
-    from calib.toml import did_you_mean
+    from calib.errors import ExchangeError
+    from calib.table.exports.formats import format_named
 
-    said = form.lower().replace("_", "-").lstrip(".")
-    known = SPOKEN.get(said, said)
-    if known not in FORMATS:
-        near = did_you_mean(said, FORMATS)
-        what = f"unknown format {form!r}; {near} " if near else f"unknown format {form!r}; "
-        raise typer.BadParameter(f"{what}known: {', '.join(FORMATS)}", param_hint="--format")
-    return known
+    try:
+        return format_named(form)
+    except ExchangeError as error:
+        raise typer.BadParameter(str(error), param_hint="--format") from None
 
 
 def _refuse_foreign(out: Path, stored: "Stored") -> None:
@@ -116,40 +112,21 @@ def _quality(path: Path | None, stored: "Stored") -> "Quality":
     return UNPROVED if path is None else read_quality(path, stored.id)
 
 
-def _today() -> str:
-    from datetime import UTC, datetime
-
-    return datetime.now(UTC).date().isoformat()
-
-
-def _write(out: Path, content: bytes) -> None:
-    from calib.files import write_whole
-
-    try:
-        write_whole(out, content)
-    except OSError as error:
-        raise typer.BadParameter(
-            f"{out} cannot be written ({error.strerror})", param_hint="--out"
-        ) from error
-
-
-def _report(order: "Order", form: str, out: Path, content: bytes, json: bool) -> None:
-    from hashlib import sha256
-
-    data = order.data
-    rounding = _rounding(data, order.bits)
+def _report(written: "Exported", bits: int | None, json: bool) -> None:
+    data = written.data
+    rounding = _rounding(data, bits)
     if json:
         emit_json(
             {
                 "schema": 1,
                 **data.facts(),
                 "version": data.version,
-                "format": form,
-                "out": out,
-                "bytes": len(content),
-                "sha256": sha256(content).hexdigest(),
+                "format": written.form,
+                "out": written.path,
+                "bytes": len(written.content),
+                "sha256": written.sha256,
                 "axes": [_axis(data, a.label) for a in data.axes],
-                "fixed_point": {"bits": order.bits, "objects": rounding} if rounding else None,
+                "fixed_point": {"bits": bits, "objects": rounding} if rounding else None,
             }
         )
         return
@@ -160,7 +137,7 @@ def _report(order: "Order", form: str, out: Path, content: bytes, json: bool) ->
     for row in rounding:
         if row["read_error"] is not None:
             say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
-    emit(f"{out}: {data.id} as {form}, {len(content)} bytes")
+    emit(repr(written))
 
 
 def _axis(data: "Dataset", label: str) -> dict[str, object]:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
+
 if TYPE_CHECKING:
     from calib.fleet.job import Job
     from calib.validation.limits import Limit
@@ -73,10 +75,9 @@ def job_of(
     from calib.fleet.job import Job
     from calib.logs.channel_map import read_channel_map
     from calib.physics.vehicle import read_vehicle
-    from calib.table.store import load
     from calib.validation.validate import require_same_vehicle
 
-    known = load(table, store).table if table else None
+    known = calib.Store(store).load(table).table if table else None
     car = read_vehicle(vehicle) if vehicle else None
     if known is not None:
         require_same_vehicle(known, car, vehicle)

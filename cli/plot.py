@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.options import STORE, Json, Map, Store, example
 
 if TYPE_CHECKING:
@@ -101,7 +102,6 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
     from calib.physics.vehicle import read_vehicle
     from calib.plots.choose import Given
     from calib.plots.result import is_result, read_result
-    from calib.table.store import load
     from calib.table.version import RECORD
 
     files = [Path(w) for w in what]
@@ -119,7 +119,7 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
     mapping = read_channel_map(channel_map) if channel_map else None
     needed = REQUIRED if names else ()  # a log alone is drawn as far as it goes
     return Given(
-        tables=tuple(load(name, store) for name in names),
+        tables=tuple(calib.Store(store).load(name) for name in names),
         logs=tuple(read_log(path, mapping, require=needed) for path in logs),
         results=tuple(read_result(path) for path in results),
         vehicle=read_vehicle(vehicle) if vehicle else None,

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json, progress, say
 from cli.options import STORE, Json, Map, Store, example
 
@@ -81,7 +82,6 @@ def station(
     from calib.station.metrics import Car
     from calib.station.station import outcome, table_of, validated
     from calib.station.write import store_and_write
-    from calib.table.store import load
     from calib.validation.validate import require_same_vehicle
 
     forms, count = exports or [], 1 + len(ramps or [])
@@ -92,7 +92,7 @@ def station(
     given = [*for_fit, *holdouts, *(path for path in (vehicle, limits, channel_map) if path)]
     _check_out(given, holdouts, forms, out)
     car, held = read_vehicle(vehicle), _limits(limits)
-    reference = load(golden, store) if golden else None
+    reference = calib.Store(store).load(golden) if golden else None
     if reference:
         require_same_vehicle(reference.table, car, vehicle)
     mapping = read_channel_map(channel_map) if channel_map else None
@@ -109,7 +109,7 @@ def station(
     found = outcome(judged, logs[count:], held, identity, reference.id if reference else "")
     try:
         with workshop(out) as work:
-            stored, document = store_and_write(found, store, forms, date or "", work)
+            stored, document = store_and_write(found, calib.Store(store), forms, date or "", work)
             paths = publish(work, out)
     except OSError as error:
         raise typer.BadParameter(
@@ -139,7 +139,8 @@ def _identity(
 def _check_forms(forms: list[str], date: str | None) -> None:
     from datetime import date as day
 
-    from calib.station.write import DATED, ENDINGS
+    from calib.station.write import DATED
+    from calib.table.exports.formats import ENDINGS
     from calib.toml import did_you_mean
 
     for form in forms:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli import export, read_back
 from cli.console import emit, emit_json
 from cli.options import STORE, Json, Store, example
@@ -40,9 +41,7 @@ def tables() -> None:
 @app.command("list", epilog=example("brake-cal tables list"))
 def list_tables(store: Store = STORE, json: Json = False) -> None:
     """List every version of every table."""
-    from calib.table.store import listing
-
-    entries = listing(store)
+    entries = calib.Store(store).list()
     if json:
         rows = [{"id": e.id, **vars(e)} for e in entries]
         emit_json({"store": store, "tables": rows})
@@ -57,9 +56,7 @@ def list_tables(store: Store = STORE, json: Json = False) -> None:
 @app.command(epilog=example("brake-cal tables show sedan-2up"))
 def show(table: Reference, store: Store = STORE, json: Json = False) -> None:
     """Print what a table rests on, how good it is, and its curves."""
-    from calib.table.store import load
-
-    stored = load(table, store)
+    stored = calib.Store(store).load(table)
     if json:
         emit_json(_document(stored))
         return
@@ -78,9 +75,9 @@ def diff(
 ) -> None:
     """Compare two tables: their curves where both are defined, and their records."""
     from calib.table.compare import diff as compare
-    from calib.table.store import load
 
-    first, second = load(a, store), load(b, store)
+    home = calib.Store(store)
+    first, second = home.load(a), home.load(b)
     difference = compare(first.table, second.table)
     if json:
         parts = {"a": first.id, "b": second.id, "identical": difference.identical}
@@ -98,9 +95,7 @@ def verify(
     json: Json = False,
 ) -> None:
     """Recompute digests and invariants of every version; exit code 4 when one is damaged."""
-    from calib.table.store import verify as verdicts_of
-
-    verdicts = verdicts_of(store, name)
+    verdicts = calib.Store(store).verify(name)
     sound = all(v.sound for v in verdicts)
     if json:
         rows = [{"id": v.id, "sound": v.sound, "violations": v.violations} for v in verdicts]

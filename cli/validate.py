@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json, progress, say
 from cli.jobs import limits_of_stops
 from cli.options import STORE, Json, KnownModel, Map, Store, example
@@ -48,11 +49,10 @@ def validate(
     from calib.logs.channel_map import read_channel_map
     from calib.logs.read import read_log
     from calib.physics.vehicle import read_vehicle
-    from calib.table.store import load
     from calib.validation.validate import require_same_vehicle, to_dict, validate_one
 
     _check_out(logs, out)
-    stored = load(table, store)
+    stored = calib.Store(store).load(table)
     car = read_vehicle(vehicle) if vehicle else None
     require_same_vehicle(stored.table, car, vehicle)
     used = _with_known(stored.table, model) if model else stored.table

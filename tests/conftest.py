@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from calib.table.store import save
+from calib.table.store import Store
 from calib.table.table import Table
 from calib.table.version import Stored
 from cli.main import main
@@ -28,7 +28,7 @@ def store(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def stored(table: Table, store: Path) -> Stored:
-    return save(table, store)
+    return Store(store).save(table)
 
 
 @dataclass(frozen=True)

@@ -82,6 +82,17 @@ class Findings:
     taken: tuple[Taken, ...] = ()
     uses: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        """The findings as lines of text, in the units of a log file."""
+        lines = [self.source]
+        lines += [f"  {label:<12} {text}" for label, text in facts(self)]
+        lines += [f"  {'read':<12} {text}" for text in self.notes]
+        lines += [f"  {'warning':<12} {text}" for text in self.warnings]
+        for verdict in self.verdicts:
+            lines.append(f"  {verdict.purpose:<12} {'usable' if verdict.usable else 'not usable'}")
+            lines += [f"  {'':<12} - {reason}" for reason in verdict.reasons]
+        return "\n".join(lines)
+
     @property
     def usable(self) -> bool:
         """Whether the log serves any purpose."""
@@ -138,18 +149,6 @@ def problems_for(log: Log, purpose: str) -> list[str]:
 def to_dict(findings: Findings) -> dict[str, Any]:
     """The findings as plain data, numbers in SI."""
     return {"usable": findings.usable, **asdict(findings)}
-
-
-def to_text(findings: Findings) -> str:
-    """The findings as lines of text, in the units of a log file."""
-    lines = [findings.source]
-    lines += [f"  {label:<12} {text}" for label, text in facts(findings)]
-    lines += [f"  {'read':<12} {text}" for text in findings.notes]
-    lines += [f"  {'warning':<12} {text}" for text in findings.warnings]
-    for verdict in findings.verdicts:
-        lines.append(f"  {verdict.purpose:<12} {'usable' if verdict.usable else 'not usable'}")
-        lines += [f"  {'':<12} - {reason}" for reason in verdict.reasons]
-    return "\n".join(lines)
 
 
 def facts(findings: Findings) -> Iterator[tuple[str, str]]:

@@ -114,6 +114,16 @@ class Diagnosis:
     reduced_after: float
     not_resolved: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        lines = [f"Diagnosis: {self.verdict}"]
+        for effect in self.effects:
+            for name, p in effect.parameters.items():
+                low, high = p.ci95
+                interval = f"{p.value:.4g} {p.unit} (95 % {low:.4g} to {high:.4g})"
+                lines.append(f"  {effect.name}: {name} = {interval}")
+        lines.append(f"  gap on the hold-outs: {100.0 * self.gap.closed:.0f} % closed")
+        return "\n".join(lines)
+
 
 def diagnose(calibration: list[Log], holdout: list[Log], vehicle: Vehicle) -> Diagnosis:
     """Diagnose a car from its logs.

@@ -9,6 +9,7 @@ least squares on any look-up, nominal pads, and one mean gain from deceleration 
 """
 
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,9 @@ from calib.signals.blocks import Blocks, blocks
 from calib.signals.noise import SensorNoise, lead_in_noise
 from calib.statistics.mixture_posterior import mixture_posterior
 from calib.table.table import Table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -74,6 +78,27 @@ class AxleEstimate:
     normalised_force: Array
 
 
+COLUMNS = {
+    "time": "s",
+    "z": "1",
+    "eta": "1",
+    "normalised_force_f": "1",
+    "normalised_force_r": "1",
+    "pad_friction_f": "1",
+    "pad_friction_r": "1",
+    "pad_friction_f_lower": "1",
+    "pad_friction_f_upper": "1",
+    "pad_friction_r_lower": "1",
+    "pad_friction_r_upper": "1",
+    "brake_torque_fl": "N*m",
+    "brake_torque_fr": "N*m",
+    "brake_torque_rl": "N*m",
+    "brake_torque_rr": "N*m",
+    "valid": "1",
+}
+"""Columns of an estimate as a table and as a file, in their order, with their units."""
+
+
 @dataclass(frozen=True)
 class Estimate:
     """The estimator's answer on one log, at its rate.
@@ -105,6 +130,53 @@ class Estimate:
     factor_f: Array | float = 1.0
     factor_r: Array | float = 1.0
     notes: tuple[str, ...] = field(default=())
+
+    def __repr__(self) -> str:
+        count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
+        if not self.valid.any():
+            return count
+        last = int(np.flatnonzero(self.valid)[-1])
+        pads = [
+            f"{name} {axle.pad_friction[last]:.3f} "
+            f"(95 % {axle.lower[last]:.3f} to {axle.upper[last]:.3f})"
+            for name, axle in (("front", self.front), ("rear", self.rear))
+        ]
+        return f"{count}; pad friction at {self.time[last]:.2f} s: {', '.join(pads)}"
+
+    def columns(self) -> dict[str, Array | Mask]:
+        """The samples by the names of `COLUMNS`, (n,) each.
+
+        Pad friction and its bounds are per axle, torque is per wheel: both wheels of an axle have
+        the same.
+        """
+        f, r = self.front, self.rear
+        values = (
+            self.time,
+            self.z,
+            self.eta,
+            f.normalised_force,
+            r.normalised_force,
+            f.pad_friction,
+            r.pad_friction,
+            f.lower,
+            f.upper,
+            r.lower,
+            r.upper,
+            f.torque,
+            f.torque,
+            r.torque,
+            r.torque,
+            self.valid,
+        )
+        return dict(zip(COLUMNS, values, strict=True))
+
+    def to_frame(self) -> "pd.DataFrame":
+        """`columns` as a frame, one row per sample; the units are in its ``attrs["units"]``."""
+        import pandas as pd
+
+        frame = pd.DataFrame(self.columns())
+        frame.attrs["units"] = dict(COLUMNS)
+        return frame
 
 
 def estimate(

@@ -37,6 +37,12 @@ class Validation:
     judgements: tuple[Judgement, ...]
     baselines: dict[str, tuple[float, float]]
 
+    def __repr__(self) -> str:
+        mu_f, mu_r = self.figures["pad_friction_f"], self.figures["pad_friction_r"]
+        pads = "no answer" if mu_f is None or mu_r is None else f"front {mu_f:.3f}, rear {mu_r:.3f}"
+        verdict = "passed" if self.passed else "failed"
+        return f"{self.log} ({self.role}): {verdict}, pad friction {pads}"
+
     @property
     def passed(self) -> bool:
         """No judged figure fails."""

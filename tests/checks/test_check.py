@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.checks.check import check, problems_for, to_dict, to_text
+from calib.checks.check import check, problems_for, to_dict
 from calib.logs.read import read_log
 from calib.names import G
 from tests.checks.test_wheel_checks import with_slip
@@ -221,7 +221,7 @@ def test_no_reference_speed_is_warned_of():
 
 def test_text_and_data():
     findings = check(made_run())
-    text = to_text(findings)
+    text = repr(findings)
     assert "200 Hz" in text
     assert "braking 1" in text
     data = to_dict(findings)
@@ -232,4 +232,4 @@ def test_text_and_data():
 
 @pytest.mark.parametrize("channel", ["p_mc", "omega_fl"])
 def test_text_of_a_log_that_lacks_something(channel):
-    assert f"{channel} is missing" in to_text(check(changed(made_run(), **{channel: None})))
+    assert f"{channel} is missing" in repr(check(changed(made_run(), **{channel: None})))

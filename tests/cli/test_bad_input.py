@@ -14,7 +14,7 @@ import pytest
 
 from calib.fitting.fit import fit
 from calib.logs.write import write_csv, write_parquet
-from calib.table.store import save
+from calib.table.store import Store
 from tests.support.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, swapped, without
 
 WHEELS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")
@@ -28,7 +28,7 @@ def bench(tmp_path_factory):
     for command, log in logs.items():
         write_csv(replace(log, truth={}), home / f"{command}.csv")
         write_parquet(replace(log, truth={}), home / f"{command}.parquet")
-    save(fit(CAR, [logs["fit"]]), home / "tables")
+    Store(home / "tables").save(fit(CAR, [logs["fit"]]))
     return home, logs
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from calib.fitting.fit import fit
 from calib.fleet.columns import COLUMNS, HEAD
-from calib.table.store import save
+from calib.table.store import Store
 from calib.table.table import Table
 from calib.validation.metrics import METRICS
 from tests.support.fleet_logs import many
@@ -20,7 +20,7 @@ def home(tmp_path_factory):
     home = tmp_path_factory.mktemp("home")
     wet = noisy(stop(with_pads(REAL, 0.31, 0.27)), 3)
     table: Table = fit(CAR, [noisy(ramp(REAL), 1)])
-    save(table, home / "tables")
+    Store(home / "tables").save(table)
     many(home / "logs", [wet, noisy(stop(REAL), 4), cut(wet, 1.8)], 3)
     return home
 

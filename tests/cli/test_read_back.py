@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from calib.table.store import save
+from calib.table.store import Store
 from tests.support.tables import made_table
 
 
@@ -58,7 +58,7 @@ def test_a_changed_number_ends_with_4_and_is_named(tables, tmp_path, form):
 def test_the_digest_of_another_table_ends_with_4(tables, brake_cal, tmp_path):
     out = tmp_path / "a"
     tables("export", "sedan", "--format", "dcm", "--out", out)
-    save(made_table(28.0), tmp_path / "other")
+    Store(tmp_path / "other").save(made_table(28.0))
     ran = brake_cal("tables", "import", out, "--store", tmp_path / "other")
     assert ran.code == 4
     assert "claims digest" in ran.err

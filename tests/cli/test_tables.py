@@ -2,16 +2,16 @@ import json
 
 import pytest
 
-from calib.table.store import load, save
+from calib.table.store import Store
 from tests.support.tables import C, made_table
 
 
 @pytest.fixture
 def two(store):
     """A store with sedan@1, sedan@2 of another stiffness, and wagon@1."""
-    save(made_table(), store)
-    save(made_table(28.0), store)
-    save(made_table(name="wagon"), store)
+    Store(store).save(made_table())
+    Store(store).save(made_table(28.0))
+    Store(store).save(made_table(name="wagon"))
     return store
 
 
@@ -39,7 +39,7 @@ def test_list_names_every_version(tables, two):
     ]
     rows = document(tables("list", "--json"))["tables"]
     assert [row["id"] for row in rows] == ["sedan@1", "sedan@2", "wagon@1"]
-    assert rows[1]["digest"] == load("sedan", two).digest
+    assert rows[1]["digest"] == Store(two).load("sedan").digest
     assert rows[0]["logs"] == ["ramp.csv", "coast.csv"]
 
 
@@ -66,7 +66,7 @@ def test_show_prints_what_an_engineer_asks_for(tables, two):
     assert ran.code == 0
     for part in (
         "sedan@1",
-        load("sedan@1", two).digest,
+        Store(two).load("sedan@1").digest,
         "sedan, 1744 kg",
         "ramp.csv (abababababab)",
         "drag_area 0.66 (95 %: 0.6208 to 0.6992) m^2",

@@ -10,7 +10,7 @@ import pytest
 from calib.fitting.fit import fit
 from calib.logs.write import write_csv, write_parquet
 from calib.physics.vehicle import write_vehicle
-from calib.table.store import save
+from calib.table.store import Store
 from calib.validation.metrics import METRICS
 from cli.validate import EPILOG
 from tests.support.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, with_pads
@@ -24,7 +24,7 @@ def bench(tmp_path_factory):
     """A store with a table of the car, two stops that pass, and one that will not do."""
     home = tmp_path_factory.mktemp("bench")
     table = fit(CAR, [noisy(ramp(REAL), 1)])
-    save(table, home / "tables")
+    Store(home / "tables").save(table)
     wet = noisy(stop(WET), 3)
     write_csv(wet, home / "wet.csv")
     write_parquet(noisy(stop(WET, pressure=30e5), 4), home / "harder.parquet")

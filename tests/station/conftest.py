@@ -11,7 +11,7 @@ from calib.station.advice import LIMITS
 from calib.station.identity import Identity
 from calib.station.metrics import Car
 from calib.station.station import StationOutcome, outcome, table_of, validated
-from calib.table.store import save
+from calib.table.store import Store
 from calib.table.version import Stored
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
@@ -34,4 +34,4 @@ def found() -> StationOutcome:
 
 @pytest.fixture(scope="session")
 def kept(found: StationOutcome, tmp_path_factory: pytest.TempPathFactory) -> Stored:
-    return save(found.table, tmp_path_factory.mktemp("line") / "tables")
+    return Store(tmp_path_factory.mktemp("line") / "tables").save(found.table)
