@@ -247,7 +247,7 @@ def hidden_story(out: Path, say: Say) -> Story:
     searched = [read_log(path) for path in sorted((source / "calibration").iterdir())]
     held = [read_log(path) for path in sorted((source / "holdout").iterdir())]
     say(f"diagnosing {car.name}: searching {len(searched)} logs, proving on {len(held)}")
-    found = diagnose(searched, held, car)
+    found = diagnose(car, searched, held)
     write_folder(found, text_of(found), report_html(found, car.name), out / "diagnosis")
     save_figures({out / "figures" / "diagnosis.png": [sheet(found, car.name).overview()]})
     fitted = [log for log in searched if log.name in ("ramp", "coast")]

@@ -125,7 +125,7 @@ class Diagnosis:
         return "\n".join(lines)
 
 
-def diagnose(calibration: list[Log], holdout: list[Log], vehicle: Vehicle) -> Diagnosis:
+def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Diagnosis:
     """Diagnose a car from its logs.
 
     Raises LogError when there is no hold-out, when a log is given twice, lacks ``v`` or is of
