@@ -190,10 +190,28 @@ def estimate(
 ) -> Estimate:
     """Run the estimator with a table on a log.
 
-    ``vehicle`` gives the nominal pads if they are not the table's, and known effects beside or
-    instead of the table's. Known effects are taken out first, see `calib.fitting.known_effects`.
-    Without ``with_laws`` the baselines are only nominal pads and the mean gain. Raises LogError
-    when the log has no unbraked lead-in to zero eta on.
+    Parameters
+    ----------
+    table : what the car was calibrated to. Its known effects are taken out of the log first, see
+        `calib.fitting.known_effects`.
+    log : the run, with an unbraked lead-in.
+    vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
+        the table's.
+    priors, gates : of the split filter, and of ``valid``; by default those that were tried.
+    with_laws : without, the baselines are only nominal pads and the mean gain.
+
+    Raises LogError when the log has no unbraked lead-in to zero eta on.
+
+    >>> import calib
+    >>> logs = calib.sample_logs() / "simulation_study"
+    >>> car = calib.read_vehicle(logs / "vehicle.toml")
+    >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
+    >>> frame = calib.estimate(table, calib.read_log(logs / "stop_noisy.parquet")).to_frame()
+    >>> last = frame[frame.valid].iloc[-1]
+    >>> bool(last.pad_friction_r_lower < 0.4 < last.pad_friction_r_upper)  # as it was simulated
+    True
+    >>> frame.attrs["units"]["brake_torque_fl"]
+    'N*m'
     """
     ran = remove_known_effects(_with_effects(table, vehicle), log, table.empirical)
     used = replace(table, vehicle=ran.vehicle)
