@@ -1,3 +1,70 @@
-"""Calibration of a brake-torque estimator from one ramped braking run."""
+"""Calibration of a brake-torque estimator from one ramped braking run.
+
+The workflow is here by name, each name with an example; whatever else there is lies in the rooms.
+
+    read_log ──> check       what is in a log, and what it is good for
+             ──> fit ──> Store ──> export     from ramps to a table, and to an ECU
+             ──> estimate, validate           a table on other logs
+             ──> diagnose ──> simulate        where model and car disagree, and why
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from calib.checks.check import check
+    from calib.demo.samples import sample_logs
+    from calib.diagnosis.diagnose import diagnose
+    from calib.estimation.estimator import estimate
+    from calib.fitting.fit import fit
+    from calib.logs.read import read_log
+    from calib.physics.model import default_model
+    from calib.physics.vehicle import read_vehicle
+    from calib.simulation.simulate import simulate
+    from calib.table.exports.export import export
+    from calib.table.store import Store
+    from calib.validation.validate import validate
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "Store",
+    "check",
+    "default_model",
+    "diagnose",
+    "estimate",
+    "export",
+    "fit",
+    "read_log",
+    "read_vehicle",
+    "sample_logs",
+    "simulate",
+    "validate",
+]
+
+_HOMES = {
+    "Store": "calib.table.store",
+    "check": "calib.checks.check",
+    "default_model": "calib.physics.model",
+    "diagnose": "calib.diagnosis.diagnose",
+    "estimate": "calib.estimation.estimator",
+    "export": "calib.table.exports.export",
+    "fit": "calib.fitting.fit",
+    "read_log": "calib.logs.read",
+    "read_vehicle": "calib.physics.vehicle",
+    "sample_logs": "calib.demo.samples",
+    "simulate": "calib.simulation.simulate",
+    "validate": "calib.validation.validate",
+}
+"""The module of each name. It is imported when the name is first used, so that nothing heavy loads
+before."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json, say
 from cli.inputs import unknown_format
 from cli.options import STORE, Json, Store, TableVersion, example, out_file
@@ -12,7 +13,7 @@ from cli.outputs import refuse_folder, writing
 
 if TYPE_CHECKING:
     from calib.table.exports.dataset import Dataset
-    from calib.table.exports.formats import Order
+    from calib.table.exports.export import Exported
     from calib.table.exports.quality import Quality
     from calib.table.version import Stored
 
@@ -63,14 +64,12 @@ def export_table(
     from calib.table.exports.formats import FORMATS, Order
     from calib.table.store import load
 
-    stored = load(table, store)
+    stored = calib.Store(store).load(table)
     if not force:
         _refuse_foreign(out, stored)
     quality = _quality(validation, stored)
     try:
-        data = build(stored, points, quality)
-        order = Order(data, stored, _today(), bits)
-        content = FORMATS[form](order)
+        written = calib.export(stored, out, form, points=points, bits=bits, quality=quality)
     except ExchangeError as error:
         option = "--points" if bits is None else "--points, --fixed-point"
         raise typer.BadParameter(str(error), param_hint=option) from None
@@ -129,12 +128,12 @@ def _report(order: "Order", form: str, out: Path, content: bytes, json: bool) ->
                 "schema": 1,
                 **data.facts(),
                 "version": data.version,
-                "format": form,
-                "out": out,
-                "bytes": len(content),
-                "sha256": sha256(content).hexdigest(),
+                "format": written.form,
+                "out": written.path,
+                "bytes": len(written.content),
+                "sha256": written.sha256,
                 "axes": [_axis(data, a.label) for a in data.axes],
-                "fixed_point": {"bits": order.bits, "objects": rounding} if rounding else None,
+                "fixed_point": {"bits": bits, "objects": rounding} if rounding else None,
             }
         )
         return
@@ -145,7 +144,7 @@ def _report(order: "Order", form: str, out: Path, content: bytes, json: bool) ->
     for row in rounding:
         if row["read_error"] is not None:
             say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
-    emit(f"{out}: {data.id} as {form}, {len(content)} bytes")
+    emit(repr(written))
 
 
 def _axis(data: "Dataset", label: str) -> dict[str, object]:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json, say
 from cli.inputs import channel_map_of
 from cli.options import STORE, Json, KnownModel, Map, Store, VehicleFile, example
@@ -37,7 +38,6 @@ def fit(
     from calib.logs.read import read_log
     from calib.physics.model import read_model, with_model
     from calib.physics.vehicle import read_vehicle
-    from calib.table.store import save
 
     car = read_vehicle(vehicle)
     mapping = channel_map_of(channel_map)
@@ -45,7 +45,7 @@ def fit(
     known = read_model(model, car) if model else None
     told = with_model(car, known) if known else car
     runs = [read_log(path, mapping) for path in logs]
-    stored = save(fit_table(told, runs, known.empirical if known else None), store)
+    stored = calib.Store(store).save(fit_table(told, runs, known.empirical if known else None))
     if json:
         emit_json(_document(stored))
     else:

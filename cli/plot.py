@@ -89,7 +89,6 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
     from calib.logs.tables import ending_of
     from calib.plots.choose import Given
     from calib.plots.result import is_result, read_result
-    from calib.table.store import load
     from calib.table.version import RECORD
 
     files = [Path(w) for w in what]
@@ -107,7 +106,7 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
     mapping = channel_map_of(channel_map)
     needed = REQUIRED if names else ()  # a log alone is drawn as far as it goes
     return Given(
-        tables=tuple(load(name, store) for name in names),
+        tables=tuple(calib.Store(store).load(name) for name in names),
         logs=tuple(read_log(path, mapping, require=needed) for path in logs),
         results=tuple(read_result(path) for path in results),
         vehicle=vehicle_of(vehicle),

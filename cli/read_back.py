@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import STORE, Json, Store, example
@@ -31,7 +32,7 @@ def import_table(
     from calib.table.exports.read import differences, parent, read_back, refuse
 
     found = read_back(file)
-    stored = parent(found, store)
+    stored = parent(found, calib.Store(store))
     wrong = differences(found, stored)
     if json:
         emit_json(_found(found, stored, wrong))

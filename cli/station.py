@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json, progress, say
 from cli.grid import grid
 from cli.inputs import channel_map_of, limits_of_car, unknown_format
@@ -146,7 +147,6 @@ def station(
     from calib.station.metrics import Car
     from calib.station.station import outcome, table_of, validated
     from calib.station.write import store_and_write
-    from calib.table.store import load
     from calib.validation.validate import require_same_vehicle
 
     ramps, coasts = [ramp, *(more.ramps or [])], more.coasts or []

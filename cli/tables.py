@@ -20,9 +20,7 @@ def tables() -> None:
 @app.command("list", epilog=example("brake-cal tables list"))
 def list_tables(store: Store = STORE, json: Json = False) -> None:
     """List every version of every table."""
-    from calib.table.store import listing
-
-    entries = listing(store)
+    entries = calib.Store(store).list()
     if json:
         rows = [{"id": e.id, **vars(e)} for e in entries]
         emit_json({"store": store, "tables": rows})

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json, progress, say
 from cli.grid import grid
 from cli.inputs import channel_map_of, limits_of_stops, vehicle_of

@@ -36,7 +36,7 @@ def store(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def stored(table: Table, store: Path) -> Stored:
-    return save(table, store)
+    return Store(store).save(table)
 
 
 @dataclass(frozen=True)

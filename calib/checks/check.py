@@ -82,6 +82,17 @@ class Findings:
     taken: tuple[Taken, ...] = ()
     uses: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        """The findings as lines of text, in the units of a log file."""
+        lines = [self.source]
+        lines += [f"  {label:<12} {text}" for label, text in facts(self)]
+        lines += [f"  {'read':<12} {text}" for text in self.notes]
+        lines += [f"  {'warning':<12} {text}" for text in self.warnings]
+        for verdict in self.verdicts:
+            lines.append(f"  {verdict.purpose:<12} {'usable' if verdict.usable else 'not usable'}")
+            lines += [f"  {'':<12} - {reason}" for reason in verdict.reasons]
+        return "\n".join(lines)
+
     @property
     def usable(self) -> bool:
         """Whether the log serves any purpose."""
@@ -91,11 +102,25 @@ class Findings:
 def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
     """Look at a log and judge it for each purpose.
 
-    ``copies`` are pressures of the log that were computed from something else, see
-    `calib.checks.computed_channels`: they make it useless for every purpose.
-
     Works on whatever `calib.logs.read.read_log` gives, also with ``require=()``. It judges the
     driving and the sensors; whether the vehicle file fits the car it cannot know.
+
+    Parameters
+    ----------
+    log : the run.
+    copies : pressures of the log that were computed from something else, see
+        `calib.checks.computed_channels`; they make it useless for every purpose.
+
+    Returns
+    -------
+    The findings; they print as the command shows them.
+
+    >>> import calib
+    >>> findings = calib.check(calib.read_log(calib.sample_logs() / "sedan" / "coast.csv"))
+    >>> [verdict.purpose for verdict in findings.verdicts if verdict.usable]
+    ['diagnose']
+    >>> findings.verdicts[0].reasons
+    ('no braking: drive a slow pressure ramp of 3 to 8 s; a coast log goes beside one',)
     """
     seen = observe(log)
     verdicts = []

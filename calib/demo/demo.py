@@ -19,7 +19,7 @@ from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.physics.vehicle import Vehicle, read_vehicle
-from calib.table.store import save
+from calib.table.store import Store
 from calib.table.version import Stored
 from calib.validation.limits import DEFAULTS
 from calib.validation.metrics import truth_of
@@ -102,11 +102,11 @@ def run_study(study: PaperStudy, source: Path, out: Path, say: Say) -> StudyOutc
     for log in fitted + held:
         usable = [v.purpose for v in check(log).verdicts if v.usable]
         say(f"checked {study.folder}/{log.name}: good for {', '.join(usable)}")
-    car = read_vehicle(source / "vehicle.toml")
+    car, store = read_vehicle(source / "vehicle.toml"), Store(out / "tables")
     if study.before:
         first = [log for log in fitted if log.source.endswith(study.before)]
-        say(f"fitted {save(fit(car, first), out / 'tables').id} from {study.before[0]} alone")
-    stored = save(fit(car, fitted), out / "tables")
+        say(f"fitted {store.save(fit(car, first)).id} from {study.before[0]} alone")
+    stored = store.save(fit(car, fitted))
     say(f"fitted {stored.id} from {', '.join(log.name for log in fitted)}")
     other = None
     if study.vehicle != "vehicle.toml":
@@ -247,7 +247,7 @@ def hidden_story(out: Path, say: Say) -> Story:
     searched = [read_log(path) for path in sorted((source / "calibration").iterdir())]
     held = [read_log(path) for path in sorted((source / "holdout").iterdir())]
     say(f"diagnosing {car.name}: searching {len(searched)} logs, proving on {len(held)}")
-    found = diagnose(searched, held, car)
+    found = diagnose(car, searched, held)
     write_folder(found, text_of(found), report_html(found, car.name), out / "diagnosis")
     save_figures({out / "figures" / "diagnosis.png": [sheet(found, car.name).overview()]})
     fitted = [log for log in searched if log.name in ("ramp", "coast")]

@@ -8,15 +8,19 @@ from calib.errors import InputError
 def sample_logs() -> Path:
     """Directory of the sample logs. Raises InputError when the program was installed without them.
 
-    A wheel carries them inside the package; in a checkout they lie beside it.
+    A wheel carries them in this room; in a checkout they lie beside the package.
+
+    >>> import calib
+    >>> sorted(file.name for file in (calib.sample_logs() / "simulation_study").glob("*.parquet"))
+    ['ramp_noisy.parquet', 'stop_noisy.parquet']
     """
-    package = Path(__file__).parents[1]
-    for place in (package / "sample_logs", package.parent / "sample_logs"):
+    room = Path(__file__).parent
+    for place in (room / "sample_logs", room.parents[1] / "sample_logs"):
         if place.is_dir():
             return place
     raise InputError(
         "the sample logs are not installed",
-        where=package,
+        where=room,
         expected="sample_logs/ in the package or beside it",
         do="install brake-cal from its wheel or its checkout",
     )

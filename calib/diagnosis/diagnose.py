@@ -114,12 +114,43 @@ class Diagnosis:
     reduced_after: float
     not_resolved: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        lines = [f"Diagnosis: {self.verdict}"]
+        for effect in self.effects:
+            for name, p in effect.parameters.items():
+                low, high = p.ci95
+                interval = f"{p.value:.4g} {p.unit} (95 % {low:.4g} to {high:.4g})"
+                lines.append(f"  {effect.name}: {name} = {interval}")
+        lines.append(f"  gap on the hold-outs: {100.0 * self.gap.closed:.0f} % closed")
+        return "\n".join(lines)
 
-def diagnose(calibration: list[Log], holdout: list[Log], vehicle: Vehicle) -> Diagnosis:
-    """Diagnose a car from its logs.
+
+def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Diagnosis:
+    """Find where a car and its model disagree, name the missing effect, and prove it.
+
+    Parameters
+    ----------
+    vehicle : the car as its datasheet has it.
+    calibration : two logs or more that differ; here the effect is searched.
+    holdout : one or more; here it must close the gap.
+
+    Returns
+    -------
+    The diagnosis. Its ``model_after`` is the car with what was identified, for `calib.simulate`.
 
     Raises LogError when there is no hold-out, when a log is given twice, lacks ``v`` or is of
     another car, or when nothing in the logs is braked.
+
+    >>> import calib
+    >>> case = calib.sample_logs() / "hidden" / "case_0"
+    >>> car = calib.read_vehicle(case / "vehicle.toml")
+    >>> searched = [calib.read_log(case / f"calibration/{n}.parquet") for n in ("ramp", "coast")]
+    >>> diagnosis = calib.diagnose(car, searched, [calib.read_log(case / "holdout/stop_a.parquet")])
+    >>> [effect.name for effect in diagnosis.effects]
+    ['aerodynamic_drag']
+    >>> low, high = diagnosis.effects[0].parameters["drag_area"].ci95
+    >>> low < 0.7444 < high  # m^2, what was hidden
+    True
     """
     check_logs(calibration, holdout)
     for log in (*calibration, *holdout):

@@ -9,6 +9,7 @@ least squares on any look-up, nominal pads, and one mean gain from deceleration 
 """
 
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,9 @@ from calib.signals.blocks import Blocks, blocks
 from calib.signals.noise import SensorNoise, lead_in_noise
 from calib.statistics.mixture_posterior import mixture_posterior
 from calib.table.table import Table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -74,6 +78,27 @@ class AxleEstimate:
     normalised_force: Array
 
 
+COLUMNS = {
+    "time": "s",
+    "z": "1",
+    "eta": "1",
+    "normalised_force_f": "1",
+    "normalised_force_r": "1",
+    "pad_friction_f": "1",
+    "pad_friction_r": "1",
+    "pad_friction_f_lower": "1",
+    "pad_friction_f_upper": "1",
+    "pad_friction_r_lower": "1",
+    "pad_friction_r_upper": "1",
+    "brake_torque_fl": "N*m",
+    "brake_torque_fr": "N*m",
+    "brake_torque_rl": "N*m",
+    "brake_torque_rr": "N*m",
+    "valid": "1",
+}
+"""Columns of an estimate as a table and as a file, in their order, with their units."""
+
+
 @dataclass(frozen=True)
 class Estimate:
     """The estimator's answer on one log, at its rate.
@@ -106,6 +131,53 @@ class Estimate:
     factor_r: Array | float = 1.0
     notes: tuple[str, ...] = field(default=())
 
+    def __repr__(self) -> str:
+        count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
+        if not self.valid.any():
+            return count
+        last = int(np.flatnonzero(self.valid)[-1])
+        pads = [
+            f"{name} {axle.pad_friction[last]:.3f} "
+            f"(95 % {axle.lower[last]:.3f} to {axle.upper[last]:.3f})"
+            for name, axle in (("front", self.front), ("rear", self.rear))
+        ]
+        return f"{count}; pad friction at {self.time[last]:.2f} s: {', '.join(pads)}"
+
+    def columns(self) -> dict[str, Array | Mask]:
+        """The samples by the names of `COLUMNS`, (n,) each.
+
+        Pad friction and its bounds are per axle, torque is per wheel: both wheels of an axle have
+        the same.
+        """
+        f, r = self.front, self.rear
+        values = (
+            self.time,
+            self.z,
+            self.eta,
+            f.normalised_force,
+            r.normalised_force,
+            f.pad_friction,
+            r.pad_friction,
+            f.lower,
+            f.upper,
+            r.lower,
+            r.upper,
+            f.torque,
+            f.torque,
+            r.torque,
+            r.torque,
+            self.valid,
+        )
+        return dict(zip(COLUMNS, values, strict=True))
+
+    def to_frame(self) -> "pd.DataFrame":
+        """`columns` as a frame, one row per sample; the units are in its ``attrs["units"]``."""
+        import pandas as pd
+
+        frame = pd.DataFrame(self.columns())
+        frame.attrs["units"] = dict(COLUMNS)
+        return frame
+
 
 def estimate(
     table: Table,
@@ -118,10 +190,28 @@ def estimate(
 ) -> Estimate:
     """Run the estimator with a table on a log.
 
-    ``vehicle`` gives the nominal pads if they are not the table's, and known effects beside or
-    instead of the table's. Known effects are taken out first, see `calib.fitting.known_effects`.
-    Without ``with_laws`` the baselines are only nominal pads and the mean gain. Raises LogError
-    when the log has no unbraked lead-in to zero eta on.
+    Parameters
+    ----------
+    table : what the car was calibrated to. Its known effects are taken out of the log first, see
+        `calib.fitting.known_effects`.
+    log : the run, with an unbraked lead-in.
+    vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
+        the table's.
+    priors, gates : of the split filter, and of ``valid``; by default those that were tried.
+    with_laws : without, the baselines are only nominal pads and the mean gain.
+
+    Raises LogError when the log has no unbraked lead-in to zero eta on.
+
+    >>> import calib
+    >>> logs = calib.sample_logs() / "simulation_study"
+    >>> car = calib.read_vehicle(logs / "vehicle.toml")
+    >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
+    >>> frame = calib.estimate(table, calib.read_log(logs / "stop_noisy.parquet")).to_frame()
+    >>> last = frame[frame.valid].iloc[-1]
+    >>> bool(last.pad_friction_r_lower < 0.4 < last.pad_friction_r_upper)  # as it was simulated
+    True
+    >>> frame.attrs["units"]["brake_torque_fl"]
+    'N*m'
     """
     ran = remove_known_effects(_with_effects(table, vehicle), log, table.empirical)
     used = replace(table, vehicle=ran.vehicle)

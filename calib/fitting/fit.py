@@ -41,11 +41,26 @@ OUTLIER = 4.0
 
 
 def fit(vehicle: Vehicle, logs: list[Log], empirical: Empirical | None = None) -> Table:
-    """Fit one table from the ramps among ``logs``; logs without braking serve as coast logs.
+    """Fit one table from ramped brakings.
 
-    The effects that the vehicle file knows, and an ``empirical`` term, are taken out first, see
-    `calib.fitting.known_effects`. Raises LogError when no log is a ramp that will do, with the
-    reason and what to drive instead.
+    Parameters
+    ----------
+    vehicle : names the table. The effects that it knows are taken out of the logs first, see
+        `calib.fitting.known_effects`.
+    logs : one ramp or more; logs without braking serve as coast logs.
+    empirical : a term whose cause is not known, taken out as well.
+
+    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead.
+
+    >>> import calib
+    >>> logs = calib.sample_logs() / "simulation_study"
+    >>> car = calib.read_vehicle(logs / "vehicle.toml")
+    >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
+    >>> pads = table.calibration
+    >>> [low < 0.4 < high for low, high in (pads.pad_friction_f.ci95, pads.pad_friction_r.ci95)]
+    [True, True]
+
+    0.4 is what the simulation had [1].
     """
     notes = {(log.name, log.digest): log.notes for log in logs}
     accounted = [remove_known_effects(vehicle, log, empirical) for log in logs]

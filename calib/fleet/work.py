@@ -170,7 +170,7 @@ def _diagnose(job: Job, item: Item, files: Files) -> Answer:
             where, file = Path(item.name) / inner, Path(item.path) / inner
             log = log_of(data, where, job.channel_map, file=file)
             sides[inner.split("/")[0]].append(log)
-    found = diagnose(sides[CALIBRATION], sides[HOLDOUT], vehicle)
+    found = diagnose(vehicle, sides[CALIBRATION], sides[HOLDOUT])
     gap = (found.gap.before, found.gap.after, found.gap.closed)
     names = "+".join(effect.name for effect in found.effects)
     return "done", (found.verdict, names, *map(number, gap))

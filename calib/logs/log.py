@@ -48,6 +48,11 @@ class Log:
     notes: tuple[str, ...] = ()
     origins: tuple[Origin, ...] = ()
 
+    def __repr__(self) -> str:
+        names = ", ".join(self.channels) + (" + truth" if self.truth else "")
+        span = f", {self.time[0]:g} to {self.time[-1]:g} s" if self.time.size else ""
+        return f"Log {self.name}: {self.time.size} samples{span}: {names}"
+
     def __getitem__(self, channel: str) -> Array:
         return self.channels[channel]
 

@@ -61,7 +61,7 @@ def _digest(path: Path) -> str:
 
 
 def read_log(
-    path: Path,
+    path: Path | str,
     channel_map: ChannelMap | Path | None = None,
     *,
     require: tuple[str, ...] = REQUIRED,
@@ -82,6 +82,11 @@ def read_log(
     Raises LogError for whatever makes the file no log: see `calib.logs.verify` and
     `calib.logs.assign`; ChannelMapError for a map that does not fit. It does not judge what was
     driven: that is `calib.checks.check`.
+
+    >>> import calib
+    >>> log = calib.read_log(calib.sample_logs() / "sedan" / "coast.csv")
+    >>> log.name, log.time.size, round(log.sample_time, 6)  # s
+    ('coast', 2000, 0.005)
     """
     path = Path(path)
     refuse_no_log(path)

@@ -88,6 +88,12 @@ def default_model(vehicle: Vehicle) -> Model:
     """Return the vehicle with nominal pads and its known effects, on wet asphalt.
 
     Raises ModelError if the vehicle names an effect or parameter that the catalogue does not know.
+
+    >>> import calib
+    >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")
+    >>> model = calib.default_model(car)
+    >>> model.pad_friction_f == car.front.pad_friction, model.tyre.peak, model.effects
+    (True, 0.9, {})
     """
     where = f"vehicle {vehicle.name}"
     return Model(

@@ -183,7 +183,7 @@ def _check_geometry(vehicle: Vehicle, where: object) -> None:
             )
 
 
-def read_vehicle(path: Path) -> Vehicle:
+def read_vehicle(path: Path | str) -> Vehicle:
     """Read a vehicle file (TOML, ``schema = 1``, quantities as strings with units).
 
     ``[chassis]``, ``[front]`` and ``[rear]`` as in the records above; ``[effects.<name>]``, if
@@ -192,6 +192,11 @@ def read_vehicle(path: Path) -> Vehicle:
 
     Raises VehicleError for a file that is missing, not TOML, of another schema; for a missing or
     unknown key; for a wrong unit; for a value that is not believable.
+
+    >>> import calib
+    >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")
+    >>> car.name, car.mass, round(car.wheelbase, 3), car.front.friction_faces  # kg, m
+    ('sedan-2up', 1744.0, 2.805, 2)
     """
     path = Path(path)
     table = read_toml(path, SCHEMA, VehicleError)

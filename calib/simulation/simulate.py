@@ -36,18 +36,42 @@ def simulate(
     stop_speed: float = 1.0,
     name: str = "simulation",
 ) -> Log:
-    """Drive the model from ``v0`` [m/s] with ``pressure`` [Pa] in the brakes at ``time`` [s].
+    """Drive the model with a pressure in its brakes. The first sample is taken as steady.
 
-    Arrays are (n,). ``wheel_pressure`` holds pressures of single wheels [Pa] by wheel name; the
-    others have ``pressure``. ``temperature`` of the discs [degC] by axle name, ``f`` and ``r``;
-    effects that ask for it do nothing on an axle without. The first sample is taken as steady.
-    Returns a log with truth channels. It ends with the last sample at or above ``stop_speed``
-    [m/s], or the last one before a wheel would pass the peak of its tyre or an axle would lift; its
-    last note says which, when and why.
+    Parameters
+    ----------
+    model : the car with pads, tyre and effects; `calib.default_model` of a vehicle, or the
+        ``model_after`` of a diagnosis.
+    time : t [s], shape (n,), increasing.
+    pressure : at the master cylinder [Pa], shape (n,).
+    v0 : first speed [m/s].
+    wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
+    temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; effects that ask
+        for it do nothing on an axle without.
+    stop_speed : at which it ends [m/s].
+    name : of the log.
+
+    Returns
+    -------
+    A log with truth channels. It ends with the last sample at or above ``stop_speed``, or the last
+    one before a wheel would pass the peak of its tyre or an axle would lift; its last note says
+    which, when and why.
 
     Raises ModelError if there is nothing to drive: ``v0`` not above ``stop_speed``, shapes that
     differ, time that does not increase, numbers that are not finite, an unknown effect, an end
     before the second sample.
+
+    >>> import numpy as np
+    >>> import calib
+    >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")
+    >>> time = np.arange(0.0, 4.0, 0.005)
+    >>> ramp = np.clip(5e5 * (time - 1.5), 0.0, None)  # 5 bar/s after 1.5 s of rolling
+    >>> log = calib.simulate(calib.default_model(car), time, ramp, v0=30.0)
+    >>> log.notes
+    ('ends with its pressure at 3.995 s',)
+    >>> wheel = car.front.torque_gain * car.front.pad_friction * ramp  # (3)
+    >>> bool(np.allclose(log.truth["true_Tb_fl"], wheel))
+    True
     """
     own, heat = dict(wheel_pressure or {}), dict(temperature or {})
     _check_drive(time, v0, stop_speed)

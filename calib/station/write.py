@@ -10,24 +10,13 @@ from calib.station.folder import DOCUMENT, JUNIT, REPORT
 from calib.station.junit import junit_xml
 from calib.station.report import report_html
 from calib.station.station import StationOutcome
-from calib.table.exports.build import build
-from calib.table.exports.formats import FORMATS, Order
+from calib.table.exports.export import export
+from calib.table.exports.formats import ENDINGS
 from calib.table.exports.quality import read_quality
-from calib.table.store import foreseen, save
+from calib.table.store import Store
 from calib.table.version import Stored
 from calib.validation.results import SUMMARY, write_results
 from calib.validation.validate import to_dict as validation_dict
-
-ENDINGS = {
-    "json": "json",
-    "csv": "csv",
-    "parquet": "parquet",
-    "dcm": "dcm",
-    "cdfx": "cdfx",
-    "c-header": "h",
-    "inca-csv": "inca.csv",
-}
-"""What an export is called: table.ENDING."""
 
 DATED = ("cdfx",)
 """Formats that hold the date on which they were written."""
@@ -39,7 +28,7 @@ def export_name(form: str) -> str:
 
 
 def store_and_write(
-    found: StationOutcome, store: Path, forms: Sequence[str], date: str, work: Path
+    found: StationOutcome, store: Store, forms: Sequence[str], date: str, work: Path
 ) -> tuple[Stored, dict[str, Any]]:
     """Write everything into ``work``, then store the table; return it and the document.
 
@@ -47,9 +36,9 @@ def store_and_write(
     version in between, the files are written again. Raises OSError, ExchangeError, StoreError.
     """
     while True:
-        expected = foreseen(found.table, store)
+        expected = store.foreseen(found.table)
         document = write_all(found, expected, forms, date, work)
-        stored = save(found.table, store)
+        stored = store.save(found.table)
         if stored.id == expected.id:
             return stored, document
 
@@ -73,7 +62,6 @@ def write_all(
 
 
 def _write_exports(stored: Stored, forms: Sequence[str], date: str, work: Path) -> None:
-    data = build(stored, None, read_quality(work / SUMMARY, stored.id))
+    quality = read_quality(work / SUMMARY, stored.id)
     for form in dict.fromkeys(forms):
-        content = FORMATS[form](Order(data, stored, date))
-        write_whole(work / export_name(form), content)
+        export(stored, work / export_name(form), form, quality=quality, date=date)

@@ -66,84 +66,149 @@ class StoreVerdict:
         return not self.violations
 
 
-def save(table: Table, store: Path) -> Stored:
-    """Write ``table`` as the next version of its name, or return the version that holds it already.
+class Store:
+    """A folder of tables; ``folder`` is its path, and is made by the first `save`.
 
-    Raises StoreError when the name is no name, the table is not sound or the store cannot be
-    written; the store is then as it was.
+    >>> import tempfile
+    >>> import calib
+    >>> logs = calib.sample_logs() / "simulation_study"
+    >>> car = calib.read_vehicle(logs / "vehicle.toml")
+    >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     store = calib.Store(folder)
+    ...     again = [store.save(table).id for _ in range(2)]  # one content is one version
+    ...     loaded = store.load("sedan-sim").table
+    ...     sound = [verdict.sound for verdict in store.verify()]
+    >>> again, sound, loaded.digest == table.digest
+    (['sedan-sim@1', 'sedan-sim@1'], [True], True)
     """
-    home = _home(table, store)
-    work = home / f".new-{secrets.token_hex(8)}"  # hidden: no listing sees it
-    try:
-        version = _identical(home, _versions(home), table.digest) or _add(table, home, work)
-    except OSError as error:
-        raise StoreError(
-            f"cannot be written ({error.strerror})", where=store, do="nothing was stored"
-        ) from error
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
-        with contextlib.suppress(OSError):
-            home.rmdir()  # only when this call made it and put nothing there
-    return load(f"{table.name}@{version}", store)
 
+    def __init__(self, folder: Path | str) -> None:
+        self.folder = Path(folder)
 
-def foreseen(table: Table, store: Path) -> Stored:
-    """What `save` will return if no other writer comes first; writes nothing.
+    def __repr__(self) -> str:
+        return f"Store({str(self.folder)!r})"
 
-    Raises StoreError when the name is no name, the table is not sound or the store cannot be read.
-    """
-    home = _home(table, store)
-    try:
+    def save(self, table: Table) -> Stored:
+        """Write ``table`` as the next version of its name, or return the one that holds it already.
+
+        Raises StoreError when the name is no name, the table is not sound or the store cannot be
+        written; the store is then as it was.
+        """
+        home = self._home(table)
+        work = home / f".new-{secrets.token_hex(8)}"  # hidden: no listing sees it
+        try:
+            version = _identical(home, _versions(home), table.digest) or _add(table, home, work)
+        except OSError as error:
+            raise StoreError(
+                f"cannot be written ({error.strerror})", where=self.folder, do="nothing was stored"
+            ) from error
+        finally:
+            shutil.rmtree(work, ignore_errors=True)
+            with contextlib.suppress(OSError):
+                home.rmdir()  # only when this call made it and put nothing there
+        return self.load(f"{table.name}@{version}")
+
+    def foreseen(self, table: Table) -> Stored:
+        """What `save` will return if no other writer comes first; writes nothing.
+
+        Raises StoreError when the name is no name, the table is not sound or the store cannot be
+        read.
+        """
+        home = self._home(table)
+        try:
+            versions = _versions(home)
+        except OSError as error:
+            raise StoreError(f"cannot be read ({error.strerror})", where=self.folder) from error
+        version = _identical(home, versions, table.digest) or max(versions, default=0) + 1
+        record, curves = table.content()
+        read = Table.from_content(json.loads(canonical_json(record)), curves)
+        return Stored(read, table.name, version, table.digest, home / _folder(version))
+
+    def load(self, reference: str) -> Stored:
+        """Read and verify a table: ``name`` (its latest), ``name@version`` or a path to a version.
+
+        Raises TableNotFound when there is none, DamagedTable when it is not what its digests
+        promise.
+        """
+        path = _path_of(reference)
+        if path is not None:
+            return read_version(path)
+        name, at, version = reference.partition("@")
+        home = self.folder / self._known_name(name)
         versions = _versions(home)
-    except OSError as error:
-        raise StoreError(f"cannot be read ({error.strerror})", where=store) from error
-    version = _identical(home, versions, table.digest) or max(versions, default=0) + 1
-    record, curves = table.content()
-    read = Table.from_content(json.loads(canonical_json(record)), curves)
-    return Stored(read, table.name, version, table.digest, home / _folder(version))
+        if not at:
+            return read_version(home / _folder(max(versions)), f"{name}@{max(versions)}")
+        if not version.isdecimal() or int(version) not in versions:
+            raise TableNotFound(
+                f"no version {version!r} of {name!r}",
+                where=self.folder,
+                expected="one of " + ", ".join(map(str, versions)),
+            )
+        return read_version(home / _folder(int(version)), f"{name}@{int(version)}")
 
+    def list(self) -> tuple[StoreEntry, ...]:
+        """Every version in the store, by name and version, without verifying any of them.
 
-def load(reference: str, store: Path) -> Stored:
-    """Read and verify a table: ``name`` (its latest), ``name@version`` or a path to a version.
-
-    Raises TableNotFound when there is none, DamagedTable when it is not what its digests promise.
-    """
-    path = _path_of(reference)
-    if path is not None:
-        return read_version(path)
-    name, at, version = reference.partition("@")
-    versions = _versions(store / _known_name(name, store))
-    if not at:
-        return read_version(store / name / _folder(max(versions)), f"{name}@{max(versions)}")
-    if not version.isdecimal() or int(version) not in versions:
-        raise TableNotFound(
-            f"no version {version!r} of {name!r}",
-            where=store,
-            expected="one of " + ", ".join(map(str, versions)),
+        Raises TableNotFound when there is no store, StoreError when it cannot be read.
+        """
+        homes = [self.folder / name for name in self._names()]
+        return tuple(
+            _entry(home.name, version, home / _folder(version))
+            for home in homes
+            for version in _versions(home)
         )
-    return read_version(store / name / _folder(int(version)), f"{name}@{int(version)}")
 
+    def verify(self, name: str | None = None) -> tuple[StoreVerdict, ...]:
+        """Recompute everything that the store promises, for one table or for all.
 
-def listing(store: Path) -> list[StoreEntry]:
-    """Return every version in the store, by name and version, without verifying any of them."""
-    return [
-        _entry(name, version, store / name / _folder(version))
-        for name in _names(store)
-        for version in _versions(store / name)
-    ]
+        One verdict per version, and one per version that should be there and is not. Raises
+        TableNotFound when there is no store, or no table of that name.
+        """
+        names = self._names() if name is None else (self._known_name(name),)
+        return tuple(
+            StoreVerdict(f"{name}@{version}", _version_flaws(self.folder / name, name, version))
+            for name in names
+            for version in range(1, max(_versions(self.folder / name)) + 1)
+        )
 
+    def _home(self, table: Table) -> Path:
+        """Where the versions of ``table`` lie. Raises StoreError for one that may not be stored."""
+        home = self.folder / _checked_name(table.name)
+        if found := violations(table):
+            raise StoreError(
+                f"the table is not sound and was not stored: {'; '.join(found)}",
+                where=table.name,
+                expected="what `brake-cal tables verify` passes",
+            )
+        return home
 
-def verify(store: Path, name: str | None = None) -> list[StoreVerdict]:
-    """Recompute everything that a store promises, for one table or for all.
+    def _known_name(self, name: str) -> str:
+        """Return ``name`` if the store has a table of that name. Raises TableNotFound."""
+        known = self._names()
+        if _checked_name(name) in known:
+            return name
+        near = get_close_matches(name, known, n=1)
+        raise TableNotFound(
+            f"no table {name!r}",
+            where=self.folder,
+            expected="one of " + ", ".join(known) if known else "a table: the store is empty",
+            do=f"did you mean {near[0]!r}?" if near else "",
+        )
 
-    One verdict per version, and one per version that should be there and is not.
-    """
-    names = _names(store) if name is None else [_known_name(name, store)]
-    return [
-        StoreVerdict(f"{name}@{version}", _version_flaws(store / name, name, version))
-        for name in names
-        for version in range(1, max(_versions(store / name)) + 1)
-    ]
+    def _names(self) -> tuple[str, ...]:
+        """Names of the tables, in order. Raises TableNotFound where there is no store."""
+        if not self.folder.is_dir():
+            raise TableNotFound(
+                "no table store here",
+                where=self.folder,
+                do="`brake-cal fit` makes one, --store names another",
+            )
+        try:
+            homes = (p for p in self.folder.iterdir() if NAME.fullmatch(p.name) and _versions(p))
+            return tuple(sorted(p.name for p in homes))
+        except OSError as error:
+            raise StoreError(f"cannot be read ({error.strerror})", where=self.folder) from error
 
 
 def _version_flaws(home: Path, name: str, version: int) -> tuple[str, ...]:
@@ -156,18 +221,6 @@ def _version_flaws(home: Path, name: str, version: int) -> tuple[str, ...]:
         return (error.what,)
 
 
-def _home(table: Table, store: Path) -> Path:
-    """Where the versions of ``table`` lie. Raises StoreError for one that may not be stored."""
-    home = store / _checked_name(table.name)
-    if found := violations(table):
-        raise StoreError(
-            f"the table is not sound and was not stored: {'; '.join(found)}",
-            where=table.name,
-            expected="what `brake-cal tables verify` passes",
-        )
-    return home
-
-
 def _checked_name(name: str) -> str:
     """Return ``name`` if it can name a table and cannot lead out of the store."""
     if not NAME.fullmatch(name) or ".." in name:
@@ -176,32 +229,6 @@ def _checked_name(name: str) -> str:
             expected="letters, digits and . _ - only, at most 100, a letter or digit first",
         )
     return name
-
-
-def _known_name(name: str, store: Path) -> str:
-    known = _names(store)
-    if _checked_name(name) in known:
-        return name
-    near = get_close_matches(name, known, n=1)
-    raise TableNotFound(
-        f"no table {name!r}",
-        where=store,
-        expected="one of " + ", ".join(known) if known else "a table: the store is empty",
-        do=f"did you mean {near[0]!r}?" if near else "",
-    )
-
-
-def _names(store: Path) -> list[str]:
-    if not store.is_dir():
-        raise TableNotFound(
-            "no table store here",
-            where=store,
-            do="`brake-cal fit` makes one, --store names another",
-        )
-    try:
-        return sorted(p.name for p in store.iterdir() if NAME.fullmatch(p.name) and _versions(p))
-    except OSError as error:
-        raise StoreError(f"cannot be read ({error.strerror})", where=store) from error
 
 
 def _folder(version: int) -> str:

@@ -99,6 +99,9 @@ class Value:
         """95 % interval, taking the figure as normally distributed."""
         return self.value - 1.96 * self.sigma, self.value + 1.96 * self.sigma
 
+    def __str__(self) -> str:
+        return f"{self.value:.4g} +- {self.ci95[1] - self.value:.2g}"
+
 
 @dataclass(frozen=True)
 class Calibration:
@@ -177,6 +180,19 @@ class Table:
     remarks: tuple[str, ...]
     provenance: Provenance
     empirical: Empirical | None = None
+
+    def __repr__(self) -> str:
+        eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
+        logs = ", ".join(f"{log.name} ({log.role})" for log in self.provenance.logs)
+        return "\n".join(
+            (
+                f"Table {self.name}, {self.provenance.program}",
+                f"  f1, f2  {eta.size} rows, eta - 1 up to {100.0 * (eta[-1] - 1.0):.3f} %, "
+                f"z {low:.2f} to {high:.2f} g",
+                f"  pads    front {pads.pad_friction_f}, rear {pads.pad_friction_r} (95 %)",
+                f"  logs    {logs}",
+            )
+        )
 
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
         """Return the record (JSON-able) and the curves (named float columns)."""

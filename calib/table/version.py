@@ -35,6 +35,9 @@ class Stored:
     digest: str
     path: Path
 
+    def __repr__(self) -> str:
+        return f"{self.id} in {self.path}\n{self.table!r}"
+
     @property
     def id(self) -> str:
         """name@version."""

@@ -10,58 +10,11 @@ import os
 import tempfile
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
-from calib.estimation.estimator import Estimate
+from calib.estimation.estimator import COLUMNS, Estimate
 from calib.files import write_whole
 from calib.validation.validate import Validation
 
-UNITS = {
-    "time": "s",
-    "z": "1",
-    "eta": "1",
-    "normalised_force_f": "1",
-    "normalised_force_r": "1",
-    "pad_friction_f": "1",
-    "pad_friction_r": "1",
-    "pad_friction_f_lower": "1",
-    "pad_friction_f_upper": "1",
-    "pad_friction_r_lower": "1",
-    "pad_friction_r_upper": "1",
-    "brake_torque_fl": "N*m",
-    "brake_torque_fr": "N*m",
-    "brake_torque_rl": "N*m",
-    "brake_torque_rr": "N*m",
-    "valid": "1",
-}
-"""Columns of a result, in their order."""
-
 SUMMARY = "summary.json"
-
-
-def columns(e: Estimate) -> dict[str, NDArray[np.float64] | NDArray[np.bool_]]:
-    """Columns of one result, (n,) each. Both wheels of an axle carry its pad friction."""
-    f, r = e.front, e.rear
-    values = (
-        e.time,
-        e.z,
-        e.eta,
-        f.normalised_force,
-        r.normalised_force,
-        f.pad_friction,
-        r.pad_friction,
-        f.lower,
-        f.upper,
-        r.lower,
-        r.upper,
-        f.torque,
-        f.torque,
-        r.torque,
-        r.torque,
-        e.valid,
-    )
-    return dict(zip(UNITS, values, strict=True))
 
 
 def write_result(e: Estimate, path: Path) -> None:
@@ -69,12 +22,12 @@ def write_result(e: Estimate, path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    data = columns(e)
+    data = e.columns()
     fields = [
         pa.field(name, pa.bool_() if name == "valid" else pa.float64(), metadata={"unit": unit})
-        for name, unit in UNITS.items()
+        for name, unit in COLUMNS.items()
     ]
-    table = pa.table([pa.array(data[name]) for name in UNITS], schema=pa.schema(fields))
+    table = pa.table([pa.array(data[name]) for name in COLUMNS], schema=pa.schema(fields))
     sink = pa.BufferOutputStream()
     pq.write_table(table, sink, compression="zstd")
     write_whole(path, sink.getvalue().to_pybytes())

@@ -37,6 +37,12 @@ class Validation:
     judgements: tuple[Judgement, ...]
     baselines: dict[str, tuple[float, float]]
 
+    def __repr__(self) -> str:
+        mu_f, mu_r = self.figures["pad_friction_f"], self.figures["pad_friction_r"]
+        pads = "no answer" if mu_f is None or mu_r is None else f"front {mu_f:.3f}, rear {mu_r:.3f}"
+        verdict = "passed" if self.passed else "failed"
+        return f"{self.log} ({self.role}): {verdict}, pad friction {pads}"
+
     @property
     def passed(self) -> bool:
         """No judged figure fails."""
@@ -62,9 +68,31 @@ def validate(
     vehicle: Vehicle | None = None,
     limits: tuple[Limit, ...] = DEFAULTS,
 ) -> list[Validation]:
-    """Run and score every log.
+    """Run, score and judge the estimator on every log.
 
-    Raises LogError for a log that will not do, and when the vehicle of the log is plainly another.
+    Parameters
+    ----------
+    table : the one to be proved.
+    logs : hold-outs; a log that the table was fitted on is marked and proves nothing.
+    vehicle : the nominal pads if they are not the table's; else the same car.
+    limits : what decides pass or fail.
+
+    Returns
+    -------
+    One validation per log, in their order.
+
+    Raises LogError for a log that will not do, and when the vehicle of the log is plainly another;
+    VehicleError when ``vehicle`` is another car than the table's.
+
+    >>> import calib
+    >>> logs = calib.sample_logs() / "simulation_study"
+    >>> car = calib.read_vehicle(logs / "vehicle.toml")
+    >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
+    >>> (result,) = calib.validate(table, [calib.read_log(logs / "stop_noisy.parquet")])
+    >>> result.log, result.role, result.passed
+    ('stop_noisy', 'hold-out', True)
+    >>> abs(result.figures["torque_error_f"]) < 0.02  # against the truth that the log carries
+    True
     """
     return [validate_one(table, log, vehicle, limits) for log in logs]
 

@@ -40,7 +40,7 @@ from calib.station.identity import Identity
 from calib.station.report import report_html
 from calib.station.station import outcome, table_of, validated
 from calib.station.write import write_all
-from calib.table.store import save
+from calib.table.store import Store
 from calib.physics.vehicle import read_vehicle
 mark("imports: brake-cal")
 car = read_vehicle(sedan / "vehicle.toml")
@@ -54,7 +54,7 @@ mark("three stops")
 found = outcome(Car(table, logs[:1], held, results), logs[1:], LIMITS, Identity(serial="1"))
 mark("check and verdict")
 with workshop(out / "car") as work:
-    stored = save(table, out / "tables")
+    stored = Store(out / "tables").save(table)
     mark("store")
     report_html(found, stored)
     mark("report, drawn")

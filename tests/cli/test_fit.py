@@ -7,7 +7,7 @@ import pytest
 
 from calib.demo.samples import sample_logs
 from calib.logs.write import write_csv
-from calib.table.store import load
+from calib.table.store import Store
 from cli.fit import EPILOG
 from tests.support.reference_car import CAR, REAL, SEDAN, noisy, ramp, with_pads
 
@@ -43,7 +43,7 @@ def test_the_examples_of_the_help_work_as_printed(brake_cal, tmp_path, monkeypat
 def test_a_table_is_stored_and_told(brake_cal, log, store):
     ran = brake_cal("fit", log, "--vehicle", VEHICLE, "--store", store)
     assert ran.code == 0
-    stored = load(CAR.name, store)
+    stored = Store(store).load(CAR.name)
     assert stored.version == 1
     assert stored.table.calibration.pad_friction_f.value == pytest.approx(0.36, rel=0.02)
     assert ran.err == "fitting sedan-2up from 1 log\n"
@@ -60,7 +60,7 @@ def test_json_is_one_document(brake_cal, log, store):
     ran = brake_cal("fit", log, "--vehicle", VEHICLE, "--store", store, "--json")
     assert ran.code == 0
     document = json.loads(ran.out)
-    stored = load(CAR.name, store)
+    stored = Store(store).load(CAR.name)
     assert document["schema"] == 1
     assert document["table"] == "sedan-2up@1"
     assert document["digest"] == stored.digest
@@ -94,7 +94,7 @@ def test_channel_map(brake_cal, log, store, tmp_path):
     assert brake_cal(*arguments).code == 3
     assert brake_cal(*arguments, "--map", channel_map).code == 0
     brake_cal("fit", log, "--vehicle", VEHICLE, "--store", tmp_path / "plain")
-    mapped, plain = (load(CAR.name, s).table for s in (store, tmp_path / "plain"))
+    mapped, plain = (Store(s).load(CAR.name).table for s in (store, tmp_path / "plain"))
     assert mapped.posterior == plain.posterior
 
 

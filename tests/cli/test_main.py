@@ -5,10 +5,9 @@ from pathlib import Path
 import pytest
 import typer.main
 
-import calib.table.store
 from calib import __version__
 from calib.errors import BrakeCalError, InputError, StoreError
-from calib.table.store import save
+from calib.table.store import Store
 from cli.main import app
 from tests.support.tables import made_table
 
@@ -77,34 +76,34 @@ def test_usage_errors_end_with_2_and_help(brake_cal, arguments, says):
 )
 @pytest.mark.parametrize("json", [(), ("--json",)])
 def test_an_error_is_a_line_on_stderr_and_an_exit_code(brake_cal, monkeypatch, error, code, json):
-    def fail(store):
+    def fail(self):
         raise error
 
-    monkeypatch.setattr(calib.table.store, "listing", fail)
+    monkeypatch.setattr(Store, "list", fail)
     ran = brake_cal("tables", "list", *json)
     assert (ran.code, ran.out, ran.err) == (code, "", f"error: {error}\n")
 
 
 def test_a_bug_is_not_dressed_up(monkeypatch):
-    def fail(store):
+    def fail(self):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(calib.table.store, "listing", fail)
+    monkeypatch.setattr(Store, "list", fail)
     monkeypatch.setattr(sys, "argv", ["brake-cal", "tables", "list"])
     with pytest.raises(ZeroDivisionError):
         app()
 
 
 def test_an_interrupt_ends_with_130(brake_cal, monkeypatch):
-    def interrupt(store):
+    def interrupt(self):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(calib.table.store, "listing", interrupt)
+    monkeypatch.setattr(Store, "list", interrupt)
     assert brake_cal("tables", "list").code == 130
 
 
 def test_a_reader_that_goes_away_is_met_with_silence(tmp_path):
-    save(made_table(), tmp_path)
+    Store(tmp_path).save(made_table())
     process = started("tables", "show", "sedan", "--store", tmp_path, "--json")
     process.stdout.close()
     with process.stderr as stderr:

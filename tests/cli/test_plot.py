@@ -6,7 +6,7 @@ import pytest
 from calib.fitting.fit import fit
 from calib.logs.read import read_log
 from calib.physics.vehicle import read_vehicle
-from calib.table.store import save
+from calib.table.store import Store
 from tests.support.tables import made_table
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
@@ -20,9 +20,9 @@ PNG, SVG, PDF = b"\x89PNG", b"<?xml", b"%PDF"
 def tables(tmp_path_factory):
     """A store with a fitted sedan-2up@1 and two made tables."""
     store = tmp_path_factory.mktemp("store")
-    save(fit(read_vehicle(SEDAN / "vehicle.toml"), [read_log(RAMP)]), store)
-    save(made_table(), store)
-    save(made_table(28.0), store)
+    Store(store).save(fit(read_vehicle(SEDAN / "vehicle.toml"), [read_log(RAMP)]))
+    Store(store).save(made_table())
+    Store(store).save(made_table(28.0))
     return store
 
 

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from calib.table.store import save
+from calib.table.store import Store
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 RAMP, REPEAT, COAST, DRY, ONTO_BASALT, WET, VEHICLE = (
@@ -183,12 +183,14 @@ def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
 
 
 def test_a_version_taken_in_between_is_not_claimed(station, tmp_path, monkeypatch):
-    def late(table, store):
-        if not (store / table.name).exists():
-            save(replace(table, remarks=("another car",)), store)
-        return save(table, store)
+    save = Store.save
 
-    monkeypatch.setattr("calib.station.write.save", late)
+    def late(store, table):
+        if not (store.folder / table.name).exists():
+            save(store, replace(table, remarks=("another car",)))
+        return save(store, table)
+
+    monkeypatch.setattr(Store, "save", late)
     ran = station("--json")
     assert ran.code == 0, ran.err
     document = json.loads(ran.out)

@@ -13,7 +13,7 @@ def test_list_names_every_version(tables, two, document):
     ]
     rows = document(tables("list", "--json"))["tables"]
     assert [row["id"] for row in rows] == ["sedan@1", "sedan@2", "wagon@1"]
-    assert rows[1]["digest"] == load("sedan", two).digest
+    assert rows[1]["digest"] == Store(two).load("sedan").digest
     assert rows[0]["logs"] == ["ramp.csv", "coast.csv"]
 
 

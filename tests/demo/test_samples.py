@@ -16,5 +16,6 @@ def test_installed_logs_come_before_those_of_a_checkout(tmp_path, monkeypatch):
         samples.sample_logs()
     (tmp_path / "sample_logs").mkdir()
     assert samples.sample_logs() == tmp_path / "sample_logs"
-    (tmp_path / "calib" / "sample_logs").mkdir(parents=True)
-    assert samples.sample_logs() == tmp_path / "calib" / "sample_logs"
+    installed = tmp_path / "calib" / "demo" / "sample_logs"
+    installed.mkdir(parents=True)
+    assert samples.sample_logs() == installed

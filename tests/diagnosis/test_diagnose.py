@@ -19,7 +19,7 @@ from tests.support.hidden.cases import HiddenCase, draw
 
 
 def answer(case: HiddenCase) -> Diagnosis:
-    return diagnose(list(case.calibration), list(case.holdout), case.vehicle)
+    return diagnose(case.vehicle, list(case.calibration), list(case.holdout))
 
 
 def verdict(logs: list[Log], case: HiddenCase) -> tuple[str, tuple[str, ...]]:
@@ -81,7 +81,7 @@ def test_what_the_catalogue_does_not_know_is_unknown_on_the_right_axle():
 def test_the_order_of_the_logs_does_not_matter(drag):
     one, other = (
         answer(drag),
-        diagnose(list(drag.calibration)[::-1], list(drag.holdout), drag.vehicle),
+        diagnose(drag.vehicle, list(drag.calibration)[::-1], list(drag.holdout)),
     )
     assert to_dict(one) == to_dict(other)
 
@@ -104,21 +104,21 @@ def test_truth_is_not_read(drag):
 def test_logs_that_cannot_give_an_answer_are_refused(drag):
     logs, held = list(drag.calibration), list(drag.holdout)
     with pytest.raises(LogError, match="no hold-out"):
-        diagnose(logs, [], drag.vehicle)
+        diagnose(drag.vehicle, logs, [])
     with pytest.raises(LogError, match="among the calibration logs"):
-        diagnose(logs, [logs[0]], drag.vehicle)
+        diagnose(drag.vehicle, logs, [logs[0]])
     with pytest.raises(LogError, match="given twice"):
-        diagnose([*logs, logs[0]], held, drag.vehicle)
+        diagnose(drag.vehicle, [*logs, logs[0]], held)
     larger = replace(drag.vehicle.front, rolling_radius=1.1 * drag.vehicle.front.rolling_radius)
     with pytest.raises(LogError, match="the front wheels roll with a radius"):
-        diagnose(logs, held, replace(drag.vehicle, front=larger))
+        diagnose(replace(drag.vehicle, front=larger), logs, held)
     with pytest.raises(LogError, match="two or more"):
-        diagnose(logs[:1], held, drag.vehicle)
+        diagnose(drag.vehicle, logs[:1], held)
     coasts = [log for log in logs if np.max(log["p_mc"]) < 1e5]
     with pytest.raises(LogError, match="nothing is braked"):
-        diagnose(coasts, held, drag.vehicle)
+        diagnose(drag.vehicle, coasts, held)
     blind = [
         replace(log, channels={k: v for k, v in log.channels.items() if k != "v"}) for log in logs
     ]
     with pytest.raises(LogError, match="no reference speed"):
-        diagnose(blind, held, drag.vehicle)
+        diagnose(drag.vehicle, blind, held)

@@ -15,7 +15,7 @@ from calib.fleet import pool as module
 from calib.fleet.journal import NAME
 from calib.fleet.pool import Pool
 from calib.fleet.run import run_batch
-from calib.table.store import save
+from calib.table.store import Store
 from tests.support.fleet_logs import Here, validating
 
 ROOT = Path(__file__).parents[2]
@@ -78,7 +78,7 @@ def test_a_pool_that_breaks_while_logs_are_handed_over_costs_no_row(
 
 def test_kill_9_in_the_middle_and_again(fitted, sixty, undisturbed, tmp_path):
     psutil = pytest.importorskip("psutil")
-    save(fitted, tmp_path / "tables")
+    Store(tmp_path / "tables").save(fitted)
     out = tmp_path / "out"
     command = [sys.executable, "-m", "cli.main", "batch", "validate", sixty]
     command += ["--table", fitted.name, "--store", tmp_path / "tables", "--out", out]

@@ -11,7 +11,7 @@ from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.physics.vehicle import read_vehicle
-from calib.table.store import load, save
+from calib.table.store import Store
 from calib.table.table import Table
 from tests.support.recordings import SEDAN, ramp, write_bus, write_dbc, write_map, write_mdf
 
@@ -92,8 +92,9 @@ def test_what_was_done_is_in_the_log_and_in_the_table(tmp_path):
     assert any("interpolated linearly" in note for note in log.notes)
     assert any("chassis.dbc (SHA-256" in note for note in log.notes)
     assert not any(str(tmp_path) in note for note in log.notes)
-    stored = save(fit(read_vehicle(SEDAN / "vehicle.toml"), [log, coast()]), tmp_path / "tables")
-    parents = {x.name: x.notes for x in load(stored.id, tmp_path / "tables").table.provenance.logs}
+    store = Store(tmp_path / "tables")
+    stored = store.save(fit(read_vehicle(SEDAN / "vehicle.toml"), [log, coast()]))
+    parents = {x.name: x.notes for x in store.load(stored.id).table.provenance.logs}
     assert parents == {"bus": log.notes, "coast": ()}
     assert check(log).notes == log.notes
 

@@ -15,4 +15,4 @@ def found() -> StationOutcome:
 
 @pytest.fixture(scope="session")
 def kept(found: StationOutcome, tmp_path_factory: pytest.TempPathFactory) -> Stored:
-    return save(found.table, tmp_path_factory.mktemp("line") / "tables")
+    return Store(tmp_path_factory.mktemp("line") / "tables").save(found.table)

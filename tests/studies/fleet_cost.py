@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from calib.physics.vehicle import read_vehicle  # noqa: E402
-from calib.table.store import save  # noqa: E402
+from calib.table.store import Store  # noqa: E402
 from tests.studies.fleet_logs import linked, table_of, write_logs  # noqa: E402
 
 
@@ -58,7 +58,7 @@ def main() -> None:
     car = read_vehicle(ROOT / "sample_logs/sedan/vehicle.toml")
     rows = []
     with tempfile.TemporaryDirectory() as work:
-        save(table_of(car), Path(work, "tables"))
+        Store(Path(work, "tables")).save(table_of(car))
         paths = write_logs(car, Path(work, "distinct"), 20)
         print(f"{'logs':>7} {'time':>9} {'a log':>10} {'parent':>9} {'worker':>9} {'journal':>10}")
         for count in counts:

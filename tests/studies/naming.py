@@ -113,7 +113,7 @@ def diagnosed(case: HiddenCase) -> tuple[Mapping[str, Any], Replays, Replays]:
     """Run the program on what it may see."""
     from calib.diagnosis.diagnose import diagnose
 
-    found = diagnose(list(case.calibration), list(case.holdout), case.vehicle)
+    found = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
     return told(found), replays(found.before), replays(found.after)
 
 

@@ -11,10 +11,20 @@ import pytest
 
 import calib.table.store
 from calib.errors import DamagedTable, StoreError, TableNotFound
-from calib.table.store import foreseen, listing, load, save, verify
+from calib.table.store import Store, StoreVerdict
 from tests.support.tables import made_table
 
 ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path / "tables")
+
+
+@pytest.fixture
+def stored(table, store):
+    return store.save(table)
 
 
 def files_under(directory):
@@ -39,18 +49,18 @@ def rewrite(path, change):
 
 
 def test_what_is_foreseen_is_what_is_saved(table, store):
-    before = foreseen(table, store)
-    assert not store.exists()
-    saved = save(table, store)
+    before = store.foreseen(table)
+    assert not store.folder.exists()
+    saved = store.save(table)
     assert (before.id, before.digest, before.path) == (saved.id, saved.digest, saved.path)
     assert json.dumps(before.table.content()[0]) == json.dumps(saved.table.content()[0])
-    assert foreseen(table, store).id == saved.id
-    assert foreseen(made_table(30.0), store).version == 2
+    assert store.foreseen(table).id == saved.id
+    assert store.foreseen(made_table(30.0)).version == 2
 
 
 def test_a_saved_table_comes_back(table, store):
-    saved = save(table, store)
-    assert (saved.id, saved.path) == ("sedan@1", store / "sedan" / "v0001")
+    saved = store.save(table)
+    assert (saved.id, saved.path) == ("sedan@1", store.folder / "sedan" / "v0001")
     assert saved.digest == saved.table.digest == table.digest
     np.testing.assert_array_equal(saved.table.paper.f2, table.paper.f2)
 
@@ -65,19 +75,19 @@ def test_the_record_is_for_reading(stored):
 
 
 def test_one_content_is_one_version(table, store):
-    first = save(table, store)
-    second = save(made_table(28.0), store)
+    first = store.save(table)
+    second = store.save(made_table(28.0))
     assert (first.version, second.version) == (1, 2)
-    before = files_under(store)
-    assert save(made_table(), store).version == 1
-    assert save(made_table(28.0), store).version == 2
-    assert files_under(store) == before
+    before = files_under(store.folder)
+    assert store.save(made_table()).version == 1
+    assert store.save(made_table(28.0)).version == 2
+    assert files_under(store.folder) == before
 
 
 def test_one_content_is_one_sequence_of_bytes(tmp_path):
     for name in "ab":
-        save(made_table(), tmp_path / name)
-        save(made_table(28.0), tmp_path / name)
+        Store(tmp_path / name).save(made_table())
+        Store(tmp_path / name).save(made_table(28.0))
     assert files_under(tmp_path / "a") == files_under(tmp_path / "b")
     assert len(files_under(tmp_path / "a")) == 8
 
@@ -85,8 +95,8 @@ def test_one_content_is_one_sequence_of_bytes(tmp_path):
 def test_an_unsound_table_is_not_stored(table, store):
     wrong = replace(table, paper=replace(table.paper, f1=2.0 * table.paper.f1))
     with pytest.raises(StoreError, match=r"\(18\)"):
-        save(wrong, store)
-    assert not store.exists()
+        store.save(wrong)
+    assert not store.folder.exists()
 
 
 @pytest.mark.parametrize(
@@ -96,37 +106,39 @@ def test_an_unsound_table_is_not_stored(table, store):
 def test_a_name_cannot_lead_out_of_the_store(name, tmp_path):
     before = files_under(tmp_path)
     with pytest.raises(StoreError, match="cannot name a table") as refusal:
-        save(made_table(name=name), tmp_path / "tables")
+        Store(tmp_path / "tables").save(made_table(name=name))
     assert refusal.value.exit_code == 4
     assert files_under(tmp_path) == before
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_read_only_store_is_refused_and_still_read(stored, store, monkeypatch):
-    for directory in (store / "sedan", store):
+    for directory in (store.folder / "sedan", store.folder):
         directory.chmod(0o555)
-    if os.access(store, os.W_OK):  # root writes anywhere: let the system refuse as it would a user
+    if os.access(
+        store.folder, os.W_OK
+    ):  # root writes anywhere: let the system refuse as it would a user
 
         def refuse(*arguments, **options):
             raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
         monkeypatch.setattr(os, "mkdir", refuse)
-    before = files_under(store)
+    before = files_under(store.folder)
     with pytest.raises(StoreError, match="cannot be written"):
-        save(made_table(28.0), store)
+        store.save(made_table(28.0))
     with pytest.raises(StoreError, match="cannot be written"):
-        save(made_table(name="wagon"), store)
-    assert files_under(store) == before
-    assert save(made_table(), store).version == 1
-    assert load("sedan", store).version == 1
-    for directory in (store, store / "sedan"):
+        store.save(made_table(name="wagon"))
+    assert files_under(store.folder) == before
+    assert store.save(made_table()).version == 1
+    assert store.load("sedan").version == 1
+    for directory in (store.folder, store.folder / "sedan"):
         directory.chmod(0o755)
 
 
 def test_a_store_that_is_a_file_is_refused(tmp_path):
     (tmp_path / "tables").write_text("")
     with pytest.raises(StoreError, match="cannot be written"):
-        save(made_table(), tmp_path / "tables")
+        Store(tmp_path / "tables").save(made_table())
 
 
 @pytest.mark.parametrize(
@@ -140,15 +152,15 @@ def test_a_failed_save_leaves_nothing(store, monkeypatch, failure, seen):
     with monkeypatch.context() as patch:
         patch.setattr(calib.table.store, "write_record", fail)
         with pytest.raises(seen if isinstance(seen, type) else type(seen)):
-            save(made_table(), store)
-    assert list(store.rglob("*")) == []
+            store.save(made_table())
+    assert list(store.folder.rglob("*")) == []
 
-    save(made_table(), store)
-    before = sorted(store.rglob("*"))
+    store.save(made_table())
+    before = sorted(store.folder.rglob("*"))
     monkeypatch.setattr(calib.table.store, "write_record", fail)
     with pytest.raises(seen if isinstance(seen, type) else type(seen)):
-        save(made_table(28.0), store)
-    assert sorted(store.rglob("*")) == before
+        store.save(made_table(28.0))
+    assert sorted(store.folder.rglob("*")) == before
 
 
 @pytest.mark.parametrize(("other", "version"), [(28.0, 2), (27.0, 1)])
@@ -157,30 +169,30 @@ def test_a_writer_that_was_overtaken_takes_the_next_number(store, monkeypatch, o
 
     def overtaken(source, target):
         monkeypatch.setattr(os, "rename", rename)
-        save(made_table(other), store)
+        store.save(made_table(other))
         rename(source, target)
 
     monkeypatch.setattr(os, "rename", overtaken)
-    saved = save(made_table(), store)
+    saved = store.save(made_table())
     assert saved.version == version
     assert saved.digest == made_table().digest
-    assert all(v.sound for v in verify(store))
-    assert [p.name for p in (store / "sedan").iterdir() if p.name.startswith(".")] == []
+    assert all(v.sound for v in store.verify())
+    assert [p.name for p in (store.folder / "sedan").iterdir() if p.name.startswith(".")] == []
 
 
 WRITER = """
 import sys, time
 from pathlib import Path
-from calib.table.store import save
+from calib.table.store import Store
 from tests.support.tables import made_table
 tables = [made_table(float(x)) for x in sys.argv[3:]]
-store, go = Path(sys.argv[1]), Path(sys.argv[2])
-save(made_table(), store.parent / f"warm-{sys.argv[3]}")
+store, go = Store(sys.argv[1]), Path(sys.argv[2])
+Store(f"{store.folder}-warm-{sys.argv[3]}").save(made_table())
 print("ready", flush=True)
 while not go.exists():
     time.sleep(0.001)
 for table in tables:
-    save(table, store)
+    store.save(table)
 """
 
 
@@ -189,7 +201,7 @@ def test_two_processes_do_not_clobber_each_other(tmp_path, store):
     # Both bring 30, which must be stored once; the others are their own.
     writers = [
         subprocess.Popen(
-            [sys.executable, "-c", WRITER, str(store), str(go), *map(str, stiffnesses)],
+            [sys.executable, "-c", WRITER, str(store.folder), str(go), *map(str, stiffnesses)],
             cwd=ROOT,
             stdout=subprocess.PIPE,
             text=True,
@@ -202,24 +214,24 @@ def test_two_processes_do_not_clobber_each_other(tmp_path, store):
     for writer in writers:
         writer.communicate(timeout=60)
         assert writer.returncode == 0
-    entries = listing(store)
+    entries = store.list()
     expected = {made_table(float(x)).digest for x in (21, 22, 23, 24, 30, 31, 32, 33, 34)}
     assert [e.version for e in entries] == list(range(1, 10))
     assert {e.digest for e in entries} == expected
-    assert all(v.sound for v in verify(store))
+    assert all(v.sound for v in store.verify())
 
 
 # Loading
 
 
 def test_a_reference_is_a_name_a_version_or_a_path(table, store):
-    save(table, store)
-    save(made_table(28.0), store)
-    path = store / "sedan" / "v0001"
-    assert load("sedan", store).version == 2
-    assert load("sedan@1", store).digest == table.digest
-    assert load(str(path), Path("elsewhere")).id == "sedan@1"
-    assert load(str(path / "record.json"), Path("elsewhere")).digest == table.digest
+    store.save(table)
+    store.save(made_table(28.0))
+    path = store.folder / "sedan" / "v0001"
+    assert store.load("sedan").version == 2
+    assert store.load("sedan@1").digest == table.digest
+    assert Store(Path("elsewhere")).load(str(path)).id == "sedan@1"
+    assert Store(Path("elsewhere")).load(str(path / "record.json")).digest == table.digest
 
 
 def test_a_version_that_was_copied_out_of_its_store_still_loads(stored, tmp_path):
@@ -227,7 +239,7 @@ def test_a_version_that_was_copied_out_of_its_store_still_loads(stored, tmp_path
     copy.mkdir()
     for file in stored.path.iterdir():
         (copy / file.name).write_bytes(file.read_bytes())
-    assert load(str(copy), tmp_path).digest == stored.digest
+    assert Store(tmp_path).load(str(copy)).digest == stored.digest
 
 
 @pytest.mark.parametrize(
@@ -245,25 +257,25 @@ def test_a_version_that_was_copied_out_of_its_store_still_loads(stored, tmp_path
     ],
 )
 def test_what_is_not_there_is_said_with_what_is(stored, store, reference, says):
-    save(made_table(name="wagon"), store)
+    store.save(made_table(name="wagon"))
     with pytest.raises(TableNotFound, match=says) as error:
-        load(reference, store)
+        store.load(reference)
     assert error.value.exit_code == 4
 
 
 def test_a_directory_that_is_no_version_is_said_to_be_none(stored, store):
     with pytest.raises(TableNotFound, match="like v0001"):
-        load(str(store / "sedan"), store)
+        store.load(str(store.folder / "sedan"))
 
 
 def test_a_reference_of_two_dots_is_no_name(stored, store):
     with pytest.raises(StoreError, match="cannot name a table"):
-        load("..", store)
+        store.load("..")
 
 
 def test_without_a_store_the_next_step_is_said(tmp_path):
     with pytest.raises(TableNotFound, match="brake-cal fit"):
-        load("sedan", tmp_path / "tables")
+        Store(tmp_path / "tables").load("sedan")
 
 
 # Damage
@@ -329,12 +341,12 @@ def test_damage_is_found_and_placed(stored, store, kind):
     damage, says = DAMAGE[kind]
     damage(stored.path)
     with pytest.raises(DamagedTable, match=says) as error:
-        load("sedan@1", store)
+        store.load("sedan@1")
     assert error.value.exit_code == 4
-    (verdict,) = verify(store)
+    (verdict,) = store.verify()
     assert verdict.id == "sedan@1"
     assert says in verdict.violations[0]
-    assert listing(store)[0].id == "sedan@1"  # a listing goes on
+    assert store.list()[0].id == "sedan@1"  # a listing goes on
 
 
 def test_any_changed_byte_of_a_curve_is_found(stored, store):
@@ -343,57 +355,57 @@ def test_any_changed_byte_of_a_curve_is_found(stored, store):
     for offset in np.random.default_rng(3).integers(0, len(sound), 40):
         flip(path, int(offset))
         with pytest.raises(DamagedTable, match=r"difference\.parquet"):
-            load("sedan", store)
+            store.load("sedan")
         path.write_bytes(sound)
-    assert load("sedan", store).digest == stored.digest
+    assert store.load("sedan").digest == stored.digest
 
 
 def test_a_hole_in_the_versions_is_found(store):
     for stiffness in (27.0, 28.0, 29.0):
-        save(made_table(stiffness), store)
-    (store / "sedan" / "v0002").rename(store / "taken")
-    verdicts = verify(store)
+        store.save(made_table(stiffness))
+    (store.folder / "sedan" / "v0002").rename(store.folder / "taken")
+    verdicts = store.verify()
     assert [(v.id, v.sound) for v in verdicts] == [
         ("sedan@1", True),
         ("sedan@2", False),
         ("sedan@3", True),
     ]
     assert "hole" in verdicts[1].violations[0]
-    assert save(made_table(30.0), store).version == 4
+    assert store.save(made_table(30.0)).version == 4
 
 
 def test_versions_that_changed_places_are_found(store):
     for stiffness in (27.0, 28.0):
-        save(made_table(stiffness), store)
-    home = store / "sedan"
+        store.save(made_table(stiffness))
+    home = store.folder / "sedan"
     (home / "v0001").rename(home / "aside")
     (home / "v0002").rename(home / "v0001")
     (home / "aside").rename(home / "v0002")
-    assert [v.sound for v in verify(store)] == [False, False]
+    assert [v.sound for v in store.verify()] == [False, False]
 
 
 def test_a_damaged_version_is_not_in_the_way_of_the_next(stored, store):
     (stored.path / "record.json").write_text("{")
-    assert save(made_table(), store).version == 2
-    assert [v.sound for v in verify(store, "sedan")] == [False, True]
+    assert store.save(made_table()).version == 2
+    assert [v.sound for v in store.verify("sedan")] == [False, True]
 
 
 def test_a_leftover_of_a_killed_writer_is_not_seen(stored, store):
-    (store / "sedan" / ".new-0123").mkdir()
-    (store / "sedan" / ".new-0123" / "paper.parquet").write_bytes(b"PAR1")
-    assert [e.id for e in listing(store)] == ["sedan@1"]
-    assert verify(store) == [calib.table.store.StoreVerdict("sedan@1", ())]
+    (store.folder / "sedan" / ".new-0123").mkdir()
+    (store.folder / "sedan" / ".new-0123" / "paper.parquet").write_bytes(b"PAR1")
+    assert [e.id for e in store.list()] == ["sedan@1"]
+    assert store.verify() == (StoreVerdict("sedan@1", ()),)
 
 
 def test_listing_is_by_name_and_number(store):
     for name, stiffness in (("wagon", 27.0), ("sedan", 27.0), ("sedan", 28.0)):
-        save(made_table(stiffness, name), store)
-    entries = listing(store)
+        store.save(made_table(stiffness, name))
+    entries = store.list()
     assert [e.id for e in entries] == ["sedan@1", "sedan@2", "wagon@1"]
     assert entries[0].logs == ("ramp.csv", "coast.csv")
-    assert entries[1].digest == load("sedan", store).digest
+    assert entries[1].digest == store.load("sedan").digest
 
 
 def test_verify_of_an_unknown_name_says_so(stored, store):
     with pytest.raises(TableNotFound, match="did you mean 'sedan'"):
-        verify(store, "sedam")
+        store.verify("sedam")

@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.validation import results
-from calib.validation.results import columns, write_result, write_results
+from calib.validation.results import write_result, write_results
 from calib.validation.validate import to_dict
 from tests.validation.test_metrics import N, made_estimate
 from tests.validation.test_validate import made
@@ -66,7 +66,7 @@ def test_one_row_per_sample_with_the_numbers_of_the_estimate(tmp_path):
 
 
 def test_bounds_lie_around_the_estimate():
-    c = columns(made_estimate())
+    c = made_estimate().columns()
     for side in "fr":
         assert np.all(c[f"pad_friction_{side}_lower"] <= c[f"pad_friction_{side}"])
         assert np.all(c[f"pad_friction_{side}"] <= c[f"pad_friction_{side}_upper"])

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from calib.errors import ExchangeError
 from calib.table.exports.c_header import write_c_header
 from calib.table.exports.cdfx import write_cdfx
 from calib.table.exports.csv import write_csv
@@ -12,6 +13,7 @@ from calib.table.exports.document import write_json
 from calib.table.exports.inca_csv import write_inca_csv
 from calib.table.exports.parquet import write_parquet
 from calib.table.version import Stored
+from calib.toml import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -35,8 +37,47 @@ FORMATS: dict[str, Callable[[Order], bytes]] = {
 }
 """Each gives the whole file as bytes. Raises ExchangeError where the order cannot be met."""
 
+ENDINGS = {
+    "json": "json",
+    "csv": "csv",
+    "parquet": "parquet",
+    "dcm": "dcm",
+    "cdfx": "cdfx",
+    "c-header": "h",
+    "inca-csv": "inca.csv",
+}
+"""How the file of a format ends."""
+
 SPOKEN = {"c": "c-header", "h": "c-header", "cdf": "cdfx", "inca": "inca-csv"}
 """Other names by which the formats go."""
 
 FIXED_POINT = ("c-header",)
 """Formats that have a fixed point."""
+
+
+def format_named(written: str) -> str:
+    """The format that goes by that name. Raises ExchangeError for one that is not known.
+
+    >>> format_named("DCM"), format_named("c_header"), format_named("inca")
+    ('dcm', 'c-header', 'inca-csv')
+    """
+    said = written.lower().replace("_", "-").lstrip(".")
+    known = SPOKEN.get(said, said)
+    if known in FORMATS:
+        return known
+    near = did_you_mean(said, FORMATS)
+    what = f"unknown format {written!r}; {near} " if near else f"unknown format {written!r}; "
+    raise ExchangeError(f"{what}known: {', '.join(FORMATS)}")
+
+
+def format_of(name: str) -> str:
+    """The format of a file by its ending. Raises ExchangeError where the ending names none.
+
+    >>> format_of("car.inca.csv"), format_of("car.csv"), format_of("CAR.H")
+    ('inca-csv', 'csv', 'c-header')
+    """
+    fits = [form for form, ending in ENDINGS.items() if name.lower().endswith(f".{ending}")]
+    if not fits:
+        endings = ", ".join(f".{ending}" for ending in ENDINGS.values())
+        raise ExchangeError("its ending names no format", where=name, expected=f"one of {endings}")
+    return max(fits, key=lambda form: len(ENDINGS[form]))

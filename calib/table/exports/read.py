@@ -8,7 +8,7 @@ from calib.table.exports.cdfx_reader import read_cdfx
 from calib.table.exports.dataset import Content
 from calib.table.exports.dcm_reader import read_dcm
 from calib.table.exports.returned import Returned
-from calib.table.store import load
+from calib.table.store import Store
 from calib.table.version import Stored
 
 
@@ -31,13 +31,13 @@ def read_back(path: Path) -> Returned:
         ) from error
 
 
-def parent(found: Returned, store: Path) -> Stored | None:
+def parent(found: Returned, store: Store) -> Stored | None:
     """The version that the file names, None where the store does not have it.
 
     Raises DamagedTable where that version is damaged.
     """
     try:
-        return load(found.facts["table"], store)
+        return store.load(found.facts["table"])
     except TableNotFound:
         return None
 

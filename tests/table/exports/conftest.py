@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.table.store import load
+from calib.table.store import Store
 from calib.table.version import Stored
 
 ROOT = Path(__file__).parents[3]
@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[3]
 @pytest.fixture(params=["sedan-2up", "sedan-sim", "escort"])
 def real(request) -> Stored:
     """A table of the repository's own store."""
-    return load(request.param, ROOT / "tables")
+    return Store(ROOT / "tables").load(request.param)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,80 @@
+"""A table written as the file of a calibration tool, an ECU or another program."""
+
+import hashlib
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+
+from calib.errors import ExchangeError
+from calib.files import write_whole
+from calib.table.exports.build import build
+from calib.table.exports.dataset import Dataset
+from calib.table.exports.formats import FIXED_POINT, FORMATS, Order, format_named, format_of
+from calib.table.exports.quality import UNPROVED, Quality
+from calib.table.version import Stored
+
+
+@dataclass(frozen=True)
+class Exported:
+    """A file that was written: ``data`` in the format ``form``, as ``content``."""
+
+    path: Path
+    form: str
+    data: Dataset
+    content: bytes = field(repr=False)
+
+    def __repr__(self) -> str:
+        return f"{self.path}: {self.data.id} as {self.form}, {len(self.content)} bytes"
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file [hex]."""
+        return hashlib.sha256(self.content).hexdigest()
+
+
+def export(
+    stored: Stored,
+    path: Path | str,
+    form: str | None = None,
+    *,
+    points: int | None = None,
+    bits: int | None = None,
+    quality: Quality = UNPROVED,
+    date: str | None = None,
+) -> Exported:
+    """Write a version of a table to the file ``path``; what is there is replaced.
+
+    Parameters
+    ----------
+    stored : the version, of `Store.save` or `Store.load`.
+    path : the file; its ending names the format where ``form`` does not.
+    form : json, csv, parquet, dcm, cdfx, c-header or inca-csv.
+    points : breakpoints on each axis, placed where they cost least; all rows without.
+    bits : of the fixed point, 8, 16 or 32; for c-header.
+    quality : what a validation said, see `calib.table.exports.quality.read_quality`.
+    date : in the history of a cdfx, as 2025-03-31; today in UTC without.
+
+    Raises ExchangeError where the format is not known or the numbers do not go into it, OSError if
+    the file cannot be written.
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import calib
+    >>> logs = calib.sample_logs() / "simulation_study"
+    >>> car = calib.read_vehicle(logs / "vehicle.toml")
+    >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     stored = calib.Store(folder).save(table)
+    ...     written = calib.export(stored, Path(folder) / "car.dcm", points=16)
+    >>> written.form, written.data.id, [len(axis.values) for axis in written.data.axes]
+    ('dcm', 'sedan-sim@1', [16, 16])
+    """
+    path = Path(path)
+    form = format_of(path.name) if form is None else format_named(form)
+    if bits is not None and form not in FIXED_POINT:
+        raise ExchangeError(f"{form} has no fixed point", expected=", ".join(FIXED_POINT))
+    data = build(stored, points, quality)
+    order = Order(data, stored, date or datetime.now(UTC).date().isoformat(), bits)
+    content = FORMATS[form](order)
+    write_whole(path, content)
+    return Exported(path, form, data, content)
