@@ -68,7 +68,7 @@ def diagnose(
     calibration = [read_log(path, mapping) for path in logs]
     held = [read_log(path, mapping) for path in kept]
     say(f"searching {len(logs)} logs, proving on {len(kept)}")
-    found = find(calibration, held, car)
+    found = find(car, calibration, held)
     with writing(out):
         write_folder(found, text_of(found), report_html(found, car.name), out)
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import STORE, Json, Store, example
@@ -22,9 +23,8 @@ def diff(
 ) -> None:
     """Compare two tables: their curves where both are defined, and their records."""
     from calib.table.compare import diff as compare
-    from calib.table.store import load
 
-    first, second = load(a, store), load(b, store)
+    first, second = calib.Store(store).load(a), calib.Store(store).load(b)
     difference = compare(first.table, second.table)
     if json:
         parts = {"a": first.id, "b": second.id, "identical": difference.identical}

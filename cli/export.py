@@ -7,7 +7,6 @@ import typer
 
 import calib
 from cli.console import emit, emit_json, say
-from cli.inputs import unknown_format
 from cli.options import STORE, Json, Store, TableVersion, example, out_file
 from cli.outputs import refuse_folder, writing
 
@@ -59,33 +58,28 @@ def export_table(
     form = _known(form)
     _check_usage(form, out, bits)
     from calib.errors import ExchangeError
-    from calib.files import write_whole
-    from calib.table.exports.build import build
-    from calib.table.exports.formats import FORMATS, Order
-    from calib.table.store import load
 
     stored = calib.Store(store).load(table)
     if not force:
         _refuse_foreign(out, stored)
     quality = _quality(validation, stored)
     try:
-        written = calib.export(stored, out, form, points=points, bits=bits, quality=quality)
+        with writing(out):
+            written = calib.export(stored, out, form, points=points, bits=bits, quality=quality)
     except ExchangeError as error:
         option = "--points" if bits is None else "--points, --fixed-point"
         raise typer.BadParameter(str(error), param_hint=option) from None
-    with writing(out):
-        write_whole(out, content)
-    _report(order, form, out, content, json)
+    _report(written, bits, json)
 
 
 def _known(form: str) -> str:
-    from calib.table.exports.formats import FORMATS, SPOKEN
+    from calib.errors import ExchangeError
+    from calib.table.exports.formats import format_named
 
-    said = form.lower().replace("_", "-").lstrip(".")
-    known = SPOKEN.get(said, said)
-    if known not in FORMATS:
-        raise unknown_format(form, said, FORMATS, "--format")
-    return known
+    try:
+        return format_named(form)
+    except ExchangeError as error:
+        raise typer.BadParameter(str(error), param_hint="--format") from None
 
 
 def _refuse_foreign(out: Path, stored: "Stored") -> None:
@@ -111,17 +105,9 @@ def _quality(path: Path | None, stored: "Stored") -> "Quality":
     return UNPROVED if path is None else read_quality(path, stored.id)
 
 
-def _today() -> str:
-    from datetime import UTC, datetime
-
-    return datetime.now(UTC).date().isoformat()
-
-
-def _report(order: "Order", form: str, out: Path, content: bytes, json: bool) -> None:
-    from hashlib import sha256
-
-    data = order.data
-    rounding = _rounding(data, order.bits)
+def _report(written: "Exported", bits: int | None, json: bool) -> None:
+    data = written.data
+    rounding = _rounding(data, bits)
     if json:
         emit_json(
             {

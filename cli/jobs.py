@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.inputs import channel_map_of, limits_of_stops, vehicle_of
 from cli.options import STORE, Map, Store, limits_file, out_folder, vehicle_file
 from cli.outputs import refuse_file
@@ -71,10 +72,9 @@ class JobOptions:
         self._check(command)
         refuse_file(out)
         from calib.fleet.job import Job
-        from calib.table.store import load
         from calib.validation.validate import require_same_vehicle
 
-        known = load(self.table, self.store).table if self.table else None
+        known = calib.Store(self.store).load(self.table).table if self.table else None
         car = vehicle_of(self.vehicle)
         if known is not None:
             require_same_vehicle(known, car, self.vehicle)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.inputs import channel_map_of, vehicle_of
 from cli.options import STORE, Json, Map, Store, example, out_file, vehicle_file
 from cli.outputs import refuse_folder, writing

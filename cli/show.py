@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+import calib
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import STORE, Json, Store, TableVersion, example
@@ -19,9 +20,7 @@ ROWS = 12
 
 def show(table: TableVersion, store: Store = STORE, json: Json = False) -> None:
     """Print what a table rests on, how good it is, and its curves."""
-    from calib.table.store import load
-
-    stored = load(table, store)
+    stored = calib.Store(store).load(table)
     if json:
         emit_json(_document(stored))
         return

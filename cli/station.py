@@ -92,7 +92,8 @@ class ExportOptions:
 
     def forms(self) -> list[str]:
         """The formats; refuses an unknown one, and a date that is missing or none."""
-        from calib.station.write import DATED, ENDINGS
+        from calib.station.write import DATED
+        from calib.table.exports.formats import ENDINGS
 
         forms = self.exports or []
         for form in forms:
@@ -155,7 +156,7 @@ def station(
     outputs = _outputs(holdouts, forms, out)
     refuse_overwriting(outputs, [*ramps, *coasts, *holdouts], [vehicle, limits, channel_map])
     car, held = read_vehicle(vehicle), limits_of_car(limits)
-    reference = load(golden, store) if golden else None
+    reference = calib.Store(store).load(golden) if golden else None
     if reference:
         require_same_vehicle(reference.table, car, vehicle)
     mapping = channel_map_of(channel_map)
@@ -172,7 +173,7 @@ def station(
     judged = Car(table, ramp_logs, stops, results, reference.table if reference else None)
     found = outcome(judged, coast_logs, held, identity, reference.id if reference else "")
     with writing(out), workshop(out) as work:
-        stored, document = store_and_write(found, store, forms, ecu.date or "", work)
+        stored, document = store_and_write(found, calib.Store(store), forms, ecu.date or "", work)
         paths = publish(work, out)
     say(f"wrote {len(paths)} files to {out}")
     if json:

@@ -2,6 +2,7 @@
 
 import typer
 
+import calib
 from cli import diff, export, read_back, show, verify
 from cli.console import emit, emit_json
 from cli.grid import grid

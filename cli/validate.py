@@ -54,11 +54,10 @@ def validate(
     Exit code 0 if every log holds its limits, 1 if one does not.
     """
     from calib.logs.read import read_log
-    from calib.table.store import load
     from calib.validation.validate import require_same_vehicle, to_dict, validate_one
 
     _check_out(logs, out)
-    stored = load(table, store)
+    stored = calib.Store(store).load(table)
     car = vehicle_of(vehicle)
     require_same_vehicle(stored.table, car, vehicle)
     used = _with_known(stored.table, model) if model else stored.table

@@ -4,6 +4,7 @@ from typing import Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import STORE, Json, Store, example
@@ -19,9 +20,7 @@ def verify(
     json: Json = False,
 ) -> None:
     """Recompute digests and invariants of every version; exit code 4 when one is damaged."""
-    from calib.table.store import verify as verdicts_of
-
-    verdicts = verdicts_of(store, name)
+    verdicts = calib.Store(store).verify(name)
     sound = all(v.sound for v in verdicts)
     if json:
         rows = [{"id": v.id, "sound": v.sound, "violations": v.violations} for v in verdicts]

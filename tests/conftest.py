@@ -6,7 +6,7 @@ import pytest
 from hypothesis import settings
 
 from calib.fitting.fit import fit
-from calib.table.store import save
+from calib.table.store import Store
 from calib.table.table import Table
 from calib.table.version import Stored
 from cli.main import main

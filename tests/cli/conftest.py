@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from calib.table.store import save
+from calib.table.store import Store
 from tests.support.tables import made_table
 
 
@@ -19,8 +19,8 @@ def tables(brake_cal, stored, store):
 @pytest.fixture
 def two(stored, store):
     """That store with sedan@2 of another stiffness, and wagon@1."""
-    save(made_table(28.0), store)
-    save(made_table(name="wagon"), store)
+    Store(store).save(made_table(28.0))
+    Store(store).save(made_table(name="wagon"))
     return store
 
 

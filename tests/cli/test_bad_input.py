@@ -27,7 +27,7 @@ def bench(tmp_path_factory, fitted):
     for command, log in logs.items():
         write_csv(replace(log, truth={}), home / f"{command}.csv")
         write_parquet(replace(log, truth={}), home / f"{command}.parquet")
-    save(fitted, home / "tables")
+    Store(home / "tables").save(fitted)
     return home, logs
 
 

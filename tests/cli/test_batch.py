@@ -6,7 +6,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.fleet.columns import COLUMNS, HEAD
-from calib.table.store import save
+from calib.table.store import Store
 from calib.validation.metrics import METRICS
 from tests.support.fleet_logs import many
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, stop
@@ -17,7 +17,7 @@ def home(tmp_path_factory, fitted):
     """A table of the car in tables/, and three logs of which one will not do in logs/."""
     home = tmp_path_factory.mktemp("home")
     wet = noisy(stop(WET), 3)
-    save(fitted, home / "tables")
+    Store(home / "tables").save(fitted)
     many(home / "logs", [wet, noisy(stop(REAL), 4), cut(wet, 1.8)], 3)
     return home
 

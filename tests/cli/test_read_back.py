@@ -58,7 +58,7 @@ def test_a_changed_number_ends_with_4_and_is_named(tables, exported, form):
 
 def test_the_digest_of_another_table_ends_with_4(brake_cal, exported, tmp_path):
     out = exported("dcm")
-    save(made_table(28.0), tmp_path / "other")
+    Store(tmp_path / "other").save(made_table(28.0))
     ran = brake_cal("tables", "import", out, "--store", tmp_path / "other")
     assert ran.code == 4
     assert "claims digest" in ran.err

@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.table.store import load
+from calib.table.store import Store
 from tests.support.tables import C, made_table
 
 
@@ -11,7 +11,7 @@ def test_show_prints_what_an_engineer_asks_for(tables, two):
     assert ran.code == 0
     for part in (
         "sedan@1",
-        load("sedan@1", two).digest,
+        Store(two).load("sedan@1").digest,
         "sedan, 1744 kg",
         "ramp.csv (abababababab)",
         "drag_area 0.66 (95 %: 0.6208 to 0.6992) m^2",

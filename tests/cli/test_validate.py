@@ -21,7 +21,7 @@ LOGS = ("wet.csv", "harder.parquet", "bad.csv")
 def bench(tmp_path_factory, fitted):
     """A store with a table of the car, two stops that pass, and one that will not do."""
     home = tmp_path_factory.mktemp("bench")
-    save(fitted, home / "tables")
+    Store(home / "tables").save(fitted)
     wet = noisy(stop(WET), 3)
     write_csv(wet, home / "wet.csv")
     write_parquet(noisy(stop(WET, pressure=30e5), 4), home / "harder.parquet")

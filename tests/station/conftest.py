@@ -3,7 +3,7 @@
 import pytest
 
 from calib.station.station import StationOutcome
-from calib.table.store import save
+from calib.table.store import Store
 from calib.table.version import Stored
 from tests.support.station_run import failed_car
 
