@@ -37,7 +37,7 @@ FILES = sorted(p.relative_to(CALIB.parent) for p in CALIB.rglob("*.py"))
 
 HEAVY = {
     *("numpy", "pandas", "scipy", "matplotlib", "pyarrow"),
-    *("asammdf", "can", "cantools", "distributed"),
+    *("asammdf", "can", "cantools", "distributed", "jinja2"),
 }
 
 
