@@ -27,9 +27,9 @@ def report_html(found: Diagnosis, title: str) -> str:
         title=f"{title}: {diagnosis.heading(found)}",
         name=title,
         verdict=found.verdict,
-        verdict_said=words.verdict(found),
+        verdict_text=words.verdict(found),
         gap=found.gap,
-        gap_said=words.gap(found),
+        gap_text=words.gap(found),
         holdouts=[log.name for log in found.measured],
         speed=drawn(sheet, ("speed",)),
         speed_ends=_speed_ends(found, when),
@@ -82,7 +82,7 @@ def _unexplained(found: UnexplainedTerm, sheet: Sheet) -> dict[str, object]:
     """The empirical term point by point, and what else would explain a part of the same."""
     term, unit = found.term, DRIVERS[found.term.driver]
     return {
-        "said": words.unexplained(found),
+        "text": words.unexplained(found),
         "picture": drawn(sheet, ("term",)),
         "place": words.plain(term.place),
         "driver": term.driver,

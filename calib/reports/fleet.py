@@ -87,8 +87,8 @@ def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> st
 
 def _first(found: Summary) -> list[Look]:
     """Figures with something to tell before the quiet ones; those without a value not at all."""
-    seen = [look for look in found.looks if look.values.size]
-    return sorted(seen, key=lambda look: (not look.drifts, not look.outlying.any()))
+    filled = [look for look in found.looks if look.values.size]
+    return sorted(filled, key=lambda look: (not look.drifts, not look.outlying.any()))
 
 
 def _kind(found: Summary) -> str:
