@@ -1,23 +1,15 @@
 """What is done with each of many logs, as `batch` and `watch` are told it."""
 
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from calib.fleet.command import Command
+
 if TYPE_CHECKING:
     from calib.fleet.job import Job
     from calib.validation.limits import Limit
-
-
-class Command(StrEnum):
-    """What can be done with many logs."""
-
-    FIT = "fit"
-    VALIDATE = "validate"
-    CHECK = "check"
-    DIAGNOSE = "diagnose"
 
 
 def _command(written: str) -> Command:
@@ -81,7 +73,7 @@ def job_of(
     if known is not None:
         require_same_vehicle(known, car, vehicle)
     return Job(
-        command=command.value,
+        command=command,
         table=known,
         vehicle=car,
         limits=limits_of_stops(limits) if command is Command.VALIDATE else (),

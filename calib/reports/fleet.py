@@ -27,7 +27,7 @@ def headline(found: Summary) -> str:
         why = "too few to judge outliers or drift" if some else "none has a figure"
         said = f"{_count(len(found.logs), 'log', 'logs')}: {why}"
         return said + f"; {_errors(found)}." if found.failures else said + "."
-    drifting = [look.figure.name for look in found.looks if look.drifts]
+    drifting = [look.metric.name for look in found.looks if look.drifts]
     logs = len({outlier.log for outlier in found.outliers})
     steady = "No drift" if _drift_tested(found) else "Drift not tested"
     parts = [
@@ -62,7 +62,7 @@ def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> st
         _failures(found),
         _named(found),
         _overview(found),
-        *(_figure(found, look, pictures[look.figure.name]) for look in _first(found)),
+        *(_figure(found, look, pictures[look.metric.name]) for look in _first(found)),
         _classes(found.shares),
         _method(found),
     ]
@@ -109,7 +109,7 @@ def _failures(found: Summary) -> str:
 
 def _named(found: Summary) -> str:
     rows = [
-        (o.log, o.figure, f"{o.value:.4g}", f"{o.z:+.1f}", f"{o.p:.1e}")
+        (o.log, o.metric, f"{o.value:.4g}", f"{o.z:+.1f}", f"{o.p:.1e}")
         for o in found.outliers[:NAMES]
     ]
     if not rows:
@@ -136,13 +136,13 @@ def _named(found: Summary) -> str:
 def _overview(found: Summary) -> str:
     rows = []
     for look in found.looks:
-        s, unit = look.spread, look.figure.unit
+        s, unit = look.spread, look.metric.unit
         if not s.count:
-            rows.append((look.figure.name, unit, "0", *("",) * 6))
+            rows.append((look.metric.name, unit, "0", *("",) * 6))
             continue
         rows.append(
             (
-                look.figure.name,
+                look.metric.name,
                 unit,
                 str(s.count),
                 number(s.median, s),
@@ -171,9 +171,9 @@ def _drift(look: Look) -> str:
 def _figure(found: Summary, look: Look, picture: bytes) -> str:
     data = base64.b64encode(picture).decode()
     told = described(found, look)
-    name = escape(look.figure.name)
+    name = escape(look.metric.name)
     return section(
-        look.figure.name,
+        look.metric.name,
         f'<figure><img src="data:image/png;base64,{data}" alt="{escape(told)}">'
         f"<figcaption>Distribution of {name}, and {name} in order.</figcaption></figure>",
         paragraph(told),
@@ -182,7 +182,7 @@ def _figure(found: Summary, look: Look, picture: bytes) -> str:
 
 def described(found: Summary, look: Look) -> str:
     """One figure in words: where it lies, whether it drifts, how many run rules it breaks."""
-    s, unit = look.spread, "" if look.figure.unit == "1" else f" {look.figure.unit}"
+    s, unit = look.spread, "" if look.metric.unit == "1" else f" {look.metric.unit}"
     low, high = number(s.quantiles[0], s), number(s.quantiles[3], s)
     said = [f"Median {number(s.median, s)}{unit}, 90 % of the logs from {low} to {high}{unit}."]
     if look.drifts and look.change is not None:
@@ -200,7 +200,7 @@ def described(found: Summary, look: Look) -> str:
                 f"rule {rule}: {broken}" + ("" if chance is None else f" ({chance:.1f} by chance)")
             )
         said.append(f"Run rules broken: {'; '.join(told)}.")
-    elif look.figure.name == found.ordered_by:
+    elif look.metric.name == found.ordered_by:
         said.append("The logs are ordered by it, so it has no control chart and cannot drift.")
     else:
         said.append("No control chart: too few logs, or no scatter.")
@@ -224,7 +224,7 @@ def number(value: float, about: Spread) -> str:
 
 def _classes(shares: Sequence[Shares]) -> str:
     rows = [
-        (s.figure.name, ", ".join(f"{text}: {count}" for text, count in s.counts)) for s in shares
+        (s.metric.name, ", ".join(f"{text}: {count}" for text, count in s.counts)) for s in shares
     ]
     return section("Other columns", table("How often.", ("column", "logs"), rows)) if rows else ""
 
@@ -268,17 +268,20 @@ def document(found: Summary) -> dict[str, Any]:
         "status": found.status,
         "headline": headline(found),
         "errors": found.failures,
-        "outliers": found.outliers,
+        "outliers": [
+            {"log": o.log, "figure": o.metric, "value": o.value, "z": o.z, "p": o.p}
+            for o in found.outliers
+        ],
         "outliers_by_chance": outliers.SHARE * len(found.outliers),
-        "figures": {look.figure.name: _entry(found, look) for look in found.looks},
-        "classes": {s.figure.name: dict(s.counts) for s in found.shares},
+        "figures": {look.metric.name: _entry(found, look) for look in found.looks},
+        "classes": {s.metric.name: dict(s.counts) for s in found.shares},
     }
 
 
 def _entry(found: Summary, look: Look) -> dict[str, Any]:
     s, c = look.spread, look.change
     return {
-        "unit": look.figure.unit,
+        "unit": look.metric.unit,
         "count": s.count,
         "median": s.median,
         "scale": s.scale,
