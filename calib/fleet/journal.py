@@ -27,9 +27,9 @@ NAME = "journal.sqlite"
 EARLIER = "journal.jsonl"
 """Journal of versions up to 0.1, which is not read."""
 
-APPLICATION, SCHEMA = 0x62726B6A, 1
-"""What SQLite calls application id and user version: marks of our file and of its layout."""
-
+SCHEMA = "1"
+FOREIGN, DAMAGED = "not the journal of a batch of this version", "the journal is damaged"
+ANEW = "name another --out, or start anew with --fresh"
 TABLES = (
     "DROP TABLE IF EXISTS settings",
     "DROP TABLE IF EXISTS rows",
@@ -37,10 +37,6 @@ TABLES = (
     "CREATE TABLE rows (log TEXT PRIMARY KEY, digest TEXT, status TEXT NOT NULL, error TEXT, "
     "cells TEXT NOT NULL, lost INTEGER NOT NULL)",
 )
-
-
-class _NoJournal(BatchError):
-    """What is there is no sound journal of this version."""
 
 
 class Journal:
@@ -76,8 +72,12 @@ class Journal:
         return Row(log, digest, Status(status), error, tuple(json.loads(cells)), bool(lost))
 
     def rows(self, logs: Iterable[str]) -> Iterator[Row]:
-        """Rows of ``logs`` in their order; a log without one is passed over."""
-        return (row for row in map(self.row, logs) if row is not None)
+        """Rows of ``logs`` in their order. Raises KeyError for a log that has none."""
+        for log in logs:
+            row = self.row(log)
+            if row is None:
+                raise KeyError(log)
+            yield row
 
     def logs(self) -> list[str]:
         """All logs that have a row, sorted."""
@@ -105,22 +105,24 @@ def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) ->
     damaged or in use, and OSError when it cannot be written.
     """
     path, earlier = folder / NAME, folder / EARLIER
+    ours = {"schema": SCHEMA, **settings}
     if earlier.exists() and not fresh:
-        raise _foreign(earlier)
+        raise _Unusable(FOREIGN, where=earlier, do=ANEW)
     try:
-        db = _connected(path)
-    except _NoJournal:
+        db, stored = _locked(path)
+    except _Unusable:
         if not fresh:
             raise
         for rest in (path, Path(f"{path}-wal")):
             rest.unlink(missing_ok=True)
-        db = _connected(path)
+        db, stored = _locked(path)
     journal = Journal(db, path)
     try:
-        with _explained(path):
-            if fresh or _is_empty(db):
-                _begin(db, settings)
-            _require_same(dict(db.execute("SELECT * FROM settings")), settings, folder)
+        if fresh or stored is None:
+            with _explained(path):
+                _begin(db, ours)
+        else:
+            _require_same(stored, ours, folder)
         journal.sync()
         earlier.unlink(missing_ok=True)
     except BaseException:
@@ -129,32 +131,27 @@ def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) ->
     return journal
 
 
-def _connected(path: Path) -> sqlite3.Connection:
-    """Lock the file and check it; nothing is written into one that is not ours."""
+def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str] | None]:
+    """Lock the file and check it; return its settings, None where it is new.
+
+    Nothing is written into a file that is no journal.
+    """
     with _explained(path):
         db = sqlite3.connect(path, timeout=0.0)
     try:
         with _explained(path):
             db.execute("PRAGMA locking_mode = EXCLUSIVE")
-            marks = [_value(db, f"PRAGMA {name}") for name in ("application_id", "user_version")]
-            if marks != ([0, 0] if _is_empty(db) else [APPLICATION, SCHEMA]):
-                raise _foreign(path)
-            if _value(db, "PRAGMA quick_check(1)") != "ok":
-                raise _damaged(path)
+            stored = None
+            if db.execute("SELECT * FROM sqlite_master").fetchone():
+                stored = dict(db.execute("SELECT name, value FROM settings"))
+                if db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
+                    raise _Unusable(DAMAGED, where=path, do=ANEW)
             db.execute("PRAGMA journal_mode = WAL")
             db.execute("PRAGMA synchronous = NORMAL")  # a commit does not wait for the disk
     except BaseException:
         db.close()
         raise
-    return db
-
-
-def _value(db: sqlite3.Connection, query: str) -> object:
-    return db.execute(query).fetchone()[0]
-
-
-def _is_empty(db: sqlite3.Connection) -> bool:
-    return not _value(db, "SELECT count(*) FROM sqlite_master")
+    return db, stored
 
 
 def _begin(db: sqlite3.Connection, settings: dict[str, str]) -> None:
@@ -164,8 +161,6 @@ def _begin(db: sqlite3.Connection, settings: dict[str, str]) -> None:
         for statement in TABLES:
             db.execute(statement)
         db.executemany("INSERT INTO settings VALUES (?, ?)", settings.items())
-        db.execute(f"PRAGMA application_id = {APPLICATION}")
-        db.execute(f"PRAGMA user_version = {SCHEMA}")
 
 
 def _require_same(found: dict[str, str], settings: dict[str, str], folder: Path) -> None:
@@ -173,17 +168,17 @@ def _require_same(found: dict[str, str], settings: dict[str, str], folder: Path)
     if differ:
         pairs = [(k, _short(found.get(k)), _short(settings.get(k))) for k in differ]
         said = ", ".join(f"{key} {theirs} for {ours}" for key, theirs, ours in pairs)
-        raise BatchError(
-            f"holds results of other settings: {said}",
-            where=folder,
-            do="name another --out, or start anew with --fresh",
-        )
+        raise BatchError(f"holds results of other settings: {said}", where=folder, do=ANEW)
 
 
 def _short(value: str | None) -> str:
     """A digest by its first digits, anything else as it is."""
     text = "none" if value is None else value
     return text[:12] if re.fullmatch("[0-9a-f]{64}", text) else text
+
+
+class _Unusable(BatchError):
+    """What is there is no sound journal of this version."""
 
 
 @contextmanager
@@ -194,29 +189,13 @@ def _explained(path: Path) -> Iterator[None]:
     except sqlite3.DatabaseError as cause:
         code = getattr(cause, "sqlite_errorcode", 0) & 0xFF  # without the details in higher bits
         if code == sqlite3.SQLITE_BUSY:
-            raise BatchError(
-                "another run is at work here",
-                where=path.parent,
-                do="wait for it, or name another --out",
-            ) from cause
-        if code == sqlite3.SQLITE_NOTADB:
-            raise _foreign(path) from cause
+            what, do = "another run is at work here", "wait for it, or name another --out"
+            raise BatchError(what, where=path.parent, do=do) from cause
+        if code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR):
+            raise _Unusable(FOREIGN, where=path, do=ANEW) from cause
         if code == sqlite3.SQLITE_CORRUPT:
-            raise _damaged(path) from cause
+            raise _Unusable(DAMAGED, where=path, do=ANEW) from cause
         if code == sqlite3.SQLITE_CANTOPEN:
             path.open("ab").close()  # the system says why
-        full = code == sqlite3.SQLITE_FULL
-        number = errno.ENOSPC if full else errno.EIO
-        raise OSError(number, os.strerror(number) if full else str(cause), str(path)) from cause
-
-
-def _foreign(path: Path) -> _NoJournal:
-    return _NoJournal(
-        "not the journal of a batch of this version",
-        where=path,
-        do="name another --out, or start anew with --fresh",
-    )
-
-
-def _damaged(path: Path) -> _NoJournal:
-    return _NoJournal("the journal is damaged", where=path, do="start anew with --fresh")
+        number = errno.ENOSPC if code == sqlite3.SQLITE_FULL else errno.EIO
+        raise OSError(number, f"{os.strerror(number)}: {cause}", str(path)) from cause

@@ -211,11 +211,11 @@ class Sweep:
 
     def _keep(self, items: tuple[Item, ...], rows: Rows) -> None:
         """Journal the rows of a chunk; an unchanged log has its row there."""
-        made = [row for row in rows if row is not None]
-        new = [row for row in made if not self._same(row)]
+        new = [row for row in rows if row is not None and not self._same(row)]
         self.journal.add(new)
-        self.fresh += len(made)
-        self.counts.update(row.status for row in self.journal.rows(item.name for item in items))
+        self.fresh += sum(row is not None for row in rows)
+        stored = (item.name for item, row in zip(items, rows, strict=True) if row is None)
+        self.counts.update(row.status for row in (*filter(None, rows), *self.journal.rows(stored)))
         if time.monotonic() - self.synced > SYNC:
             self.journal.sync()
             self.synced = time.monotonic()
