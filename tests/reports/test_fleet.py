@@ -62,6 +62,7 @@ def test_the_document_is_json_and_says_what_chance_gives(found):
     assert pads["chart"]["rules"]["1"]["by_chance"] == pytest.approx(0.0027 * 397)
     assert told["outliers_by_chance"] == pytest.approx(0.05 * len(told["outliers"]))
     assert told["outliers"][0]["log"] == "line/car134.csv"
+    assert list(told["outliers"][0]) == ["log", "figure", "value", "z", "p"]
 
 
 def test_a_short_line_is_not_called_steady_and_has_no_counts_by_chance(tmp_path):
