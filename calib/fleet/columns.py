@@ -38,10 +38,6 @@ def _number(name: str, unit: str, meaning: str) -> ResultColumn:
     return ResultColumn(name, Kind.NUMBER, unit, meaning)
 
 
-def _yes_no(name: str, meaning: str) -> ResultColumn:
-    return ResultColumn(name, Kind.YES_NO, "1", meaning)
-
-
 def _text(name: str, meaning: str) -> ResultColumn:
     return ResultColumn(name, Kind.TEXT, "1", meaning)
 
@@ -80,9 +76,9 @@ VALIDATE = (
 )
 
 CHECK = (
-    _yes_no("usable_fit", "usable for fit"),
-    _yes_no("usable_validate", "usable for validate"),
-    _yes_no("usable_diagnose", "usable for diagnose"),
+    ResultColumn("usable_fit", Kind.YES_NO, "1", "usable for fit"),
+    ResultColumn("usable_validate", Kind.YES_NO, "1", "usable for validate"),
+    ResultColumn("usable_diagnose", Kind.YES_NO, "1", "usable for diagnose"),
     _number("samples", "1", "samples"),
     _number("duration", "s", "duration"),
     _number("rate", "Hz", "rate of the median step"),

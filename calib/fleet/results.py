@@ -6,7 +6,8 @@ at a time and read one column at a time, so that a large fleet needs little memo
 
 import itertools
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -106,7 +107,8 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
 
     Raises InputError for what is no such file, an unknown status, or an unknown column.
     """
-    schema = _schema_in(path)
+    with _opened(path) as file:
+        schema = file.schema_arrow
     missing = [name for name in ("log", "status", "error") if name not in schema.names]
     if missing:
         raise InputError(f"no column {missing[0]!r}", where=path, expected=EXPECTED)
@@ -141,7 +143,9 @@ def _ordered(
     return line_order(values), order + rest
 
 
-def _schema_in(path: Path) -> Any:
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """The file for reading. Raises InputError where it is missing, no Parquet, or cut off."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -149,22 +153,17 @@ def _schema_in(path: Path) -> Any:
         what = "a directory" if path.is_dir() else "no such file"
         raise InputError(what, where=path, expected=EXPECTED)
     try:
-        with path.open("rb") as file:  # pyarrow opens no path that is not UTF-8
-            return pq.read_schema(file)
+        # pyarrow opens no path that is not UTF-8
+        with path.open("rb") as opened, pq.ParquetFile(opened) as file:
+            yield file
     except (pa.ArrowInvalid, OSError) as cause:
         raise InputError("not a Parquet file, or cut off", where=path) from cause
 
 
 def _column(path: Path, name: str) -> Any:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    try:
+    with _opened(path) as file:
         # Without threads: a pool still at work when a short program ends aborts it.
-        with path.open("rb") as opened, pq.ParquetFile(opened) as file:
-            return file.read(columns=[name], use_threads=False).column(0).combine_chunks()
-    except (pa.ArrowInvalid, OSError) as cause:
-        raise InputError(f"column {name!r} cannot be read", where=path) from cause
+        return file.read(columns=[name], use_threads=False).column(0).combine_chunks()
 
 
 def _column_of(field: Any) -> ResultColumn:
