@@ -1,7 +1,6 @@
 """`brake-cal batch`: one command on many logs, one row a log."""
 
 import signal
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -73,9 +72,9 @@ def batch(
     finally:
         executor.close()
     _tell(done, json)
-    if done.counts.get("error", 0) == done.total:
+    if done.unreadable:
         raise typer.Exit(UNREADABLE)
-    if done.counts.get("failed"):
+    if done.failed:
         raise typer.Exit(FAILED)
 
 
@@ -100,7 +99,7 @@ def _executor(workers: int | None, scheduler: str | None) -> "Executor":
 def _tell(done: "Batch", json: bool) -> None:
     from calib.fleet.pace import words
 
-    counts = ", ".join(f"{n} {status}" for status, n in done.counts.items())
+    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
     say(words(done.pace))
     if json:
         emit_json({"schema": 1, "results": done.results, "logs": done.total, **done.document()})
@@ -110,24 +109,22 @@ def _tell(done: "Batch", json: bool) -> None:
 
 @contextmanager
 def _progress() -> "Iterator[Callable[[Pace], None]]":
-    """Show rate and remaining time on stderr: one moving line, or a line now and then."""
+    """Show rate and remaining time on stderr: a bar while a person looks, or a line at times."""
     from calib.fleet.pace import words
 
+    if is_watched():
+        with progress_bar("", None, time_left=False) as bar:
+            (task,) = bar.task_ids
+            yield lambda pace: bar.update(
+                task, description=words(pace), completed=pace.done, total=pace.total
+            )
+        return
     shown = time.monotonic()
-    live = sys.stderr.isatty()
 
     def report(pace: "Pace") -> None:
         nonlocal shown
-        if time.monotonic() - shown < (0.1 if live else QUIET):
-            return
-        shown = time.monotonic()
-        if live:
-            print(f"\r{words(pace)}\x1b[K", end="", file=sys.stderr, flush=True)  # noqa: T201
-        else:
+        if time.monotonic() - shown >= QUIET:
+            shown = time.monotonic()
             say(words(pace))
 
-    try:
-        yield report
-    finally:
-        if live:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)  # noqa: T201
+    yield report

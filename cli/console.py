@@ -15,6 +15,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
+    from rich.progress import Progress
 
 PIPED_WIDTH = 120
 """Columns for what does not go to a terminal, unless COLUMNS says otherwise."""
@@ -88,17 +89,35 @@ def plain(value: object) -> Any:
 def progress(task: str, total: int) -> Iterator[Callable[[], None]]:
     """Show a bar for ``total`` steps on stderr while a person looks; yields the call for one step.
 
-    Where stderr is no terminal it says the task once and draws nothing.
+    Where nobody can see a bar it says the task once and draws nothing.
     """
-    if not sys.stderr.isatty():
+    if not is_watched():
         say(task)
         yield lambda: None
         return
-    from rich.progress import Progress
-
-    with Progress(console=console(), transient=True) as bar:
-        step = bar.add_task(task, total=total)
+    with progress_bar(task, total) as bar:
+        (step,) = bar.task_ids
         yield lambda: bar.advance(step)
+
+
+def is_watched() -> bool:
+    """Whether stderr is a terminal on which a bar can be drawn."""
+    return sys.stderr.isatty() and console().is_interactive
+
+
+def progress_bar(task: str, total: int | None, time_left: bool = True) -> "Progress":
+    """Return a bar of one task on stderr, gone at the end; ``task`` is printed as it is.
+
+    ``time_left`` shows the time that is left as rich estimates it.
+    """
+    from rich.progress import Progress, TextColumn
+
+    text = TextColumn("{task.description}", style="progress.description", markup=False)
+    _, drawn, percent, left = Progress.get_default_columns()
+    columns = (text, drawn, percent, *[left] * time_left)
+    bar = Progress(*columns, console=console(), transient=True)
+    bar.add_task(task, total=total)
+    return bar
 
 
 def _console(stream: IO[str]) -> "Console":

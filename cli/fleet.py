@@ -41,21 +41,22 @@ def report(
     order: Annotated[
         str | None, typer.Option(metavar="COLUMN", help="Column that orders the line, else names.")
     ] = None,
-    figure: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Only this figure; repeatable.")
+    metric: Annotated[
+        list[str] | None,
+        typer.Option("--figure", metavar="NAME", help="Only this metric; repeatable."),
     ] = None,
     out: Annotated[Path | None, out_folder("Write report.html, fleet.json, PNGs here.")] = None,
     json: Json = False,
 ) -> None:
     """Show distributions, outliers, drift of the line and errors of a batch of logs."""
-    from calib.fleet.results_file import open_fleet
+    from calib.fleet.results import open_fleet
     from calib.fleet.summary import summarise
     from calib.reports.fleet import document
 
     refuse_file(out)
     opened = open_fleet(results, order)
     say(f"reading {len(opened.logs)} rows, in the order of {opened.ordered_by}")
-    found = summarise(opened, tuple(figure or ()))
+    found = summarise(opened, tuple(metric or ()))
     if out is not None:
         _write(found, results, out)
     if json:
@@ -107,7 +108,7 @@ def _pictures(found: "Summary") -> dict[str, bytes]:
     pictures = {}
     with progress(f"drawing {len(looks)} figures", len(looks)) as done:
         for look in looks:
-            pictures[look.figure.name] = render(sheet(found, look).overview(), ".png")
+            pictures[look.metric.name] = render(sheet(found, look).overview(), ".png")
             done()
     return pictures
 
@@ -121,8 +122,8 @@ def _report(found: "Summary") -> None:
         emit(f"{failure.count} x {failure.message} (such as {', '.join(failure.logs)})")
     for look in found.looks:
         if look.drifts:
-            emit(f"{look.figure.name} drifts: {described(found, look)}")
+            emit(f"{look.metric.name} drifts: {described(found, look)}")
     for outlier in found.outliers[:SHOWN]:
-        emit(f"{outlier.log}: {outlier.figure} {outlier.value:.4g} is {outlier.z:+.1f} scales off")
+        emit(f"{outlier.log}: {outlier.metric} {outlier.value:.4g} is {outlier.z:+.1f} scales off")
     if len(found.outliers) > SHOWN:
         emit(f"and {len(found.outliers) - SHOWN} more, see --json or fleet.json")

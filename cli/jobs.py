@@ -16,15 +16,6 @@ if TYPE_CHECKING:
     from calib.fleet.job import Job
 
 
-class Command(StrEnum):
-    """What can be done with many logs."""
-
-    FIT = "fit"
-    VALIDATE = "validate"
-    CHECK = "check"
-    DIAGNOSE = "diagnose"
-
-
 def _command(written: str) -> Command:
     from calib.toml import did_you_mean
 

@@ -43,7 +43,7 @@ def repeatability(
         typer.Option(metavar="LAYOUT", help="Folders name car, car/station or station/car."),
     ] = None,
     quantity: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Judge only this figure; repeatable.")
+        list[str] | None, typer.Option(metavar="NAME", help="Judge only this metric; repeatable.")
     ] = None,
     eta: Annotated[
         float, typer.Option(metavar="PERCENT", help="eta - 1 where D, f1 and f2 are compared [%].")
@@ -55,7 +55,7 @@ def repeatability(
 ) -> None:
     """Judge the calibration as a gauge, from repeated ramps of several cars.
 
-    Every ramp is fitted by itself; analysis of variance then parts the scatter of each figure into
+    Every ramp is fitted by itself; analysis of variance then parts the scatter of each metric into
     repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
     """
     from calib.gauge.study import DEFAULTS, QUANTITIES, known_limits, study
@@ -85,7 +85,7 @@ def _check_names(wanted: list[str], known: list[str]) -> None:
     for name in wanted:
         if name not in known:
             hint = did_you_mean(name, known) or f"one of {', '.join(known)}"
-            raise typer.BadParameter(f"no figure {name!r}; {hint}", param_hint="--quantity")
+            raise typer.BadParameter(f"no metric {name!r}; {hint}", param_hint="--quantity")
 
 
 def _places(logs: list[Path], plan: Path | None, folders: str | None) -> "tuple[Place, ...]":
@@ -126,8 +126,8 @@ def _readings(
     with progress(f"fitting {len(places)} ramps one by one", len(places)) as done:
         for place in places:
             log = read_log(place.log, mapping)
-            figures = metrics_of(fit(cars[place.vehicle or vehicle], [log]), log, reference)
-            kept = {name: figures[name] for name in names}
+            metrics = metrics_of(fit(cars[place.vehicle or vehicle], [log]), log, reference)
+            kept = {name: metrics[name] for name in names}
             readings.append(
                 GaugeReading(str(place.log), place.car, place.station, kept, log.digest)
             )
@@ -154,7 +154,16 @@ def _document(found: "GaugeStudy") -> dict[str, object]:
         "stations": found.stations,
         "reference_eta_rise": found.reference,
         "notes": found.notes,
-        "ramps": found.readings,
+        "ramps": [
+            {
+                "log": r.log,
+                "car": r.car,
+                "station": r.station,
+                "figures": r.metrics,
+                "digest": r.digest,
+            }
+            for r in found.readings
+        ],
         "quantities": {result.name: _entry(result) for result in found.results},
     }
 
@@ -167,7 +176,7 @@ def _entry(result: "GaugeResult") -> dict[str, object]:
     return told | {
         "mean": float(result.values.mean()),
         "anova": [
-            {"source": s.name, "df": s.df, "ss": s.ss, "ms": s.ms, "effective_df": s.effective}
+            {"source": s.name, "df": s.df, "ss": s.ss, "ms": s.ms, "effective_df": s.effective_df}
             for s in result.analysis.sources
         ],
         "components": {
@@ -201,7 +210,7 @@ def _report(found: "GaugeStudy") -> None:
     for result in found.results:
         if result.gauge and result.gauge.negative:
             names = ", ".join(result.gauge.negative)
-            emit(f"{result.name}: variances that came out negative count as nought: {names}")
+            emit(f"{result.name}: variances that came out negative count as zero: {names}")
         if result.gauge is None:
             emit(f"{result.name}: not judged, repeats do not scatter")
     emit("repeatability, reproducibility and cars: standard deviations [1]")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from calib.fleet.command import Command
 from cli.console import complain, emit_line, json_line, say
 from cli.jobs import Command, Commands, Fresh, JobOptions, Out, Workers
 from cli.options import example, grouped
@@ -68,7 +69,7 @@ def watch(
             )
     finally:
         pool.close()
-    counts = ", ".join(f"{n} {status}" for status, n in done.counts.items())
+    counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
     say(f"{counts}; {done.results}" if done.results else "no log came")
 
 
@@ -98,24 +99,24 @@ def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
     """How a row is shown: its status and error, and the pads where it has them."""
     from calib.fleet.columns import COLUMNS
 
-    names = [column.name for column in COLUMNS[command.value]]
+    names = [column.name for column in COLUMNS[command]]
 
     def show(row: "Row") -> None:
-        figures = dict(zip(names, row.cells, strict=False))
+        metrics = dict(zip(names, row.cells, strict=False))
         if json:
-            told = {"log": row.log, "digest": row.digest, "status": row.status, "error": row.error}
-            emit_line(json_line({**told, "figures": figures}))
+            head = {"log": row.log, "digest": row.digest, "status": row.status, "error": row.error}
+            emit_line(json_line({**head, "figures": metrics}))
         elif row.error is not None:
             emit_line(f"{row.log}: error: {row.error.removeprefix(f'{row.log}: ')}")
         else:
-            broken = f" ({figures['not_held']})" if figures.get("not_held") else ""
-            emit_line(f"{row.log}: {row.status}{broken}{_pads(figures)}")
+            broken = f" ({metrics['not_held']})" if metrics.get("not_held") else ""
+            emit_line(f"{row.log}: {row.status}{broken}{_pads(metrics)}")
 
     return show
 
 
-def _pads(figures: Mapping[str, object]) -> str:
-    front, rear = figures.get("pad_friction_f"), figures.get("pad_friction_r")
+def _pads(metrics: Mapping[str, object]) -> str:
+    front, rear = metrics.get("pad_friction_f"), metrics.get("pad_friction_r")
     if isinstance(front, float) and isinstance(rear, float):
         return f", pads {front:.3f} / {rear:.3f}"
     return ""

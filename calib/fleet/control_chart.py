@@ -29,7 +29,7 @@ RULES = {
 }
 
 BY_CHANCE = {1: 0.0027, 2: 0.00205, 3: 0.00447, 4: 0.00781}
-"""Share of cars at which each rule is broken on a steady line, see `broken_by_chance`."""
+"""Share of cars at which each rule is broken on a steady, normal line of known limits."""
 
 FEWEST_BY_CHANCE = 200
 """Cars from which `BY_CHANCE`, that of known limits, holds within a quarter for a `Chart`."""
@@ -43,9 +43,9 @@ _MEDIAN_RANGE = 0.9539
 
 @dataclass(frozen=True)
 class Chart:
-    """One figure in order.
+    """One metric in order.
 
-    ``centre``, ``sigma`` in the figure's unit, from the median and the median moving range;
+    ``centre``, ``sigma`` in the metric's unit, from the median and the median moving range;
     ``alarms`` by rule, each (n,), True at the car that completes the pattern.
     """
 
@@ -79,7 +79,7 @@ def chart(values: Array) -> Chart | None:
         return None
     moving = np.abs(np.diff(values))
     sigma = float(np.median(moving)) / _MEDIAN_RANGE
-    if sigma <= 0.0:  # coarse figures: most neighbours are equal
+    if sigma <= 0.0:  # coarse metrics: most neighbours are equal
         sigma = float(np.mean(moving)) / 1.128
     centre = float(np.median(values))
     if sigma <= 1e-12 * abs(centre):
@@ -95,27 +95,6 @@ def alarms(z: Array) -> dict[int, Mask]:
         3: _either_side(z, 1.0, 4, 5),
         4: _either_side(z, 0.0, 8, 8),
     }
-
-
-def broken_by_chance() -> dict[int, float]:
-    """Share of cars of a steady, normal line at which each rule is broken, in closed form.
-
-    Centre and sigma are taken as known, not as those of the same cars. The last of the window must
-    be a hit, and enough of those before it, on either side.
-
-    >>> broken_by_chance() == BY_CHANCE
-    True
-    """
-    from scipy.stats import binom, norm
-
-    one, two = norm.sf(1.0), norm.sf(2.0)
-    shares = {
-        1: 2.0 * norm.sf(3.0),
-        2: 2.0 * two * binom.sf(0, 2, two),
-        3: 2.0 * one * binom.sf(2, 4, one),
-        4: 2.0 * 0.5**8,
-    }
-    return {rule: round(float(share), 5) for rule, share in shares.items()}
 
 
 def _either_side(z: Array, level: float, wanted: int, window: int) -> Mask:

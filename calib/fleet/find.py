@@ -6,15 +6,16 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from calib.errors import LogError
+from calib.fleet.command import Command
 from calib.fleet.results import NAME as RESULTS
 from calib.fleet.work import CALIBRATION, HOLDOUT, VEHICLE
 from calib.logs.read import FORMATS
 
 
-def find_logs(arguments: Iterable[str], command: str, out: Path) -> Iterator[str]:
+def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator[str]:
     """Paths of the logs, relative where the argument is; one may come twice.
 
-    A folder stands for all logs in it and below. For "diagnose" a log is a folder with
+    A folder stands for all logs in it and below. For DIAGNOSE a log is a folder with
     calibration/, holdout/ and vehicle.toml. Hidden files are no logs, nor are the results in
     ``out`` and, where that is a folder within an argument, whatever else lies in it. Raises
     LogError for a pattern or folder that holds none, and for what is not there; a missing file
@@ -36,7 +37,7 @@ def find_logs(arguments: Iterable[str], command: str, out: Path) -> Iterator[str
 
 
 def logs_below(
-    folder: str, command: str, out: Path, trouble: Callable[[OSError], None]
+    folder: str, command: Command, out: Path, trouble: Callable[[OSError], None]
 ) -> Iterator[str]:
     """Paths of the logs in a folder and below, which may be none. Else as `find_logs`.
 
@@ -45,13 +46,13 @@ def logs_below(
     return _below(folder, command, os.path.realpath(out), trouble)
 
 
-def _expected(command: str) -> str:
-    if command == "diagnose":
+def _expected(command: Command) -> str:
+    if command == Command.DIAGNOSE:
         return f"folders with {CALIBRATION}/, {HOLDOUT}/ and {VEHICLE}"
     return f"files that end in {', '.join(FORMATS)}"
 
 
-def _of(argument: str, command: str, own: str) -> Iterator[str]:
+def _of(argument: str, command: Command, own: str) -> Iterator[str]:
     if os.path.isdir(argument):
         yield from _below(argument, command, own)
     elif os.path.exists(argument) or (_is_log(argument) and not glob.has_magic(argument)):
@@ -60,7 +61,7 @@ def _of(argument: str, command: str, own: str) -> Iterator[str]:
         for path in sorted(glob.iglob(argument, recursive=True)):
             if os.path.isdir(path):
                 yield from _below(path, command, own)
-            elif command != "diagnose" and _is_log(path) and not _is_result(path, own):
+            elif command != Command.DIAGNOSE and _is_log(path) and not _is_result(path, own):
                 yield path
 
 
@@ -69,14 +70,14 @@ def _refuse(error: OSError) -> None:
 
 
 def _below(
-    folder: str, command: str, own: str, trouble: Callable[[OSError], None] = _refuse
+    folder: str, command: Command, own: str, trouble: Callable[[OSError], None] = _refuse
 ) -> Iterator[str]:
     for home, folders, files in os.walk(folder, onerror=trouble):
         folders[:] = sorted(f for f in folders if not f.startswith("."))
         here = os.path.realpath(home) == own
         if here and home != folder:
             folders.clear()
-        elif command == "diagnose":
+        elif command == Command.DIAGNOSE:
             if VEHICLE in files and {CALIBRATION, HOLDOUT} <= set(folders):
                 folders.clear()
                 yield home

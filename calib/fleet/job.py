@@ -6,6 +6,7 @@ import pickle
 from dataclasses import asdict, dataclass
 
 from calib import __version__
+from calib.fleet.command import Command
 from calib.logs.channel_map import ChannelMap
 from calib.logs.read import log_bytes
 from calib.physics.vehicle import Vehicle
@@ -15,12 +16,12 @@ from calib.validation.limits import Limit
 
 @dataclass(frozen=True)
 class Job:
-    """A command of `calib.fleet.columns.COMMANDS` with its table, vehicle, limits and channel map.
+    """A command with its table, vehicle, limits and channel map.
 
     `validate` needs a table and limits, `fit` a vehicle. Logs are read with ``channel_map``.
     """
 
-    command: str
+    command: Command
     table: Table | None = None
     vehicle: Vehicle | None = None
     limits: tuple[Limit, ...] = ()
@@ -45,10 +46,10 @@ class Job:
 
 def _of_map(mapped: ChannelMap) -> str:
     """Digest of all that a map says, and of what stands in its DBC files."""
-    told = asdict(mapped)
-    del told["where"]
-    told["dbc"] = [hashlib.sha256(log_bytes(p, any_format=True)).hexdigest() for p in mapped.dbc]
-    return _digest(told)
+    content = asdict(mapped)
+    del content["where"]
+    content["dbc"] = [hashlib.sha256(log_bytes(p, any_format=True)).hexdigest() for p in mapped.dbc]
+    return _digest(content)
 
 
 def _digest(value: object) -> str:

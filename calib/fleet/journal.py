@@ -1,158 +1,201 @@
-"""What has been done so far, on disk: a line a row, appended as they finish.
+"""What has been done so far, on disk: an SQLite database, a row a log, kept as they finish.
 
-    {"schema": 1, "settings": {...}}
-    ["logs/a.csv", "3f2a...", "passed", null, [0.98, ...], false]
-    ...
+    settings   name, value          what the rows depend on besides the logs
+    rows       log, digest, status, error, cells (JSON), lost
 
-A line that is cut off, by a crash or a full disk, is no row; its log is done again. Of two rows of
-one log the later counts. What stays in memory is where each row lies, not the row.
+Rows that finish together are one transaction in a write-ahead log, without waiting for the disk:
+after kill -9 every finished row is there, after a power failure all but those of the last seconds,
+and never a part of one. `Journal.sync` waits for the disk. SQLite's exclusive lock, held while the
+journal is open, keeps a second run out; it ends with the process, on Windows too.
 """
 
+import errno
 import json
 import os
 import re
-from collections.abc import Iterator
+import sqlite3
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
 
 from calib.errors import BatchError
-from calib.fleet.row import Row, from_line, to_line
+from calib.fleet.columns import Status
+from calib.fleet.row import Row
 
-NAME = "journal.jsonl"
-SCHEMA = 1
+NAME = "journal.sqlite"
+EARLIER = "journal.jsonl"
+"""Journal of versions up to 0.1, which is not read."""
 
-
-class JournalEntry(NamedTuple):
-    """Where a row lies in the journal, and what must be known of it without reading it."""
-
-    offset: int
-    digest: str | None
-    status: str
-    lost: bool
+SCHEMA = "1"
+FOREIGN, DAMAGED = "not the journal of a batch of this version", "the journal is damaged"
+ANEW = "name another --out, or start anew with --fresh"
+TABLES = (
+    "DROP TABLE IF EXISTS settings",
+    "DROP TABLE IF EXISTS rows",
+    "CREATE TABLE settings (name TEXT PRIMARY KEY, value TEXT NOT NULL)",
+    "CREATE TABLE rows (log TEXT PRIMARY KEY, digest TEXT, status TEXT NOT NULL, error TEXT, "
+    "cells TEXT NOT NULL, lost INTEGER NOT NULL)",
+)
 
 
 class Journal:
-    """The journal of a folder, open for one run at a time."""
+    """The journal of a folder, open for one run at a time.
 
-    def __init__(self, file: BinaryIO, entries: dict[str, JournalEntry]):
-        self._file, self.entries = file, entries
+    Its methods raise OSError when the disk is full or fails, BatchError when the file is damaged.
+    """
 
-    def add(self, rows: list[Row]) -> None:
-        """Append rows and hand them to the system. Raises OSError on a full disk."""
-        for row in rows:
-            offset = self._file.tell()
-            self._file.write(to_line(row))
-            self.entries[row.log] = JournalEntry(offset, row.digest, row.status, row.lost)
-        self._file.flush()
+    def __init__(self, db: sqlite3.Connection, path: Path):
+        self._db, self._path = db, path
+
+    def add(self, rows: Iterable[Row]) -> None:
+        """Keep rows, all or none; each takes the place of an earlier one of its log."""
+        values = [
+            (r.log, r.digest, r.status, r.error, json.dumps(r.cells, allow_nan=False), r.lost)
+            for r in rows
+        ]
+        with _explained(self._path), self._db:
+            self._db.executemany("INSERT OR REPLACE INTO rows VALUES (?, ?, ?, ?, ?, ?)", values)
 
     def sync(self) -> None:
         """Wait until the rows are on the disk."""
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        with _explained(self._path):
+            self._db.execute("PRAGMA wal_checkpoint").fetchone()
 
-    def rows(self, logs: list[str]) -> Iterator[Row]:
-        """Read rows back, in the order of ``logs``."""
-        self._file.flush()
-        with open(self._file.name, "rb") as file:
-            for log in logs:
-                file.seek(self.entries[log].offset)
-                yield from_line(file.readline())
+    def row(self, log: str) -> Row | None:
+        """The row of a log, if it has one; floats come back to the last bit."""
+        with _explained(self._path):
+            found = self._db.execute("SELECT * FROM rows WHERE log = ?", (log,)).fetchone()
+        if found is None:
+            return None
+        _, digest, status, error, cells, lost = found
+        return Row(log, digest, Status(status), error, tuple(json.loads(cells)), bool(lost))
+
+    def rows(self, logs: Iterable[str]) -> Iterator[Row]:
+        """Rows of ``logs`` in their order. Raises KeyError for a log that has none."""
+        for log in logs:
+            row = self.row(log)
+            if row is None:
+                raise KeyError(log)
+            yield row
+
+    def logs(self) -> list[str]:
+        """All logs that have a row, sorted."""
+        with _explained(self._path):
+            return sorted(log for (log,) in self._db.execute("SELECT log FROM rows"))
+
+    def counts(self) -> Counter[Status]:
+        """Number of rows by status."""
+        with _explained(self._path):
+            found = self._db.execute("SELECT status, count(*) FROM rows GROUP BY status")
+            return Counter({Status(status): count for status, count in found})
 
     def close(self) -> None:
         """Sync and close; another run may then open it."""
         try:
             self.sync()
         finally:
-            self._file.close()
+            self._db.close()
 
 
 def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) -> Journal:
     """Open the journal of ``folder``, or begin one; ``fresh`` throws away what it holds.
 
-    Raises BatchError when it was written with other settings, is no journal, or is in use.
+    Raises BatchError when it was written with other settings, is no journal of this version, is
+    damaged or in use, and OSError when it cannot be written.
     """
-    path = folder / NAME
-    file = open(path, "a+b")  # noqa: SIM115  the journal closes it
+    path, earlier = folder / NAME, folder / EARLIER
+    ours = {"schema": SCHEMA, **settings}
+    if earlier.exists() and not fresh:
+        raise _Unusable(FOREIGN, where=earlier, do=ANEW)
     try:
-        _lock(file, path)
-        if fresh:
-            file.truncate(0)
-        file.seek(0)
-        head = file.readline()
-        ours = json.dumps({"schema": SCHEMA, "settings": settings}).encode() + b"\n"
-        if head != ours and ours.startswith(head):  # new, or its very first line was cut off
-            file.truncate(0)
-            file.write(ours)
-            entries: dict[str, JournalEntry] = {}
+        db, stored = _locked(path)
+    except _Unusable:
+        if not fresh:
+            raise
+        for rest in (path, Path(f"{path}-wal")):
+            rest.unlink(missing_ok=True)
+        db, stored = _locked(path)
+    journal = Journal(db, path)
+    try:
+        if fresh or stored is None:
+            with _explained(path):
+                _begin(db, ours)
         else:
-            _require_same(head, settings, path)
-            entries = _read(file, path)
-        journal = Journal(file, entries)
+            _require_same(stored, ours, folder)
         journal.sync()
+        earlier.unlink(missing_ok=True)
     except BaseException:
-        file.close()
+        db.close()
         raise
     return journal
 
 
-def _read(file: BinaryIO, path: Path) -> dict[str, JournalEntry]:
-    """Entries by log; cuts off a torn last line."""
-    entries: dict[str, JournalEntry] = {}
-    offset = file.tell()
-    for line in file:
-        try:
-            row = from_line(line)
-        except (ValueError, TypeError) as cause:
-            if line.endswith(b"\n"):
-                raise BatchError(
-                    f"the line at byte {offset} is no row",
-                    where=path,
-                    do="start anew with --fresh",
-                ) from cause
-            break
-        entries[row.log] = JournalEntry(offset, row.digest, row.status, row.lost)
-        offset += len(line)
-    file.truncate(offset)
-    file.seek(offset)
-    return entries
+def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str] | None]:
+    """Lock the file and check it; return its settings, None where it is new.
 
-
-def _require_same(head: bytes, settings: dict[str, str], path: Path) -> None:
+    Nothing is written into a file that is no journal.
+    """
+    with _explained(path):
+        db = sqlite3.connect(path, timeout=0.0)
     try:
-        document = json.loads(head)
-        found = document["settings"] if document["schema"] == SCHEMA else None
-    except (ValueError, TypeError, KeyError):
-        found = None
-    if not isinstance(found, dict):
-        raise BatchError("not the journal of a batch", where=path, do="name another --out")
+        with _explained(path):
+            db.execute("PRAGMA locking_mode = EXCLUSIVE")
+            stored = None
+            if db.execute("SELECT * FROM sqlite_master").fetchone():
+                stored = dict(db.execute("SELECT name, value FROM settings"))
+                if db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
+                    raise _Unusable(DAMAGED, where=path, do=ANEW)
+            db.execute("PRAGMA journal_mode = WAL")
+            db.execute("PRAGMA synchronous = NORMAL")  # a commit does not wait for the disk
+    except BaseException:
+        db.close()
+        raise
+    return db, stored
+
+
+def _begin(db: sqlite3.Connection, settings: dict[str, str]) -> None:
+    """Make the tables anew, in one transaction."""
+    with db:
+        db.execute("BEGIN")
+        for statement in TABLES:
+            db.execute(statement)
+        db.executemany("INSERT INTO settings VALUES (?, ?)", settings.items())
+
+
+def _require_same(found: dict[str, str], settings: dict[str, str], folder: Path) -> None:
     differ = [k for k in {**settings, **found} if found.get(k) != settings.get(k)]
     if differ:
         pairs = [(k, _short(found.get(k)), _short(settings.get(k))) for k in differ]
         said = ", ".join(f"{key} {theirs} for {ours}" for key, theirs, ours in pairs)
-        raise BatchError(
-            f"holds results of other settings: {said}",
-            where=path.parent,
-            do="name another --out, or start anew with --fresh",
-        )
+        raise BatchError(f"holds results of other settings: {said}", where=folder, do=ANEW)
 
 
-def _short(value: object) -> str:
-    """A digest by its first figures, anything else as it is."""
-    text = "none" if value is None else str(value)
+def _short(value: str | None) -> str:
+    """A digest by its first digits, anything else as it is."""
+    text = "none" if value is None else value
     return text[:12] if re.fullmatch("[0-9a-f]{64}", text) else text
 
 
-def _lock(file: BinaryIO, path: Path) -> None:
-    """Keep a second run out for as long as the file is open."""
+class _Unusable(BatchError):
+    """What is there is no sound journal of this version."""
+
+
+@contextmanager
+def _explained(path: Path) -> Iterator[None]:
+    """Turn errors of SQLite into BatchError, or into OSError where the disk is the reason."""
     try:
-        import fcntl
-    except ImportError:  # not there on Windows
-        return
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as cause:
-        raise BatchError(
-            "another run is at work here",
-            where=path.parent,
-            do="wait for it, or name another --out",
-        ) from cause
+        yield
+    except sqlite3.DatabaseError as cause:
+        code = getattr(cause, "sqlite_errorcode", 0) & 0xFF  # without the details in higher bits
+        if code == sqlite3.SQLITE_BUSY:
+            what, do = "another run is at work here", "wait for it, or name another --out"
+            raise BatchError(what, where=path.parent, do=do) from cause
+        if code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR):
+            raise _Unusable(FOREIGN, where=path, do=ANEW) from cause
+        if code == sqlite3.SQLITE_CORRUPT:
+            raise _Unusable(DAMAGED, where=path, do=ANEW) from cause
+        if code == sqlite3.SQLITE_CANTOPEN:
+            path.open("ab").close()  # the system says why
+        number = errno.ENOSPC if code == sqlite3.SQLITE_FULL else errno.EIO
+        raise OSError(number, f"{os.strerror(number)}: {cause}", str(path)) from cause

@@ -2,15 +2,15 @@
 
     z = (x - median)/(1.4826 MAD)      robust: an outlier cannot hide by widening the scale
 
-From 100 cars on a figure that is plainly skewed or long-tailed in its bulk is straightened first,
-see `calib.fleet.tails`; its z is that of the straightened figure. The scale is uncertain in a small
+From 100 cars on a metric that is plainly skewed or long-tailed in its bulk is straightened first,
+see `calib.fleet.tails`; its z is that of the straightened metric. The scale is uncertain in a small
 fleet: under no outlier z follows nearly a t law with 0.37 (n - 1) degrees of freedom, the MAD being
 worth 37 % of a standard deviation (Huber, Robust Statistics, 1981, ch. 5). The rule of Benjamini
-and Hochberg (1995) then names at most a share `SHARE` wrongly, over all figures and cars together,
+and Hochberg (1995) then names at most a share `SHARE` wrongly, over all metrics and cars together,
 if the bulk is near normal: without outliers up to 8 % of the fleets name a car. Other bulks name
-more good cars, and `Spread.expected` beside `Spread.beyond` shows it. A lognormal figure (g = 0.5)
+more good cars, and `Spread.expected` beside `Spread.beyond` shows it. A lognormal metric (g = 0.5)
 names 2.5 of 99 on average, 0.9 of 100 and 0.8 of 500; a t law with 5 degrees of freedom 1.2 of 99,
-7 of 1000 and 0.3 of 10,000. A figure with two humps may name more at any number.
+7 of 1000 and 0.3 of 10,000. A metric with two humps may name more at any number.
 """
 
 from dataclasses import dataclass
@@ -37,10 +37,10 @@ _NORMAL = Shape(1.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Spread:
-    """Centre and scale of one figure, and how its cars lie about them.
+    """Centre and scale of one metric, and how its cars lie about them.
 
-    ``count`` finite values; ``median``, ``scale`` in the figure's unit; ``z`` (n,) NaN where the
-    figure is not known or has no scale; ``p`` two-sided (n,), NaN likewise; ``beyond`` cars past
+    ``count`` finite values; ``median``, ``scale`` in the metric's unit; ``z`` (n,) NaN where the
+    metric is not known or has no scale; ``p`` two-sided (n,), NaN likewise; ``beyond`` cars past
     `FAR`, ``expected`` as many by chance; ``quantiles`` 5, 25, 75 and 95 %; ``shape`` of the bulk.
     """
 
@@ -56,14 +56,16 @@ class Spread:
 
 
 def spread(values: Array) -> Spread:
-    """Look at one figure over the fleet, ``values`` (n,); NaN where a car does not have it."""
+    """Look at one metric over the fleet, ``values`` (n,); NaN where a car does not have it."""
+    from scipy.stats import median_abs_deviation
+
     known = values[np.isfinite(values)]
     n = known.size
     if n == 0:
         nothing = np.full(values.size, np.nan)
         return Spread(0, np.nan, np.nan, nothing, nothing, 0, 0.0, (np.nan,) * 4, _NORMAL)
     median = float(np.median(known))
-    scale = _MAD * _small(n) * float(np.median(np.abs(known - median)))
+    scale = _MAD * _small(n) * float(median_abs_deviation(known))
     form = shape(known, median, scale)
     if n < FEWEST or scale <= 1e-12 * abs(median):
         z = p = np.full(values.size, np.nan)
@@ -84,10 +86,12 @@ def named(p: Array, share: float = SHARE) -> NDArray[np.bool_]:
     >>> named(np.array([0.001, 0.02, 0.9, 0.04]))
     array([ True,  True, False, False])
     """
-    known = np.sort(p[np.isfinite(p)])
-    held = np.flatnonzero(known <= share * np.arange(1, known.size + 1) / max(known.size, 1))
-    limit = known[held[-1]] if held.size else -1.0
-    return np.asarray(np.where(np.isfinite(p), p, 2.0) <= limit)
+    from scipy.stats import false_discovery_control
+
+    known = np.isfinite(p)
+    out = np.zeros(p.shape, dtype=np.bool_)
+    out[known] = false_discovery_control(p[known]) <= share
+    return out
 
 
 def _small(n: int) -> float:

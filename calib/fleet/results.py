@@ -1,17 +1,34 @@
-"""`results.parquet`: one row a log, sorted by log, the same bytes however they were made."""
+"""`results.parquet`: one row a log, sorted by log, the same bytes however they were made.
+
+The columns and what they hold stand in `calib.fleet.columns`. The file is written a group of rows
+at a time and read one column at a time, so that a large fleet needs little memory.
+"""
 
 import itertools
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from calib.fleet.columns import COLUMNS, HEAD, ResultColumn
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import InputError
+from calib.fleet.columns import COLUMNS, HEAD, Kind, ResultColumn, Status
+from calib.fleet.command import Command
+from calib.fleet.line_order import is_unknown, line_order
 from calib.fleet.row import Row
+from calib.toml import did_you_mean
+
+Array = NDArray[np.float64]
 
 NAME = "results.parquet"
 GROUP = 5000
 """Rows that are held at a time."""
+
+EXPECTED = "results.parquet of `brake-cal batch`"
 
 
 def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -> Path:
@@ -22,8 +39,8 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
     """
     import pyarrow.parquet as pq
 
-    columns = (*HEAD, *COLUMNS[settings["command"]])
-    schema = _schema(columns, settings)
+    columns = (*HEAD, *COLUMNS[Command(settings["command"])])
+    schema = _schema_of(columns, settings)
     path, new = folder / NAME, folder / f".{NAME}.new"
     rest = iter(rows)
     try:
@@ -38,12 +55,12 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
     return path
 
 
-def _schema(columns: tuple[ResultColumn, ...], settings: dict[str, str]) -> Any:
+def _schema_of(columns: tuple[ResultColumn, ...], settings: dict[str, str]) -> Any:
     import pyarrow as pa
 
-    kinds = {"float": pa.float64(), "bool": pa.bool_(), "text": pa.string()}
+    types = {Kind.NUMBER: pa.float64(), Kind.YES_NO: pa.bool_(), Kind.TEXT: pa.string()}
     fields = [
-        pa.field(c.name, kinds[c.kind], metadata={"unit": c.unit, "meaning": c.meaning})
+        pa.field(c.name, types[c.kind], metadata={"unit": c.unit, "meaning": c.meaning})
         for c in columns
     ]
     return pa.schema(fields, metadata={f"brake_cal.{k}": v for k, v in settings.items()})
@@ -59,3 +76,102 @@ def _table(rows: list[Row], columns: tuple[ResultColumn, ...], schema: Any) -> A
         for values, field in zip(zip(*full, strict=True), schema, strict=True)
     ]
     return pa.Table.from_arrays(arrays, schema=schema)
+
+
+@dataclass(frozen=True)
+class FleetFile:
+    """An open results file: its ``logs`` and columns of ``metrics``; values are read when asked.
+
+    ``order`` the rows in the order of the line, (n,), as ``ordered_by`` says.
+    """
+
+    path: Path
+    logs: tuple[str, ...]
+    metrics: tuple[ResultColumn, ...]
+    order: NDArray[np.int64]
+    ordered_by: str
+
+    def numbers(self, name: str) -> Array:
+        """A column of numbers in the order of the line, (n,); NaN where a log has none."""
+        column = _column(self.path, name).cast("float64")
+        return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)[self.order]
+
+    def values(self, name: str) -> tuple[str | bool | None, ...]:
+        """A column of text or of yes and no in the order of the line."""
+        values = _column(self.path, name).to_pylist()
+        return tuple(values[i] for i in self.order)
+
+
+def open_fleet(path: Path, order: str | None = None) -> FleetFile:
+    """Open the results of a batch; ``order`` a column that orders the line, else the logs' names.
+
+    Raises InputError for what is no such file, an unknown status, or an unknown column.
+    """
+    with _opened(path) as file:
+        schema = file.schema_arrow
+    missing = [name for name in ("log", "status", "error") if name not in schema.names]
+    if missing:
+        raise InputError(f"no column {missing[0]!r}", where=path, expected=EXPECTED)
+    logs = [str(name) for name in _column(path, "log").to_pylist()]
+    if not logs:
+        raise InputError("no row in it", where=path, expected="one row a log")
+    odd = sorted({str(s) for s in _column(path, "status").to_pylist()} - {*Status})
+    if odd:
+        raise InputError(f"status {odd[0]!r}", where=path, expected=", ".join(Status))
+    rows, ordered_by = _ordered(path, order, logs, schema.names)
+    head = {column.name for column in HEAD}
+    metrics = tuple(_column_of(field) for field in schema if field.name not in head)
+    return FleetFile(path, tuple(logs[i] for i in rows), metrics, np.asarray(rows), ordered_by)
+
+
+def _ordered(
+    path: Path, order: str | None, logs: list[str], columns: list[str]
+) -> tuple[list[int], str]:
+    """Rows in the order of the line, and by what they are ordered."""
+    if order is None or order == "log":
+        return line_order(logs), "the logs' names"
+    if order not in columns:
+        raise InputError(
+            f"no column {order!r}",
+            where=path,
+            expected=f"one of {', '.join(columns)}",
+            do=did_you_mean(order, columns),
+        )
+    values = _column(path, order).to_pylist()
+    unknown = sum(map(is_unknown, values))
+    rest = f" ({unknown} rows without it at the end)" if unknown else ""
+    return line_order(values), order + rest
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """The file for reading. Raises InputError where it is missing, no Parquet, or cut off."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    if not path.is_file():
+        what = "a directory" if path.is_dir() else "no such file"
+        raise InputError(what, where=path, expected=EXPECTED)
+    try:
+        # pyarrow opens no path that is not UTF-8
+        with path.open("rb") as opened, pq.ParquetFile(opened) as file:
+            yield file
+    except (pa.ArrowInvalid, OSError) as cause:
+        raise InputError("not a Parquet file, or cut off", where=path) from cause
+
+
+def _column(path: Path, name: str) -> Any:
+    with _opened(path) as file:
+        # Without threads: a pool still at work when a short program ends aborts it.
+        return file.read(columns=[name], use_threads=False).column(0).combine_chunks()
+
+
+def _column_of(field: Any) -> ResultColumn:
+    """A column as the file tells it; whole numbers are numbers, and all that is unknown is text."""
+    import pyarrow.types as types
+
+    metadata = {key.decode(): value.decode() for key, value in (field.metadata or {}).items()}
+    number = types.is_floating(field.type) or types.is_integer(field.type)
+    other = Kind.YES_NO if types.is_boolean(field.type) else Kind.TEXT
+    kind = Kind.NUMBER if number else other
+    return ResultColumn(field.name, kind, metadata.get("unit", "1"), metadata.get("meaning", ""))

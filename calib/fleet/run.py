@@ -14,17 +14,18 @@ from pathlib import Path
 
 from calib.errors import BrakeCalError
 from calib.files import printable
+from calib.fleet.columns import Status
+from calib.fleet.command import Command
 from calib.fleet.find import find_logs
 from calib.fleet.job import Job
 from calib.fleet.journal import Journal, open_journal
 from calib.fleet.pace import Pace
 from calib.fleet.pool import Executor, Rows
 from calib.fleet.results import write_results
-from calib.fleet.results_file import STATUSES
 from calib.fleet.row import Row
 from calib.fleet.work import Item
 
-CHUNK = {"fit": 2, "validate": 8, "check": 8, "diagnose": 1}
+CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
 """Most logs in one hand-over: enough that handing over costs nothing beside 10 ms a log."""
 
 AHEAD = 3
@@ -41,18 +42,28 @@ class Batch:
     """The end of a run: ``counts`` of rows by status, where they are, and how fast it went."""
 
     results: Path
-    counts: dict[str, int]
+    counts: Counter[Status]
     pace: Pace
 
     @property
     def total(self) -> int:
         """Rows."""
-        return sum(self.counts.values())
+        return self.counts.total()
+
+    @property
+    def unreadable(self) -> bool:
+        """Whether no log has a result."""
+        return self.counts[Status.ERROR] == self.total
+
+    @property
+    def failed(self) -> bool:
+        """Whether a log fails its limits."""
+        return self.counts[Status.FAILED] > 0
 
     def document(self) -> dict[str, object]:
         """Counts of all statuses, and what this run did, as plain data."""
         return {
-            "counts": {status: self.counts.get(status, 0) for status in STATUSES},
+            "counts": {status: self.counts[status] for status in Status},
             "done_now": self.pace.fresh,
             "seconds": self.pace.elapsed,
             "logs_per_second": self.pace.rate,
@@ -81,10 +92,8 @@ def run_batch(
         sweep = Sweep(job, journal, executor, report, total)
         sweep.work((printable(p), p) for p in find_logs(arguments, job.command, out))
         journal.sync()
-        logs = sorted(sweep.wanted)
-        path = write_results(journal.rows(logs), settings, out)
-        counts = Counter(journal.entries[log].status for log in logs)
-        return Batch(path, dict(sorted(counts.items())), sweep.pace())
+        path = write_results(journal.rows(sorted(sweep.wanted)), settings, out)
+        return Batch(path, sweep.counts, sweep.pace())
     finally:
         journal.close()
 
@@ -109,13 +118,15 @@ class Sweep:
         self.command, self.report, self.total, self.tell = job.command, report, total, tell
         self.wanted: set[str] = set()
         self.pending: dict[Future[Rows], tuple[Item, ...]] = {}
-        self.done = self.fresh = self.errors = 0
+        self.counts: Counter[Status] = Counter()
+        self.fresh = 0
         self.start = self.synced = time.monotonic()
 
     def pace(self) -> Pace:
         """How far it is."""
         elapsed = time.monotonic() - self.start
-        return Pace(self.total, self.done, self.fresh, self.errors, elapsed)
+        errors = self.counts[Status.ERROR]
+        return Pace(self.total, self.counts.total(), self.fresh, errors, elapsed)
 
     def work(self, logs: Iterable[tuple[str, str]]) -> None:
         """Do all ``logs``, each the name of its row and its path."""
@@ -155,8 +166,8 @@ class Sweep:
 
     def _known(self, name: str) -> str | None:
         """Digest of the row that a log has; one that was lost is done again."""
-        entry = self.journal.entries.get(name)
-        return None if entry is None or entry.lost else entry.digest
+        row = self.journal.row(name)
+        return None if row is None or row.lost else row.digest
 
     def _drain(self, most: int) -> None:
         """Wait until at most ``most`` chunks are under way, and keep what is finished."""
@@ -194,7 +205,7 @@ class Sweep:
             except Exception as error:
                 said = f"{item.name}: the worker died on it twice ({type(error).__name__})"
                 hint = "; is there enough memory? the next run tries it again"
-                rows = [Row(item.name, None, "error", said + hint, lost=True)]
+                rows = [Row(item.name, None, Status.ERROR, said + hint, lost=True)]
                 self.executor.renew()
             self._keep((item,), rows)
 
@@ -202,9 +213,9 @@ class Sweep:
         """Journal the rows of a chunk; an unchanged log has its row there."""
         new = [row for row in rows if row is not None and not self._same(row)]
         self.journal.add(new)
-        self.done += len(items)
         self.fresh += sum(row is not None for row in rows)
-        self.errors += sum(self.journal.entries[item.name].status == "error" for item in items)
+        stored = (item.name for item, row in zip(items, rows, strict=True) if row is None)
+        self.counts.update(row.status for row in (*filter(None, rows), *self.journal.rows(stored)))
         if time.monotonic() - self.synced > SYNC:
             self.journal.sync()
             self.synced = time.monotonic()
@@ -214,7 +225,4 @@ class Sweep:
 
     def _same(self, row: Row) -> bool:
         """A log that could not be read, and still cannot, has its row."""
-        entry = self.journal.entries.get(row.log)
-        if entry is None or row.digest is not None or entry.digest is not None:
-            return False
-        return next(self.journal.rows([row.log])) == row
+        return row.digest is None and self.journal.row(row.log) == row

@@ -2,25 +2,26 @@
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import InputError
+from calib.fleet.columns import Kind, ResultColumn, Status
 from calib.fleet.control_chart import Chart, LevelChange, change, chart, least_p
 from calib.fleet.outliers import Spread, named, spread
-from calib.fleet.results_file import STATUSES, FleetFile, ResultMetric
+from calib.fleet.results import FleetFile
 from calib.toml import did_you_mean
 
 Array = NDArray[np.float64]
 
 DRIFT = 0.01
-"""Expected share of figures said to drift that do not."""
+"""Expected share of metrics said to drift that do not."""
 
 EXAMPLES = 3
 """Logs that are named with a kind of error."""
-
 
 SHORTEST = 3
 """Characters of a log's name without its ending from which it is looked for in a message."""
@@ -28,10 +29,10 @@ SHORTEST = 3
 
 @dataclass(frozen=True)
 class Outlier:
-    """A log that stands apart in one figure: its value, robust z and two-sided p."""
+    """A log that stands apart in one metric: its value, robust z and two-sided p."""
 
     log: str
-    figure: str
+    metric: str
     value: float
     z: float
     p: float
@@ -39,14 +40,14 @@ class Outlier:
 
 @dataclass(frozen=True)
 class Look:
-    """One figure of numbers over the fleet.
+    """One metric, a number, over the fleet.
 
     ``rows`` (k,) where it is known, in order; ``values`` (k,) there; ``chart`` None where there are
-    too few or nothing scatters; ``change`` None where too few could show one among so many figures;
-    ``drifts`` whether it counts among all figures.
+    too few or nothing scatters; ``change`` None where too few could show one among so many metrics;
+    ``drifts`` whether it counts among all metrics.
     """
 
-    figure: ResultMetric
+    metric: ResultColumn
     rows: NDArray[np.int64]
     values: Array
     spread: Spread
@@ -67,9 +68,9 @@ class Failure:
 
 @dataclass(frozen=True)
 class Shares:
-    """A figure of text or yes/no: how often each value came, the most frequent first."""
+    """A metric of text or yes/no: how often each value came, the most frequent first."""
 
-    figure: ResultMetric
+    metric: ResultColumn
     counts: tuple[tuple[str, int], ...]
 
 
@@ -79,7 +80,7 @@ class Summary:
 
     logs: tuple[str, ...]
     ordered_by: str
-    status: dict[str, int]
+    status: dict[Status, int]
     looks: tuple[Look, ...]
     shares: tuple[Shares, ...]
     outliers: tuple[Outlier, ...]
@@ -87,10 +88,10 @@ class Summary:
 
 
 def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
-    """Summarise all figures, or only those ``wanted``. Raises InputError for an unknown one."""
-    figures = _chosen(fleet, wanted)
-    numbers = [f for f in figures if f.kind == "number"]
-    values = {f.name: fleet.numbers(f.name) for f in numbers}
+    """Summarise all metrics, or only those ``wanted``. Raises InputError for an unknown one."""
+    metrics = _chosen(fleet, wanted)
+    numbers = [m for m in metrics if m.kind == Kind.NUMBER]
+    values = {m.name: fleet.numbers(m.name) for m in numbers}
     spreads = {name: spread(x) for name, x in values.items()}
     p = np.array([s.p for s in spreads.values()]).reshape(len(numbers), len(fleet.logs))
     hits = dict(zip(values, named(p), strict=True))
@@ -98,74 +99,73 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     # what the logs are ordered by goes up along the line by itself
     along = {name: x[known[name]] for name, x in values.items() if name != fleet.ordered_by}
     changes = _changes(along)
-    told = named(np.array([c.p if c else np.nan for c in changes.values()]), DRIFT)
-    drifts = dict(zip(changes, told, strict=True))
+    drifting = named(np.array([c.p if c else np.nan for c in changes.values()]), DRIFT)
+    drifts = dict(zip(changes, drifting, strict=True))
     looks = tuple(
         Look(
-            f,
-            known[f.name],
-            values[f.name][known[f.name]],
-            spreads[f.name],
-            chart(along[f.name]) if f.name in along else None,
-            changes.get(f.name),
-            bool(drifts.get(f.name, False)),
-            hits[f.name][known[f.name]],
+            m,
+            known[m.name],
+            values[m.name][known[m.name]],
+            spreads[m.name],
+            chart(along[m.name]) if m.name in along else None,
+            changes.get(m.name),
+            bool(drifts.get(m.name, False)),
+            hits[m.name][known[m.name]],
         )
-        for f in numbers
+        for m in numbers
     )
-    status = Counter(fleet.texts("status"))
+    status = Counter(fleet.values("status"))
     return Summary(
         fleet.logs,
         fleet.ordered_by,
-        {name: status[name] for name in STATUSES if status[name]},
+        {name: status[name] for name in Status if status[name]},
         looks,
-        tuple(_shares(fleet, f) for f in figures if f.kind != "number" and _is_class(fleet, f)),
+        tuple(_shares(fleet, m) for m in metrics if _is_class(fleet, m)),
         _outliers(fleet, looks),
-        failures(fleet.logs, fleet.texts("error")),
+        failures(fleet.logs, fleet.values("error")),
     )
 
 
 def _changes(lines: dict[str, Array]) -> dict[str, LevelChange | None]:
-    """Change of each line; None where the plainest one would not count beside steady figures."""
+    """Change of each line; None where the plainest one would not count beside steady metrics."""
     found = {name: change(x) for name, x in lines.items()}
     enough = DRIFT / max(sum(c is not None for c in found.values()), 1)
     return {n: c if c and least_p(lines[n].size) <= enough else None for n, c in found.items()}
 
 
-def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[ResultMetric, ...]:
-    known = {figure.name: figure for figure in fleet.figures}
+def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[ResultColumn, ...]:
+    known = {metric.name: metric for metric in fleet.metrics}
     for name in wanted:
         if name not in known:
             raise InputError(
-                f"no figure {name!r}",
+                f"no metric {name!r}",
                 where=fleet.path,
                 expected=f"one of {', '.join(known)}",
                 do=did_you_mean(name, known),
             )
-    return tuple(known[name] for name in wanted) or fleet.figures
+    return tuple(known[name] for name in wanted) or fleet.metrics
 
 
 MANY = 20
 """More different texts than this are names, digests: no classes."""
 
 
-def _is_class(fleet: FleetFile, figure: ResultMetric) -> bool:
-    return figure.kind == "yes/no" or len({*fleet.texts(figure.name)}) <= MANY
+def _is_class(fleet: FleetFile, metric: ResultColumn) -> bool:
+    few = metric.kind == Kind.TEXT and len({*fleet.values(metric.name)}) <= MANY
+    return few or metric.kind == Kind.YES_NO
 
 
-def _shares(fleet: FleetFile, figure: ResultMetric) -> Shares:
+def _shares(fleet: FleetFile, metric: ResultColumn) -> Shares:
     words = {True: "yes", False: "no", None: "none"}
-    texts = [
-        words.get(v, v) if isinstance(v, bool) or v is None else v for v in fleet.texts(figure.name)
-    ]
-    return Shares(figure, tuple(Counter(map(str, texts)).most_common()))
+    texts = [v if isinstance(v, str) else words[v] for v in fleet.values(metric.name)]
+    return Shares(metric, tuple(Counter(texts).most_common()))
 
 
 def _outliers(fleet: FleetFile, looks: tuple[Look, ...]) -> tuple[Outlier, ...]:
     found = [
         Outlier(
             fleet.logs[look.rows[i]],
-            look.figure.name,
+            look.metric.name,
             float(look.values[i]),
             float(look.spread.z[look.rows[i]]),
             float(look.spread.p[look.rows[i]]),
@@ -176,11 +176,11 @@ def _outliers(fleet: FleetFile, looks: tuple[Look, ...]) -> tuple[Outlier, ...]:
     return tuple(sorted(found, key=lambda o: (o.p, -abs(o.z), o.log)))
 
 
-def failures(logs: tuple[str, ...], errors: tuple[str | None, ...]) -> tuple[Failure, ...]:
+def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[Failure, ...]:
     """Errors grouped by what they say, the most frequent first."""
     groups: dict[str, list[str]] = {}
     for log, error in zip(logs, errors, strict=True):
-        if error:
+        if isinstance(error, str):
             groups.setdefault(kind_of(error, log), []).append(log)
     ranked = sorted(groups.items(), key=lambda item: (-len(item[1]), item[0]))
     return tuple(Failure(m, len(found), tuple(found[:EXAMPLES])) for m, found in ranked)

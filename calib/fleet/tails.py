@@ -1,4 +1,4 @@
-r"""How skewed and how long-tailed the bulk of a figure is, from its inner quantiles alone.
+r"""How skewed and how long-tailed the bulk of a metric is, from its inner quantiles alone.
 
 Tukey's g and h law (Hoaglin, in Exploring Data Tables, Trends, and Shapes, 1985, ch. 11):
 
@@ -21,13 +21,13 @@ FEWEST = 100
 """Values below which the quantiles say nothing of the shape, and the normal law is taken."""
 
 SIGMA_G, SIGMA_H = 1.49, 1.24
-"""Standard deviation of g and h times the root of the number of values, for a normal figure."""
+"""Standard deviation of g and h times the root of the number of values, for a normal metric."""
 
 SURE = 3.0
-"""Sigmas from nought below which a shape is taken as chance.
+"""Sigmas from zero below which a shape is taken as chance.
 
-A shape taken by chance stretches one tail of a normal figure and names cars: at 2 one pool of 16
-figures in 4 names some at 100 to 200 cars, at 3 one in 15.
+A shape taken by chance stretches one tail of a normal metric and names cars: at 2 one pool of 16
+metrics in 4 names some at 100 to 200 cars, at 3 one in 15.
 """
 
 _LEVELS = np.array([0.25, 0.125, 0.0625])
@@ -39,7 +39,7 @@ _GRID = np.linspace(-40.0, 40.0, 8001)
 
 @dataclass(frozen=True)
 class Shape:
-    """``scale`` B in the figure's unit, ``g`` skewness and ``h`` tail length [1]."""
+    """``scale`` B in the metric's unit, ``g`` skewness and ``h`` tail length [1]."""
 
     scale: float
     g: float

@@ -15,6 +15,8 @@ from pathlib import Path
 from threading import Event
 
 from calib.files import printable
+from calib.fleet.columns import Status
+from calib.fleet.command import Command
 from calib.fleet.find import logs_below
 from calib.fleet.job import Job
 from calib.fleet.journal import Journal, open_journal
@@ -79,7 +81,7 @@ class Watched:
     """How a watch ended: logs by status, and the results; None where there never was a log."""
 
     results: Path | None
-    counts: dict[str, int]
+    counts: Counter[Status]
 
 
 def watch(
@@ -116,7 +118,7 @@ def watch(
     Raises BatchError as `run_batch` and when ``out`` belongs to another folder, OSError when it
     cannot be written.
     """
-    if job.command == "diagnose":
+    if job.command == Command.DIAGNOSE:
         raise ValueError("a folder of a car's logs does not say when it is whole")
     out.mkdir(parents=True, exist_ok=True)
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
@@ -135,8 +137,7 @@ def watch(
             else:
                 over.write()
                 stop.wait(every)
-        counts = Counter(entry.status for entry in journal.entries.values())
-        return Watched(over.write(), dict(sorted(counts.items())))
+        return Watched(over.write(), journal.counts())
     finally:
         journal.close()
 
@@ -175,10 +176,9 @@ class _Watch:
             self.job, self.journal, self.executor, lambda pace: None, len(logs), self._told
         )
         sweep.work(self._until_stopped(logs))
-        for name in sweep.wanted:
-            entry = self.journal.entries[name]
-            if entry.digest is None or entry.lost:
-                self.settled.give(logs[name], self.clock() + RETRY)
+        for row in self.journal.rows(sweep.wanted):
+            if row.digest is None or row.lost:
+                self.settled.give(logs[row.log], self.clock() + RETRY)
 
     def _until_stopped(self, logs: dict[str, str]) -> Iterator[tuple[str, str]]:
         for name, path in logs.items():
@@ -197,7 +197,7 @@ class _Watch:
 
     def write(self) -> Path | None:
         """Write the results of all logs so far, if there are any and some are new."""
-        logs = sorted(self.journal.entries)
+        logs = self.journal.logs()
         if not logs:
             return None
         if self.behind:

@@ -10,7 +10,8 @@ from pathlib import Path
 from calib import __version__
 from calib.errors import BatchError, BrakeCalError
 from calib.files import printable
-from calib.fleet.columns import FIT
+from calib.fleet.columns import FIT, Status
+from calib.fleet.command import Command
 from calib.fleet.job import Job
 from calib.fleet.row import Cell, Row, number
 from calib.logs.log import Log
@@ -66,19 +67,19 @@ def run_item(job: Job, item: Item) -> Row | None:
         status, cells = RUNS[job.command](job, item, files)
     except BrakeCalError as error:
         said = printable(str(error).replace(item.path, item.name))
-        return Row(item.name, digest, "error", said)
+        return Row(item.name, digest, Status.ERROR, said)
     except MemoryError:
         said = f"{item.name}: not enough memory; the next run tries it again"
-        return Row(item.name, digest, "error", said, lost=True)
+        return Row(item.name, digest, Status.ERROR, said, lost=True)
     except Exception as error:
         # a fault of the program on one log must not cost the others theirs
         said = printable(f"{item.name}: the program failed: {type(error).__name__}: {error}")
-        return Row(item.name, digest, "error", said.replace(item.path, item.name))
+        return Row(item.name, digest, Status.ERROR, said.replace(item.path, item.name))
     return Row(item.name, digest, status, None, cells)
 
 
 Files = dict[str, bytes]
-Answer = tuple[str, tuple[Cell, ...]]
+Answer = tuple[Status, tuple[Cell, ...]]
 
 
 def digest_of(files: Files) -> str:
@@ -91,7 +92,7 @@ def digest_of(files: Files) -> str:
 
 def _contents(job: Job, item: Item) -> Files:
     """The bytes of a log by name. Raises LogError for what cannot be read."""
-    if job.command != "diagnose":
+    if job.command != Command.DIAGNOSE:
         return {item.name: log_bytes(Path(item.path), item.name)}
     root = Path(item.path)
     logs = sorted(p for part in (CALIBRATION, HOLDOUT) for p in (root / part).glob("*"))
@@ -109,6 +110,10 @@ def _log(job: Job, item: Item, files: Files, require: tuple[str, ...] = REQUIRED
     return log_of(data, name, job.channel_map, require=require, file=file)
 
 
+def _verdict(passed: bool) -> Status:
+    return Status.PASSED if passed else Status.FAILED
+
+
 def _validate(job: Job, item: Item, files: Files) -> Answer:
     from calib.validation.metrics import METRICS
     from calib.validation.validate import validate_one
@@ -118,7 +123,7 @@ def _validate(job: Job, item: Item, files: Files) -> Answer:
     found = validate_one(job.table, log, job.vehicle, job.limits, baselines=False)
     broken = ", ".join(j.figure for j in found.judgements if j.passed is False)
     cells = (*(number(found.figures[name]) for name in METRICS), broken or None)
-    return ("passed" if found.passed else "failed"), cells
+    return _verdict(found.passed), cells
 
 
 def _fit(job: Job, item: Item, files: Files) -> Answer:
@@ -129,8 +134,8 @@ def _fit(job: Job, item: Item, files: Files) -> Answer:
     cal, q = table.calibration, table.quality
     pads = (cal.pad_friction_f, cal.pad_friction_r, cal.pad_scale)
     quality = [column.name for column in FIT[6:-1]]
-    figures = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in quality)]
-    return "done", (*map(number, figures), table.digest)
+    metrics = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in quality)]
+    return Status.DONE, (*map(number, metrics), table.digest)
 
 
 def _check(job: Job, item: Item, files: Files) -> Answer:
@@ -140,7 +145,7 @@ def _check(job: Job, item: Item, files: Files) -> Answer:
     seen, clock = found.seen, found.seen.clock
     pressure = seen.sensor("p_mc")
     zero = seen.axles.front_rear if seen.axles else None
-    figures = (
+    metrics = (
         clock.samples,
         clock.duration,
         clock.rate,
@@ -156,7 +161,7 @@ def _check(job: Job, item: Item, files: Files) -> Answer:
         len(found.warnings),
     )
     usable = tuple(verdict.usable for verdict in found.verdicts)
-    return ("passed" if found.usable else "failed"), (*usable, *map(number, figures))
+    return _verdict(found.usable), (*usable, *map(number, metrics))
 
 
 def _diagnose(job: Job, item: Item, files: Files) -> Answer:
@@ -173,12 +178,12 @@ def _diagnose(job: Job, item: Item, files: Files) -> Answer:
     found = diagnose(vehicle, sides[CALIBRATION], sides[HOLDOUT])
     gap = (found.gap.before, found.gap.after, found.gap.closed)
     names = "+".join(effect.name for effect in found.effects)
-    return "done", (found.verdict, names, *map(number, gap))
+    return Status.DONE, (found.verdict, names, *map(number, gap))
 
 
-RUNS: dict[str, Callable[[Job, Item, Files], Answer]] = {
-    "fit": _fit,
-    "validate": _validate,
-    "check": _check,
-    "diagnose": _diagnose,
+RUNS: dict[Command, Callable[[Job, Item, Files], Answer]] = {
+    Command.FIT: _fit,
+    Command.VALIDATE: _validate,
+    Command.CHECK: _check,
+    Command.DIAGNOSE: _diagnose,
 }

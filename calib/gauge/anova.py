@@ -1,4 +1,4 @@
-r"""How much of a figure's scatter is the car, the station, and the repeat: variance components.
+r"""How much of a metric's scatter is the car, the station, and the repeat: variance components.
 
     y = mean + car_i + station_j + (car x station)_ij + repeat      all but the mean random
 
@@ -14,6 +14,7 @@ follow a chi-square law with the degrees of freedom of Satterthwaite (1946) and 
 independent.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,16 +23,16 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Codes = NDArray[np.int64]
 
-CAR, STATION, BOTH, REPEAT = "car", "station", "car_by_station", "repeatability"
+CAR, STATION, INTERACTION, REPEATABILITY = "car", "station", "car_by_station", "repeatability"
 RANK = 1e-9
 """Share of the largest singular value below which a direction is none."""
 
 
 @dataclass(frozen=True)
 class VarianceSource:
-    """One row of the table: ``ss`` and ``ms`` in the figure's unit squared, ``df`` degrees.
+    """One row of the table: ``ss`` and ``ms`` in the metric's unit squared, ``df`` degrees.
 
-    ``expected`` how often each variance is in the mean square; ``effective`` the degrees of
+    ``expected`` how often each variance is in the mean square; ``effective_df`` the degrees of
     freedom of the chi-square law that the mean square follows, or nearly does.
     """
 
@@ -39,7 +40,7 @@ class VarianceSource:
     df: int
     ss: float
     expected: dict[str, float]
-    effective: float
+    effective_df: float
 
     @property
     def ms(self) -> float:
@@ -55,10 +56,9 @@ class Anova:
     variances: dict[str, float]
 
     @property
-    def system(self) -> Array:
+    def expected_mean_squares(self) -> Array:
         """C: the expectation of each mean square in terms of each variance, shape (k, k)."""
-        names = [source.name for source in self.sources]
-        return np.array([[s.expected[name] for name in names] for s in self.sources])
+        return np.array([list(source.expected.values()) for source in self.sources])
 
 
 def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
@@ -71,11 +71,11 @@ def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
     if len(set(station)) > 1 and _adds([car], station):
         names.append(STATION)
         if _adds([car, station], _cell(car, station)):
-            names.append(BOTH)
+            names.append(INTERACTION)
     every = np.hstack([_columns(c) for c in _codes(car, station, names)])
-    if BOTH in names and np.linalg.matrix_rank(every) == car.size:
-        names.remove(BOTH)
-    return (*names, REPEAT)
+    if INTERACTION in names and np.linalg.matrix_rank(every) == car.size:
+        names.remove(INTERACTION)
+    return (*names, REPEATABILITY)
 
 
 def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = None) -> Anova:
@@ -86,30 +86,35 @@ def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = 
     names = terms or terms_of(car, station)
     codes = _codes(car, station, names[:-1])
     Z = dict(zip(names, [*map(_columns, codes), np.eye(y.size)], strict=True))
-    basis = np.ones((y.size, 1)) / np.sqrt(y.size)
+    parts = _partition(Z)
+    about = y - np.mean(y)
+    ss = {n: float(np.sum((U.T @ about) ** 2)) for n, U in parts.items()}
+    expected = {n: {m: _trace(U, Z[m]) / U.shape[1] for m in Z} for n, U in parts.items()}
+    C = np.array([list(row.values()) for row in expected.values()])
+    solved = np.linalg.solve(C, [ss[n] / U.shape[1] for n, U in parts.items()])
+    variances = dict(zip(names, map(float, solved), strict=True))
+    sources = (
+        VarianceSource(n, U.shape[1], ss[n], expected[n], _effective_df(U, Z, variances))
+        for n, U in parts.items()
+    )
+    return Anova(tuple(sources), variances)
+
+
+def _partition(Z: dict[str, Array]) -> dict[str, Array]:
+    """Orthonormal directions of each cause after those of the mean and of the causes before it."""
+    n = len(next(iter(Z.values())))
+    basis = np.ones((n, 1)) / np.sqrt(n)
     parts: dict[str, Array] = {}
-    for name in names:
-        parts[name] = _new_directions(basis, Z[name])
+    for name, columns in Z.items():
+        parts[name] = _new_directions(basis, columns)
         if parts[name].shape[1] == 0:
             raise ValueError(f"no degree of freedom left for {name}")
         basis = np.hstack([basis, parts[name]])
-    rows = {n: {m: _trace(U, Z[m]) / U.shape[1] for m in names} for n, U in parts.items()}
-    about = y - np.mean(y)
-    ss = {n: float(np.sum((U.T @ about) ** 2)) for n, U in parts.items()}
-    C = np.array([[rows[n][m] for m in names] for n in names])
-    found = np.linalg.solve(C, [ss[n] / parts[n].shape[1] for n in names])
-    variances = dict(zip(names, map(float, found), strict=True))
-    return Anova(
-        tuple(
-            VarianceSource(n, U.shape[1], ss[n], rows[n], _effective(U, Z, variances))
-            for n, U in parts.items()
-        ),
-        variances,
-    )
+    return parts
 
 
-def _codes(car: Codes, station: Codes, names: "list[str] | tuple[str, ...]") -> list[Codes]:
-    every = {CAR: car, STATION: station, BOTH: _cell(car, station)}
+def _codes(car: Codes, station: Codes, names: Sequence[str]) -> list[Codes]:
+    every = {CAR: car, STATION: station, INTERACTION: _cell(car, station)}
     return [every[name] for name in names]
 
 
@@ -118,7 +123,7 @@ def _cell(car: Codes, station: Codes) -> Codes:
 
 
 def _columns(codes: Codes) -> Array:
-    """One column of nought and one for each level, (n, levels)."""
+    """One column of zeros and ones for each level, (n, levels)."""
     return np.asarray(codes[:, None] == np.unique(codes)[None, :], dtype=np.float64)
 
 
@@ -140,8 +145,8 @@ def _trace(U: Array, Z: Array) -> float:
     return float(np.sum((U.T @ Z) ** 2))
 
 
-def _effective(U: Array, Z: dict[str, Array], variances: dict[str, float]) -> float:
-    """Satterthwaite's degrees of freedom of y' U U' y at the variances found, nought for negative.
+def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) -> float:
+    """Satterthwaite's degrees of freedom of y' U U' y at ``variances``, zero for negative ones.
 
     tr(M)^2 / tr(M^2) with M = U' V U: the plain degrees where M is a multiple of one.
     """

@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.gauge.anova import BOTH, CAR, REPEAT, STATION, Anova
+from calib.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION, Anova
 
 Array = NDArray[np.float64]
 
@@ -29,10 +29,10 @@ DRAWS = 20_000
 
 
 @dataclass(frozen=True)
-class Component:
-    """A variance in the figure's unit squared.
+class VarianceComponent:
+    """A variance in the metric's unit squared.
 
-    ``raw`` as it came out; ``variance`` the same, or nought where that is negative; ``low``,
+    ``raw`` as it came out; ``variance`` the same, or zero where that is negative; ``low``,
     ``high`` 95 % interval.
     """
 
@@ -43,7 +43,7 @@ class Component:
 
     @property
     def sd(self) -> float:
-        """Standard deviation, in the figure's unit."""
+        """Standard deviation, in the metric's unit."""
         return float(np.sqrt(self.variance))
 
     @property
@@ -53,15 +53,15 @@ class Component:
 
 
 @dataclass(frozen=True)
-class Gauge:
-    """What a figure's scatter is made of.
+class GaugeRR:
+    """What a metric's scatter is made of.
 
     ``components`` by name: those of the analysis, and where there are stations ``reproducibility``,
     then ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1];
     ``ndc`` number of distinct categories, uncut [1]; each with its 95 % interval.
     """
 
-    components: dict[str, Component]
+    components: dict[str, VarianceComponent]
     grr: float
     grr95: tuple[float, float]
     ndc: float
@@ -74,24 +74,23 @@ class Gauge:
 
     @property
     def negative(self) -> tuple[str, ...]:
-        """Causes whose variance came out negative and stands as nought."""
+        """Causes whose variance came out negative and counts as zero."""
         sums = (REPRODUCIBILITY, GAUGE, TOTAL)
         return tuple(n for n, c in self.components.items() if c.raw < 0.0 and n not in sums)
 
 
-def gauge(found: Anova) -> Gauge:
+def gauge_rr(found: Anova) -> GaugeRR:
     """Components, %GRR and ndc of an analysis. Raises ValueError where nothing scatters."""
-    if sum(source.ss for source in found.sources) <= 0.0 or found.variances[REPEAT] <= 0.0:
+    if sum(source.ss for source in found.sources) <= 0.0 or found.variances[REPEATABILITY] <= 0.0:
         raise ValueError("nothing scatters between repeats")
-    drawn = _drawn(found)
-    raw = _derived({name: np.asarray(value) for name, value in found.variances.items()}, clip=False)
-    point = _derived({name: np.asarray(value) for name, value in found.variances.items()})
-    spread = _derived(drawn)
+    variances = {name: np.asarray(value) for name, value in found.variances.items()}
+    raw, point = _derived(variances, clip=False), _derived(variances)
+    spread = _derived(_drawn(found))
     components = {
-        name: Component(float(point[name]), float(raw[name]), *_ends(spread[name]))
+        name: VarianceComponent(float(point[name]), float(raw[name]), *_ends(spread[name]))
         for name in point
     }
-    return Gauge(
+    return GaugeRR(
         components,
         float(_grr(point)),
         _ends(_grr(spread)),
@@ -103,10 +102,10 @@ def gauge(found: Anova) -> Gauge:
 def _drawn(found: Anova) -> dict[str, Array]:
     """Draws of every variance, each (DRAWS,): C^-1 applied to nu MS/chi2(nu)."""
     ms = [
-        source.ms * source.effective / _chi2(source.effective, i)
+        source.ms * source.effective_df / _chi2(source.effective_df, i)
         for i, source in enumerate(found.sources)
     ]
-    solved = np.linalg.solve(found.system, np.array(ms))
+    solved = np.linalg.solve(found.expected_mean_squares, np.array(ms))
     return dict(zip(found.variances, solved, strict=True))
 
 
@@ -117,13 +116,13 @@ def _chi2(nu: float, stream: int) -> Array:
 
 
 def _derived(variances: dict[str, Array], clip: bool = True) -> dict[str, Array]:
-    """Variances and their sums; with ``clip`` a negative one counts as nought in all of them."""
+    """Variances and their sums; with ``clip`` a negative one counts as zero in all of them."""
     v = {n: np.maximum(x, 0.0) if clip else x for n, x in variances.items()}
-    stations = [v[n] for n in (STATION, BOTH) if n in v]
-    out = {REPEAT: v[REPEAT]} | {n: v[n] for n in (STATION, BOTH) if n in v}
+    stations = [v[n] for n in (STATION, INTERACTION) if n in v]
+    out = {REPEATABILITY: v[REPEATABILITY]} | {n: v[n] for n in (STATION, INTERACTION) if n in v}
     if stations:
         out[REPRODUCIBILITY] = np.sum(stations, axis=0)
-    out[GAUGE] = np.sum([v[REPEAT], *stations], axis=0)
+    out[GAUGE] = np.sum([v[REPEATABILITY], *stations], axis=0)
     out[CAR] = v[CAR]
     out[TOTAL] = out[GAUGE] + v[CAR]
     return out

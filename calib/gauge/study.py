@@ -1,34 +1,36 @@
-"""Is the calibration itself a good gauge: repeated ramps of several cars, judged figure by figure.
+"""Is the calibration a good gauge: repeated ramps of several cars, judged metric by metric.
 
-ramps --fit, one table a ramp--> figures --anova--> components --limits--> verdict
+ramps --fit, one table a ramp--> metrics --anova--> components --limits--> verdict
 """
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import InputError
-from calib.gauge.anova import BOTH, STATION, Anova, anova, terms_of
-from calib.gauge.gauge_rr import Gauge, gauge
+from calib.gauge.anova import INTERACTION, STATION, Anova, anova, terms_of
+from calib.gauge.gauge_rr import GaugeRR, gauge_rr
 from calib.logs.log import Log
 from calib.signals.axle_signals import signals
 from calib.table.table import Table
 from calib.validation.limits import Judgement, Limit, judge
 
 Array = NDArray[np.float64]
+Codes = NDArray[np.int64]
 
 REFERENCE = 0.0015
 """eta - 1 at which the curves are compared unless told otherwise [1]: on the rising branch of any
 usual car, and ten times what the zero of a good ramp is uncertain by."""
 
-GOOD = 0.10
+GOOD_GRR = 0.10
 """%GRR up to which AIAG calls a gauge good; between this and the limit it is marginal."""
 
 DEFAULTS = (Limit("grr", None, 0.30), Limit("ndc", 5.0, None))
 """AIAG, Measurement Systems Analysis, 4th ed."""
 
-QUANTITIES = {
+METRICS = {
     "pad_scale": "common factor on the nominal pad friction",
     "pad_friction_f": "pad friction, front",
     "pad_friction_r": "pad friction, rear",
@@ -41,31 +43,39 @@ QUANTITIES = {
 """What is judged of every ramp; all are bare numbers."""
 
 
+class GaugeVerdict(StrEnum):
+    """What a metric is worth as a gauge, by AIAG; NOT_JUDGED where repeats do not scatter."""
+
+    GOOD = "good"
+    MARGINAL = "marginal"
+    BAD = "bad"
+    NOT_JUDGED = "not judged"
+
+
 @dataclass(frozen=True)
 class GaugeReading:
-    """The figures of one ramp, by name of `QUANTITIES`; its car, station and SHA-256."""
+    """The metrics of one ramp, by name of `METRICS`; its car, station and SHA-256."""
 
     log: str
     car: str
     station: str
-    figures: dict[str, float]
+    metrics: dict[str, float]
     digest: str = ""
 
 
 @dataclass(frozen=True)
 class GaugeResult:
-    """One figure: its ``values`` in the order of the readings, and what they say.
+    """One metric: its ``values`` in the order of the readings, and what they say.
 
-    ``analysis`` and ``gauge`` are None where repeats do not scatter at all. ``verdict`` good,
-    marginal, bad, or not judged.
+    ``analysis`` and ``gauge`` are None where repeats do not scatter at all.
     """
 
     name: str
     values: Array
     analysis: Anova | None
-    gauge: Gauge | None
+    gauge: GaugeRR | None
     judgements: tuple[Judgement, ...]
-    verdict: str
+    verdict: GaugeVerdict
 
 
 @dataclass(frozen=True)
@@ -79,8 +89,8 @@ class GaugeStudy:
 
     @property
     def passed(self) -> bool:
-        """Whether no figure is outside its limits."""
-        return all(result.verdict != "bad" for result in self.results)
+        """Whether no metric is outside its limits."""
+        return all(result.verdict != GaugeVerdict.BAD for result in self.results)
 
     @property
     def cars(self) -> tuple[str, ...]:
@@ -91,6 +101,15 @@ class GaugeStudy:
     def stations(self) -> tuple[str, ...]:
         """Names of the stations, sorted; empty where they are not told apart."""
         return tuple(sorted({r.station for r in self.readings if r.station}))
+
+
+@dataclass(frozen=True)
+class Design:
+    """Which ramp is of which car and station: codes (n,), and the causes that can be told apart."""
+
+    car: Codes
+    station: Codes
+    terms: tuple[str, ...]
 
 
 def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str, float]:
@@ -123,8 +142,8 @@ def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str
 
 
 def known_limits() -> set[str]:
-    """Names a limits file may hold: grr and ndc of all figures, or of one as ``NAME_grr``."""
-    return {"grr", "ndc"} | {f"{q}_{f}" for q in QUANTITIES for f in ("grr", "ndc")}
+    """Names a limits file may hold: grr and ndc of all metrics, or of one as ``NAME_grr``."""
+    return {"grr", "ndc"} | {f"{q}_{f}" for q in METRICS for f in ("grr", "ndc")}
 
 
 def study(
@@ -132,26 +151,23 @@ def study(
     limits: tuple[Limit, ...] = DEFAULTS,
     reference: float = REFERENCE,
 ) -> GaugeStudy:
-    """Analyse the readings, each figure by itself. Raises InputError for a design that cannot do.
+    """Analyse the readings, each metric by itself. Raises InputError for a design that cannot do.
 
     At least two cars and one repeated ramp are needed; stations are optional.
     """
     _refuse_twice(readings)
     car, station = (_coded([getattr(r, key) for r in readings]) for key in ("car", "station"))
     _check_design(readings, car, station)
-    terms = terms_of(car, station)
+    design = Design(car, station, terms_of(car, station))
     results = tuple(
-        _result(name, np.array([r.figures[name] for r in readings]), car, station, terms, limits)
-        for name in readings[0].figures
+        _result(name, np.array([r.metrics[name] for r in readings]), design, limits)
+        for name in readings[0].metrics
     )
-    return GaugeStudy(readings, results, reference, _notes(car, station, terms))
+    return GaugeStudy(readings, results, reference, _notes(design))
 
 
 def _coded(names: list[str]) -> NDArray[np.int64]:
     return np.asarray(np.unique(names, return_inverse=True)[1], dtype=np.int64)
-
-
-Codes = NDArray[np.int64]
 
 
 def _refuse_twice(readings: tuple[GaugeReading, ...]) -> None:
@@ -187,61 +203,62 @@ def _check_design(readings: tuple[GaugeReading, ...], car: Codes, station: Codes
         ) from cause
 
 
-def _result(
-    name: str,
-    values: Array,
-    car: Codes,
-    station: Codes,
-    terms: tuple[str, ...],
-    limits: tuple[Limit, ...],
-) -> GaugeResult:
-    found = anova(values, car, station, terms)
+def _result(name: str, values: Array, design: Design, limits: tuple[Limit, ...]) -> GaugeResult:
+    analysis = anova(values, design.car, design.station, design.terms)
     try:
-        judged = gauge(found)
+        judged = gauge_rr(analysis)
     except ValueError:
-        return GaugeResult(name, values, None, None, (), "not judged")
+        return GaugeResult(name, values, None, None, (), GaugeVerdict.NOT_JUDGED)
     have: dict[str, float | None] = {"grr": judged.grr, "ndc": float(judged.categories)}
     judgements = judge(_limits_of(name, limits), have)
-    bad = any(j.passed is False for j in judgements)
-    verdict = "bad" if bad else "good" if judged.grr <= GOOD else "marginal"
-    return GaugeResult(name, values, found, judged, judgements, verdict)
+    verdict = GaugeVerdict.GOOD if judged.grr <= GOOD_GRR else GaugeVerdict.MARGINAL
+    if any(j.passed is False for j in judgements):
+        verdict = GaugeVerdict.BAD
+    return GaugeResult(name, values, analysis, judged, judgements, verdict)
 
 
 def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
-    """The limits of one figure: its own before the common ones."""
+    """The limits of one metric: its own before the common ones."""
     by_name = {limit.figure: limit for limit in limits}
     both = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in ("grr", "ndc")]
     return tuple(Limit(f, limit.low, limit.high) for f, limit in both if limit is not None)
 
 
-def _notes(car: Codes, station: Codes, terms: tuple[str, ...]) -> tuple[str, ...]:
-    cells = _cells(car, station)
-    said: list[str] = []
-    if len(set(station)) < 2:
-        said.append("stations are not told apart: reproducibility is not measured")
-    elif STATION not in terms:
-        said.append("no car was on two stations: what stations do counts as the cars' own")
-    elif BOTH not in terms:
-        said.append("no car was twice on a station: car by station counts as repeatability")
-    if STATION in terms and len(set(station)) < 4:
-        said.append(
-            f"{len(set(station))} stations say little of all stations: the interval of the "
-            "reproducibility is wide"
-        )
-    if len(set(car)) < 5:
-        said.append(f"{len(set(car))} cars say little of all cars: AIAG asks for 10")
-    if cells.min() != cells.max():
-        empty = int(np.sum(cells == 0))
-        said.append(
-            "unequal numbers of ramps"
-            + (f", {empty} of {cells.size} car-station cells empty" if empty else "")
-            + ": sums of squares are type I (car, station, both), variances from their "
-            "expectations, intervals approximate"
-        )
-    return tuple(said)
+def _notes(design: Design) -> tuple[str, ...]:
+    """What the design cannot tell, and what it tells only roughly."""
+    stations, cars = len(set(design.station)), len(set(design.car))
+    few_stations = (
+        f"{stations} stations say little of all stations: the interval of the "
+        "reproducibility is wide"
+    )
+    few_cars = f"{cars} cars say little of all cars: AIAG asks for 10"
+    notes = (
+        _not_separated(design),
+        few_stations if STATION in design.terms and stations < 4 else "",
+        few_cars if cars < 5 else "",
+        _unbalanced(design),
+    )
+    return tuple(filter(None, notes))
 
 
-def _cells(car: Codes, station: Codes) -> NDArray[np.int64]:
-    counts = np.zeros((int(car.max()) + 1, int(station.max()) + 1), dtype=np.int64)
-    np.add.at(counts, (car, station), 1)
-    return counts
+def _not_separated(design: Design) -> str:
+    if len(set(design.station)) < 2:
+        return "stations are not told apart: reproducibility is not measured"
+    if STATION not in design.terms:
+        return "no car was on two stations: what stations do counts as the cars' own"
+    if INTERACTION not in design.terms:
+        return "no car was twice on a station: car by station counts as repeatability"
+    return ""
+
+
+def _unbalanced(design: Design) -> str:
+    ramps = np.zeros((int(design.car.max()) + 1, int(design.station.max()) + 1), dtype=np.int64)
+    np.add.at(ramps, (design.car, design.station), 1)
+    if ramps.min() == ramps.max():
+        return ""
+    empty = int(np.sum(ramps == 0))
+    cells = f", {empty} of {ramps.size} car-station cells empty" if empty else ""
+    return (
+        f"unequal numbers of ramps{cells}: sums of squares are type I (car, station, both), "
+        "variances from their expectations, intervals approximate"
+    )

@@ -30,7 +30,7 @@ def sheet(found: Summary, look: Look) -> Sheet:
     """Return the sheet of one figure."""
     return Sheet(
         kind="fleet",
-        name=look.figure.name,
+        name=look.metric.name,
         title="",
         note="",
         panels=(
@@ -121,8 +121,8 @@ def _room(low: float, high: float) -> tuple[float, float]:
 
 
 def _axis(look: Look) -> str:
-    name = look.figure.name.replace("$", r"\$")  # a name is no formula
-    return f"{name} [{look.figure.unit}]"
+    name = look.metric.name.replace("$", r"\$")  # a name is no formula
+    return f"{name} [{look.metric.unit}]"
 
 
 def picture_name(figure: str) -> str:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calib.gauge.anova import BOTH, CAR, REPEAT, STATION
+from calib.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION
 from calib.gauge.gauge_rr import GAUGE, TOTAL
-from calib.gauge.study import GOOD, GaugeResult, GaugeStudy
+from calib.gauge.study import GOOD_GRR, GaugeResult, GaugeStudy
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 LABELS = {
-    REPEAT: "repeatability",
+    REPEATABILITY: "repeatability",
     STATION: "station",
-    BOTH: "car by station",
+    INTERACTION: "car by station",
     GAUGE: "gauge",
     CAR: "cars",
 }
@@ -110,7 +110,7 @@ def components(ax: "Axes", result: GaugeResult) -> None:
     parts = result.gauge.components
     total = parts[TOTAL].sd
     names = [name for name in LABELS if name in parts]
-    for low, high, colour in ((0.0, GOOD, "#DDEFE6"), (GOOD, 0.3, "#F6EBD0")):
+    for low, high, colour in ((0.0, GOOD_GRR, "#DDEFE6"), (GOOD_GRR, 0.3, "#F6EBD0")):
         ax.axvspan(100.0 * low, 100.0 * high, color=colour, linewidth=0.0, zorder=0)
     top = 110.0
     for i, name in enumerate(names):

@@ -22,7 +22,7 @@ def headline(found: Summary) -> str:
         why = "too few to judge outliers or drift" if some else "none has a figure"
         said = f"{_count(len(found.logs), 'log', 'logs')}: {why}"
         return said + f"; {_errors(found)}." if found.failures else said + "."
-    drifting = [look.figure.name for look in found.looks if look.drifts]
+    drifting = [look.metric.name for look in found.looks if look.drifts]
     logs = len({outlier.log for outlier in found.outliers})
     steady = "No drift" if _drift_tested(found) else "Drift not tested"
     parts = [
@@ -120,7 +120,7 @@ def _row(look: Look) -> tuple[str, ...]:
 
 def described(found: Summary, look: Look) -> str:
     """One figure in words: where it lies, whether it drifts, how many run rules it breaks."""
-    s, unit = look.spread, "" if look.figure.unit == "1" else f" {look.figure.unit}"
+    s, unit = look.spread, "" if look.metric.unit == "1" else f" {look.metric.unit}"
     low, high = number(s.quantiles[0], s), number(s.quantiles[3], s)
     said = [f"Median {number(s.median, s)}{unit}, 90 % of the logs from {low} to {high}{unit}."]
     if look.drifts and look.change is not None:
@@ -138,7 +138,7 @@ def described(found: Summary, look: Look) -> str:
                 f"rule {rule}: {broken}" + ("" if chance is None else f" ({chance:.1f} by chance)")
             )
         said.append(f"Run rules broken: {'; '.join(told)}.")
-    elif look.figure.name == found.ordered_by:
+    elif look.metric.name == found.ordered_by:
         said.append("The logs are ordered by it, so it has no control chart and cannot drift.")
     else:
         said.append("No control chart: too few logs, or no scatter.")
@@ -169,17 +169,20 @@ def document(found: Summary) -> dict[str, Any]:
         "status": found.status,
         "headline": headline(found),
         "errors": found.failures,
-        "outliers": found.outliers,
+        "outliers": [
+            {"log": o.log, "figure": o.metric, "value": o.value, "z": o.z, "p": o.p}
+            for o in found.outliers
+        ],
         "outliers_by_chance": outliers.SHARE * len(found.outliers),
-        "figures": {look.figure.name: _entry(found, look) for look in found.looks},
-        "classes": {s.figure.name: dict(s.counts) for s in found.shares},
+        "figures": {look.metric.name: _entry(found, look) for look in found.looks},
+        "classes": {s.metric.name: dict(s.counts) for s in found.shares},
     }
 
 
 def _entry(found: Summary, look: Look) -> dict[str, Any]:
     s, c = look.spread, look.change
     return {
-        "unit": look.figure.unit,
+        "unit": look.metric.unit,
         "count": s.count,
         "median": s.median,
         "scale": s.scale,

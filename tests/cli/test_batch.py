@@ -1,6 +1,11 @@
 """`brake-cal batch` as the shell runs it."""
 
 import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
@@ -131,3 +136,47 @@ def test_usage(batch, tmp_path, words, said):
     assert ran.code == 2
     assert said in ran.err
     assert not (tmp_path / "out").exists()
+
+
+def on_a_terminal(words, folder, **variables):
+    """Run the command with a terminal for stderr; return stdout, and what the terminal gets."""
+    pty = pytest.importorskip("pty")
+    environment = {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "COLUMNS")}
+    environment["PYTHONPATH"] = str(Path(__file__).parents[2])
+    ours, theirs = pty.openpty()
+    ran = subprocess.Popen(
+        [sys.executable, "-m", "cli.main", *map(str, words)],
+        cwd=folder,
+        env=environment | variables,
+        stdout=subprocess.PIPE,
+        stderr=theirs,
+    )
+    os.close(theirs)
+    seen = b""
+    try:
+        while part := os.read(ours, 4096):
+            seen += part
+    except OSError:  # how Linux says that nobody is left on the other side
+        pass
+    os.close(ours)
+    out, _ = ran.communicate()
+    return out.decode(), seen.decode()
+
+
+@pytest.mark.parametrize(
+    ("environment", "bar", "colour"),
+    [
+        ({"TERM": "xterm"}, True, True),
+        ({"TERM": "xterm", "NO_COLOR": "1"}, True, False),
+        ({"TERM": "dumb"}, False, False),
+    ],
+)
+def test_progress_is_a_bar_on_a_terminal_that_can_draw_one(
+    home, tmp_path, environment, bar, colour
+):
+    words = ("batch", "check", "logs", "--out", tmp_path / "out", "--workers", "1")
+    out, seen = on_a_terminal(words, home, **environment)
+    assert out == f"3 logs: 1 failed, 2 passed; {tmp_path}/out/results.parquet\n"
+    assert ("\u2501" in seen) == bar
+    assert bool(re.search(r"\x1b\[[\d;]*3[0-9]m", seen)) == colour
+    assert "3 of 3 logs" in seen

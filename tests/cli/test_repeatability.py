@@ -44,6 +44,7 @@ def test_a_study_from_folders(brake_cal, ramps, tmp_path):
     assert found["grr"]["value"] < 0.3
     assert [row["df"] for row in found["anova"]] == [2, 1, 2, 6]
     assert len(told["ramps"]) == 12
+    assert list(told["ramps"][0]) == ["log", "car", "station", "figures", "digest"]
 
 
 def test_a_plan_and_limits_that_fail(brake_cal, ramps, tmp_path):

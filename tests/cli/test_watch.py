@@ -11,8 +11,8 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from calib.fleet.journal import NAME
 from tests.support.fleet_logs import many
+from tests.support.fleet_results import journalled
 from tests.support.reference_car import REAL, noisy, stop
 
 ROOT = Path(__file__).parents[2]
@@ -56,11 +56,6 @@ def drop(logs, folder):
         (folder / log.name).write_bytes(log.read_bytes())
 
 
-def rows(home):
-    file = home / "out" / NAME
-    return file.read_bytes().count(b"\n") - 1 if file.exists() else 0
-
-
 def waited_for(question, patience=60.0):
     end = time.monotonic() + patience
     while time.monotonic() < end:
@@ -75,11 +70,10 @@ def waited_for(question, patience=60.0):
 def test_it_ends_when_asked_and_says_what_was_done(bench, logs, tmp_path, number, send):
     process = bench("--json")
     drop(logs[:2], tmp_path / "in")
-    waited_for(lambda: rows(tmp_path) == 2)
+    told = [json.loads(process.stdout.readline()) for _ in range(2)]
     send(process.pid, number)
     out, err = process.communicate(timeout=30)
-    assert process.returncode == 0, err
-    told = [json.loads(line) for line in out.splitlines()]
+    assert (process.returncode, out) == (0, ""), err
     assert [row["log"] for row in told] == ["car_00000.csv", "car_00001.csv"]
     assert told[0]["figures"]["usable_validate"] is True
     assert "2 passed; out/results.parquet" in err
@@ -89,16 +83,19 @@ def test_it_ends_when_asked_and_says_what_was_done(bench, logs, tmp_path, number
 def test_killed_and_started_again_each_log_is_done_once(bench, logs, tmp_path):
     process = bench()
     drop(logs, tmp_path / "in")
-    waited_for(lambda: rows(tmp_path) >= 2)
+    told = [process.stdout.readline() for _ in range(2)]
     process.kill()
-    process.communicate()
+    told += process.communicate()[0].splitlines()
+    kept = journalled(tmp_path / "out")
+    assert {line.split(":")[0] for line in told} <= set(kept)
     process = bench()
-    waited_for(lambda: (tmp_path / "out" / "results.parquet").exists() and rows(tmp_path) >= 6)
+    again = [process.stdout.readline().split(":")[0] for _ in range(6 - len(kept))]
+    waited_for((tmp_path / "out" / "results.parquet").exists)
     process.terminate()
-    process.communicate(timeout=30)
-    assert process.returncode == 0
-    journal = (tmp_path / "out" / NAME).read_text().splitlines()[1:]
-    assert sorted(json.loads(line)[0] for line in journal) == [log.name for log in logs]
+    rest, _ = process.communicate(timeout=30)
+    assert (process.returncode, rest) == (0, "")
+    assert sorted([*kept, *again]) == [log.name for log in logs]
+    assert sorted(journalled(tmp_path / "out")) == [log.name for log in logs]
 
 
 def test_mistakes(brake_cal, tmp_path):

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from calib.fleet.journal import NAME
 from calib.fleet.run import run_batch
 from tests.support.fleet_logs import Here, validating
+from tests.support.fleet_results import journalled
 
 pytest.importorskip("distributed", reason="dask[distributed], the extra `dist`, is not installed")
 
@@ -105,8 +105,7 @@ def test_a_killed_worker_costs_no_row(fitted, sixty, address, workers, tmp_path)
     assert b"killed after" in ran.stdout
     assert workers[0].wait(10) == -signal.SIGKILL
     assert workers[1].poll() is None
-    lines = (out / NAME).read_bytes().splitlines()
-    assert len(lines) == 1 + 60
+    assert len(journalled(out)) == 60
     assert (out / "results.parquet").read_bytes() == whole.read_bytes()
 
 
@@ -141,9 +140,9 @@ def test_a_scheduler_that_dies_ends_the_run_and_keeps_what_is_done(
     assert ran.returncode == 1
     assert b"BatchError" in ran.stderr, ran.stderr.decode()
     assert b"the scheduler is gone" in ran.stderr
-    rows = (out / NAME).read_bytes().splitlines()[1:]
-    assert 10 <= len(rows) < 60
-    assert not any(b"died on it" in row for row in rows)
+    errors = journalled(out)
+    assert 10 <= len(errors) < 60
+    assert not any("died on it" in error for error in errors.values() if error)
 
 
 # The log is handed over when the client has noticed, and before it gives up.

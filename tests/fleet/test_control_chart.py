@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import binom, norm
 
 from calib.fleet.control_chart import (
     BY_CHANCE,
     FEWEST_BY_CHANCE,
     alarms,
-    broken_by_chance,
     change,
     chart,
     least_p,
@@ -37,9 +37,20 @@ def test_run_lengths_are_the_published_ones(rules, published):
     assert abs(found.mean() - published) < 4.0 * found.std() / np.sqrt(found.size)
 
 
+def test_shares_by_chance_are_those_of_the_closed_form():
+    """The last of the window must be a hit, and enough of those before it, on either side."""
+    one, two, three = norm.sf([1.0, 2.0, 3.0])
+    shares = {
+        1: 2.0 * three,
+        2: 2.0 * two * binom.sf(0, 2, two),
+        3: 2.0 * one * binom.sf(2, 4, one),
+        4: 2.0 * 0.5**8,
+    }
+    assert pytest.approx(shares, abs=5e-6) == BY_CHANCE
+
+
 def test_shares_by_chance_are_those_of_a_simulation():
     z = np.random.default_rng(2).normal(size=1_000_000)
-    assert broken_by_chance() == BY_CHANCE
     for rule, broken in alarms(z).items():
         assert broken.mean() == pytest.approx(BY_CHANCE[rule], rel=0.06)
 

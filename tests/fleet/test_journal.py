@@ -1,101 +1,172 @@
-"""The journal on disk: torn lines, later rows, other runs."""
+"""The journal on disk: rows to the last bit, what a crash leaves, other runs, a full disk."""
 
 import json
+import signal
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import BatchError
-from calib.fleet.journal import NAME, open_journal
-from calib.fleet.results_file import STATUSES
-from calib.fleet.row import Row, from_line, to_line
+from calib.fleet.columns import Status
+from calib.fleet.journal import EARLIER, NAME, open_journal
+from calib.fleet.row import Row
 
+ROOT = Path(__file__).parents[2]
 SETTINGS = {"command": "check", "table": "none"}
 
 floats = st.floats(allow_nan=False, allow_infinity=False)
+texts = st.text(st.characters(exclude_categories=["Cs"]))
 rows = st.builds(
     Row,
-    st.text(st.characters(exclude_categories=["Cs"]), min_size=1),
-    st.none() | st.text(st.characters(exclude_categories=["Cs"])),
-    st.sampled_from(STATUSES),
-    st.none() | st.text(st.characters(exclude_categories=["Cs"])),
+    texts,
+    st.none() | texts,
+    st.sampled_from(Status),
+    st.none() | texts,
     st.lists(st.none() | st.booleans() | floats | st.just("named")).map(tuple),
     st.booleans(),
 )
 
 
-def row(log, status="done", cells=(0.1,), **more):
+def row(log, status=Status.DONE, cells=(0.1,), **more):
     return Row(log, "d" * 64, status, None, cells, **more)
 
 
-@given(rows)
-def test_a_row_comes_back_from_its_line_to_the_last_bit(row):
-    line = to_line(row)
-    assert from_line(line) == row
-    assert line.count(b"\n") == 1
-
-
-@given(rows, st.data())
-def test_no_part_of_a_line_is_a_row(row, data):
-    line = to_line(row)
-    part = line[: data.draw(st.integers(0, len(line) - 1))]
-    with pytest.raises((ValueError, TypeError)):
-        from_line(part)
-
-
-@given(kept=st.integers(0, 10_000))
-def test_cut_anywhere_it_holds_the_rows_that_are_whole(tmp_path_factory, kept):
-    folder = tmp_path_factory.mktemp("cut")
+@given(st.lists(rows, unique_by=lambda row: row.log))
+def test_rows_come_back_to_the_last_bit(tmp_path_factory, rows):
+    folder = tmp_path_factory.mktemp("rows")
     journal = open_journal(folder, SETTINGS)
-    journal.add([row(f"log {i}", cells=(i / 3.0,)) for i in range(5)])
+    journal.add(rows)
     journal.close()
-    content = (folder / NAME).read_bytes()[:kept]
-    (folder / NAME).write_bytes(content)
     again = open_journal(folder, SETTINGS)
-    whole = max(content.count(b"\n") - 1, 0)
-    assert list(again.entries) == [f"log {i}" for i in range(whole)]
-    again.add([row("one more")])
-    names = [r.log for r in again.rows([*again.entries])]
-    assert names == [*(f"log {i}" for i in range(whole)), "one more"]
+    back = list(again.rows(row.log for row in rows))
+    assert back == rows
+    assert [list(map(repr, row.cells)) for row in back] == [list(map(repr, r.cells)) for r in rows]
+    assert again.logs() == sorted(row.log for row in rows)
+    assert again.counts().total() == len(rows)
     again.close()
-    lines = (folder / NAME).read_bytes().splitlines()
-    assert [json.loads(line)[0] for line in lines[1:]] == names
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory):
+    """What kill -9 leaves on the disk after five transactions: the file and its unfinished log."""
+    home = tmp_path_factory.mktemp("killed")
+    journal = open_journal(home, SETTINGS)
+    for i in range(5):
+        journal.add([row(f"log {i}", cells=(i / 3.0,))])
+    found = {path.name: path.read_bytes() for path in home.iterdir()}
+    journal.close()
+    return found
+
+
+@given(st.data())
+def test_cut_anywhere_it_holds_the_transactions_that_are_whole(tmp_path_factory, killed, data):
+    folder = tmp_path_factory.mktemp("cut")
+    for name, content in killed.items():
+        (folder / name).write_bytes(content)
+    pending = folder / f"{NAME}-wal"
+    kept = data.draw(st.integers(0, len(killed[pending.name])))
+    pending.write_bytes(killed[pending.name][:kept] + data.draw(st.binary(max_size=50)))
+    again = open_journal(folder, SETTINGS)
+    whole = len(again.logs())
+    assert again.logs() == [f"log {i}" for i in range(whole)]
+    assert [r.cells for r in again.rows(again.logs())] == [(i / 3.0,) for i in range(whole)]
+    assert kept < len(killed[pending.name]) or whole == 5
+    again.add([row("one more")])
+    again.close()
+    last = open_journal(folder, SETTINGS)
+    assert len(last.logs()) == whole + 1
+    last.close()
 
 
 def test_the_later_row_of_a_log_counts(tmp_path):
     journal = open_journal(tmp_path, SETTINGS)
     journal.add([row("a", cells=(1.0,)), row("b"), row("a", cells=(2.0,))])
-    assert [r.cells for r in journal.rows(["a"])] == [(2.0,)]
+    assert journal.row("a").cells == (2.0,)
     journal.close()
     again = open_journal(tmp_path, SETTINGS)
-    assert [r.cells for r in again.rows(["a"])] == [(2.0,)]
+    assert again.row("a").cells == (2.0,)
+    assert again.row("c") is None
+    with pytest.raises(KeyError):
+        next(again.rows(["c"]))
     again.close()
 
 
-def test_a_damaged_line_in_the_middle_is_told(tmp_path):
+def test_damage_is_told_and_makes_way_when_asked(tmp_path):
     journal = open_journal(tmp_path, SETTINGS)
-    journal.add([row("a"), row("b")])
+    journal.add([row(f"log {i}") for i in range(200)])
     journal.close()
-    lines = (tmp_path / NAME).read_bytes().splitlines(keepends=True)
-    (tmp_path / NAME).write_bytes(lines[0] + b"rubbish\n" + lines[2])
-    with pytest.raises(BatchError, match=r"no row.*--fresh"):
+    path = tmp_path / NAME
+    content = bytearray(path.read_bytes())
+    content[-4096:] = b"rubbish!" * 512
+    path.write_bytes(content)
+    with pytest.raises(BatchError, match=r"damaged.*--fresh"):
         open_journal(tmp_path, SETTINGS)
+    journal = open_journal(tmp_path, SETTINGS, fresh=True)
+    assert journal.logs() == []
+    journal.close()
 
 
-@pytest.mark.parametrize("content", [b"hello\n", b"[1]\n", b'{"schema": 2, "settings": {}}\n'])
-def test_what_is_no_journal_is_not_touched(tmp_path, content):
-    (tmp_path / NAME).write_bytes(content)
-    with pytest.raises(BatchError, match="not the journal"):
+def other_database(path):
+    db = sqlite3.connect(path)
+    db.execute("CREATE TABLE rows (log TEXT)")
+    db.commit()
+    db.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "make"),
+    [
+        (NAME, lambda path: path.write_bytes(b"hello\n" * 1000)),
+        (NAME, other_database),
+        (EARLIER, lambda path: path.write_bytes(b'{"schema": 1, "settings": {}}\n')),
+    ],
+)
+def test_what_is_no_journal_is_not_touched_and_makes_way_when_asked(tmp_path, name, make):
+    path = tmp_path / name
+    make(path)
+    content = path.read_bytes()
+    with pytest.raises(BatchError, match=r"not the journal .* --fresh"):
         open_journal(tmp_path, SETTINGS)
-    assert (tmp_path / NAME).read_bytes() == content
+    assert path.read_bytes() == content
+    journal = open_journal(tmp_path, SETTINGS, fresh=True)
+    journal.add([row("a")])
+    journal.close()
+    assert [path.name for path in tmp_path.iterdir()] == [NAME]
 
 
-def test_two_runs_do_not_write_at_once(tmp_path):
-    pytest.importorskip("fcntl")
+def test_fresh_holds_the_new_settings_and_no_row(tmp_path):
     journal = open_journal(tmp_path, SETTINGS)
-    with pytest.raises(BatchError, match="another run"):
+    journal.add([row("a")])
+    journal.close()
+    other = {**SETTINGS, "table": "t"}
+    open_journal(tmp_path, other, fresh=True).close()
+    with pytest.raises(BatchError, match="table t for none"):
         open_journal(tmp_path, SETTINGS)
+    journal = open_journal(tmp_path, other)
+    assert journal.logs() == []
+    journal.close()
+
+
+@pytest.mark.parametrize("fresh", [False, True])
+def test_two_runs_do_not_write_at_once(tmp_path, fresh):
+    journal = open_journal(tmp_path, SETTINGS)
+    journal.add([row("a")])
+    with pytest.raises(BatchError, match="another run"):
+        open_journal(tmp_path, SETTINGS, fresh)
+    code = (
+        "import sys; from pathlib import Path; from calib.fleet.journal import open_journal; "
+        f"open_journal(Path(sys.argv[1]), {SETTINGS}, {fresh})"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code, tmp_path], cwd=ROOT, capture_output=True, text=True
+    )
+    assert "another run is at work here" in ran.stderr
+    assert journal.logs() == ["a"]
     journal.close()
     open_journal(tmp_path, SETTINGS).close()
 
@@ -116,3 +187,46 @@ def test_a_disk_that_fails_at_the_end_leaves_the_file_closed(tmp_path, monkeypat
     with pytest.raises(OSError, match="No space"):
         journal.close()
     open_journal(tmp_path, SETTINGS).close()  # the lock is free again
+
+
+# No file of this process may grow beyond 200 kB, as on a disk that is nearly full.
+NEARLY_FULL = """
+import json, resource, signal, sys
+from pathlib import Path
+from calib.fleet.journal import open_journal
+from calib.fleet.row import Row
+from calib.fleet.columns import Status
+
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+journal = open_journal(Path(sys.argv[1]), json.loads(sys.argv[2]))
+kept = 0
+try:
+    while True:
+        journal.add([Row(f"log {kept:05d}", None, Status.DONE, "e" * 1000)])
+        kept += 1
+except OSError as error:
+    print(kept, error.strerror)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGXFSZ"), reason="no limit of file sizes")
+def test_a_disk_that_is_full_is_told_and_loses_no_row_that_was_kept(tmp_path):
+    ran = subprocess.run(
+        [sys.executable, "-c", NEARLY_FULL, tmp_path, json.dumps(SETTINGS)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    kept, _, why = ran.stdout.partition(" ")
+    assert int(kept) > 10, ran.stderr
+    assert why.strip()
+    journal = open_journal(tmp_path, SETTINGS)
+    assert journal.logs() == [f"log {i:05d}" for i in range(int(kept))]
+    journal.close()
+
+
+def test_a_folder_that_cannot_be_written_is_told_as_such(tmp_path):
+    (tmp_path / NAME).mkdir()
+    with pytest.raises(OSError, match="Is a directory"):
+        open_journal(tmp_path, SETTINGS)

@@ -1,10 +1,10 @@
 """Real processes: the same bytes for any number of them, after kill -9 of one or of all."""
 
 import os
+import pickle
 import signal
 import subprocess
 import sys
-import time
 from concurrent.futures import BrokenExecutor, Future
 from multiprocessing import active_children
 from pathlib import Path
@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from calib.fleet import pool as module
-from calib.fleet.journal import NAME
 from calib.fleet.pool import Pool
 from calib.fleet.run import run_batch
 from calib.table.store import Store
 from tests.support.fleet_logs import Here, validating
+from tests.support.fleet_results import journalled
 
 ROOT = Path(__file__).parents[2]
 
@@ -57,7 +57,7 @@ def test_a_killed_worker_costs_no_row(fitted, sixty, undisturbed, tmp_path):
         pool.close()
     assert killed
     assert done.results.read_bytes() == undisturbed
-    assert len((tmp_path / NAME).read_bytes().splitlines()) == 1 + 60
+    assert len(journalled(tmp_path)) == 60
 
 
 def test_a_pool_that_breaks_while_logs_are_handed_over_costs_no_row(
@@ -76,6 +76,19 @@ def test_a_pool_that_breaks_while_logs_are_handed_over_costs_no_row(
     assert done.results.read_bytes() == undisturbed
 
 
+# A batch that says how far it is, and on which workers.
+BATCH = """
+import pickle, sys
+from pathlib import Path
+from calib.fleet.pool import Pool
+from calib.fleet.run import run_batch
+
+if __name__ == "__main__":
+    job, logs, out = pickle.loads(sys.stdin.buffer.read())
+    run_batch(job, [logs], Path(out), Pool(1), lambda pace: print(pace.done, flush=True))
+"""
+
+
 def test_kill_9_in_the_middle_and_again(fitted, sixty, undisturbed, tmp_path):
     psutil = pytest.importorskip("psutil")
     Store(tmp_path / "tables").save(fitted)
@@ -83,26 +96,27 @@ def test_kill_9_in_the_middle_and_again(fitted, sixty, undisturbed, tmp_path):
     command = [sys.executable, "-m", "cli.main", "batch", "validate", sixty]
     command += ["--table", fitted.name, "--store", tmp_path / "tables", "--out", out]
     command += ["--workers", "1"]
-    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    while process.poll() is None and rows_in(out) < 8:
-        time.sleep(0.002)
+    script = tmp_path / "batch.py"
+    script.write_text(BATCH)
+    process = subprocess.Popen(
+        [sys.executable, script],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
+    process.stdin.write(pickle.dumps((validating(fitted), str(sixty), str(out))))
+    process.stdin.close()
+    said = next(int(line) for line in process.stdout if int(line) >= 8)
     workers = psutil.Process(process.pid).children(recursive=True)
     process.kill()
-    process.communicate()
-    before = rows_in(out)
-    assert 8 <= before < 60
+    process.wait()
+    process.stdout.close()
+    assert said <= len(journalled(out)) < 60
     assert not (out / "results.parquet").exists()
     assert psutil.wait_procs(workers, timeout=20)[1] == [], "workers outlive their parent"
 
     again = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert again.returncode == 0, again.stderr
     assert "60 logs: 20 error, 40 passed" in again.stdout
-    names = [line.split(b",")[0] for line in (out / NAME).read_bytes().splitlines()[1:]]
-    assert len(names) == len(set(names)) == 60
+    assert len(journalled(out)) == 60
     assert (out / "results.parquet").read_bytes() == undisturbed
-
-
-def rows_in(out):
-    """Whole rows in the journal."""
-    path = out / NAME
-    return max(path.read_bytes().count(b"\n") - 1, 0) if path.exists() else 0

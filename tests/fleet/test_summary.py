@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from calib.errors import InputError
-from calib.fleet.results_file import open_fleet
+from calib.fleet.results import open_fleet
 from calib.fleet.summary import failures, kind_of, summarise
 from tests.support.fleet_results import DRIFT_AT, OUTLIER, results
 
@@ -13,7 +13,7 @@ def found(tmp_path_factory):
 
 
 def look(found, name):
-    return next(one for one in found.looks if one.figure.name == name)
+    return next(one for one in found.looks if one.metric.name == name)
 
 
 def test_the_drift_is_found_where_it_is_and_only_there(found):
@@ -26,14 +26,14 @@ def test_the_drift_is_found_where_it_is_and_only_there(found):
 
 def test_the_outlier_is_named(found):
     worst = found.outliers[0]
-    assert (worst.log, worst.figure, worst.value) == (
+    assert (worst.log, worst.metric, worst.value) == (
         f"line/car{OUTLIER + 1}.csv", "pad_friction_f", 0.55)  # fmt: skip
     assert len(found.outliers) <= 2
 
 
 def test_statuses_shares_and_errors(found):
     assert found.status == {"passed": 397, "error": 3}
-    shares = {s.figure.name: dict(s.counts) for s in found.shares}
+    shares = {s.metric.name: dict(s.counts) for s in found.shares}
     assert shares == {"usable": {"yes": 300, "no": 100}, "verdict": {"no_gap": 266, "named": 134}}
     (failure,) = found.failures
     assert failure.message == "LOG: <b>ends</b> at # s"
@@ -67,7 +67,7 @@ def test_drift_is_tested_where_a_plain_step_would_be_found(tmp_path):
 
 def test_only_what_is_wanted(tmp_path):
     fleet = open_fleet(results(tmp_path / "r.parquet", 12))
-    assert [one.figure.name for one in summarise(fleet, ("settling",)).looks] == ["settling"]
+    assert [one.metric.name for one in summarise(fleet, ("settling",)).looks] == ["settling"]
     with pytest.raises(InputError, match="did you mean 'settling'"):
         summarise(fleet, ("setling",))
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.gauge.anova import BOTH, CAR, REPEAT, STATION, anova, terms_of
+from calib.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION, anova, terms_of
 
 # AIAG, Measurement Systems Analysis, 4th ed., the study of 10 parts, 3 appraisers, 3 trials.
 AIAG = np.array(
@@ -51,8 +51,8 @@ def test_the_published_table():
     published = {  # degrees of freedom, sum of squares, mean square
         CAR: (9, 88.3619, 9.81799),
         STATION: (2, 3.1673, 1.58363),
-        BOTH: (18, 0.3590, 0.01994),
-        REPEAT: (60, 2.7589, 0.04598),
+        INTERACTION: (18, 0.3590, 0.01994),
+        REPEATABILITY: (60, 2.7589, 0.04598),
     }
     for name, (df, ss, ms) in published.items():
         assert found[name].df == df
@@ -61,8 +61,8 @@ def test_the_published_table():
 
 
 def test_the_published_components_with_the_interaction_pooled():
-    found = anova(*aiag(), terms=(CAR, STATION, REPEAT)).variances
-    published = {REPEAT: 0.039973, STATION: 0.051455, CAR: 1.086446}
+    found = anova(*aiag(), terms=(CAR, STATION, REPEATABILITY)).variances
+    published = {REPEATABILITY: 0.039973, STATION: 0.051455, CAR: 1.086446}
     for name, variance in published.items():
         assert found[name] == pytest.approx(variance, abs=1e-6)
 
@@ -73,9 +73,12 @@ def test_a_small_design_by_hand():
     found = anova(y, car, np.zeros(6, dtype=int))
     assert [(s.name, s.df, pytest.approx(s.ss)) for s in found.sources] == [
         (CAR, 1, 24.0),
-        (REPEAT, 4, 4.0),
+        (REPEATABILITY, 4, 4.0),
     ]
-    assert found.variances == {CAR: pytest.approx((24.0 - 1.0) / 3.0), REPEAT: pytest.approx(1.0)}
+    assert found.variances == {
+        CAR: pytest.approx((24.0 - 1.0) / 3.0),
+        REPEATABILITY: pytest.approx(1.0),
+    }
 
 
 def test_one_way_with_unequal_numbers_by_hand():
@@ -86,17 +89,17 @@ def test_one_way_with_unequal_numbers_by_hand():
     assert found.sources[0].expected[CAR] == pytest.approx(11.0 / 6.0)
     within = 2.0 + 2.0
     between = 4.0**2 + 2 * 2.0**2 + 3 * 8.0**2 - 6 * (32.0 / 6.0) ** 2
-    assert found.variances[REPEAT] == pytest.approx(within / 3.0)
+    assert found.variances[REPEATABILITY] == pytest.approx(within / 3.0)
     assert found.variances[CAR] == pytest.approx((between / 2.0 - within / 3.0) / (11.0 / 6.0))
 
 
 def test_expected_mean_squares_of_a_full_design_are_the_textbook_s():
     found = anova(np.arange(24.0) % 7, *crossed(4, 3, 2))
     # rows car, station, both, repeat in columns of the same: 3*2, 4*2, 2, 1
-    assert found.system == pytest.approx(
+    assert found.expected_mean_squares == pytest.approx(
         np.array([[6, 0, 2, 1], [0, 8, 2, 1], [0, 0, 2, 1], [0, 0, 0, 1]])
     )
-    assert [source.effective for source in found.sources] == pytest.approx([3, 2, 6, 12])
+    assert [source.effective_df for source in found.sources] == pytest.approx([3, 2, 6, 12])
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -121,18 +124,18 @@ def test_missing_cells_leave_it_unbiased():
         anova(drawn(rng, car, station, sd)[keep], car[keep], station[keep]).variances
         for _ in range(400)
     ]
-    for name, truth in zip((CAR, STATION, BOTH, REPEAT), sd, strict=True):
+    for name, truth in zip((CAR, STATION, INTERACTION, REPEATABILITY), sd, strict=True):
         values = np.array([run[name] for run in runs])
         error = values.std() / np.sqrt(values.size)
         assert abs(values.mean() - truth**2) < 4.0 * error
 
 
 def test_what_a_design_can_tell():
-    assert terms_of(*crossed(4, 3, 2)) == (CAR, STATION, BOTH, REPEAT)
-    assert terms_of(*crossed(4, 3, 1)) == (CAR, STATION, REPEAT)
-    assert terms_of(*crossed(4, 1, 3)) == (CAR, REPEAT)
+    assert terms_of(*crossed(4, 3, 2)) == (CAR, STATION, INTERACTION, REPEATABILITY)
+    assert terms_of(*crossed(4, 3, 1)) == (CAR, STATION, REPEATABILITY)
+    assert terms_of(*crossed(4, 1, 3)) == (CAR, REPEATABILITY)
     nested = np.repeat(np.arange(4), 3)
-    assert terms_of(nested, nested // 2) == (CAR, REPEAT)
+    assert terms_of(nested, nested // 2) == (CAR, REPEATABILITY)
 
 
 def test_a_cause_without_a_degree_of_freedom_is_refused():

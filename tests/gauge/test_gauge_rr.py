@@ -2,17 +2,17 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from calib.gauge.anova import BOTH, CAR, REPEAT, STATION, anova
-from calib.gauge.gauge_rr import DRAWS, GAUGE, REPRODUCIBILITY, TOTAL, gauge
+from calib.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION, anova
+from calib.gauge.gauge_rr import DRAWS, GAUGE, REPRODUCIBILITY, TOTAL, gauge_rr
 from tests.gauge.test_anova import aiag, crossed, drawn
 
 
 def test_the_published_study():
     # AIAG MSA, 4th ed.: EV 0.199933, AV 0.226838, GRR 0.302373, PV 1.042327; 18.4, 20.9, 27.9 %;
     # ndc 1.41 * 1.042327 / 0.302373 = 4.861, cut to 4
-    found = gauge(anova(*aiag(), terms=(CAR, STATION, REPEAT)))
+    found = gauge_rr(anova(*aiag(), terms=(CAR, STATION, REPEATABILITY)))
     sd = {name: c.sd for name, c in found.components.items()}
-    assert sd[REPEAT] == pytest.approx(0.199933, abs=2e-6)
+    assert sd[REPEATABILITY] == pytest.approx(0.199933, abs=2e-6)
     assert sd[REPRODUCIBILITY] == pytest.approx(0.226838, abs=2e-6)
     assert sd[GAUGE] == pytest.approx(0.302373, abs=2e-6)
     assert sd[CAR] == pytest.approx(1.042327, abs=2e-6)
@@ -22,32 +22,32 @@ def test_the_published_study():
 
 
 def test_a_negative_variance_is_nought_and_told():
-    found = gauge(anova(*aiag()))
-    both = found.components[BOTH]
+    found = gauge_rr(anova(*aiag()))
+    both = found.components[INTERACTION]
     # (0.01994 - 0.04598)/3
     assert both.raw == pytest.approx(-0.00868, abs=1e-5)
     assert both.variance == 0.0
     assert both.low == 0.0
-    assert found.negative == (BOTH,)
-    parts = [found.components[name].variance for name in (REPEAT, STATION, CAR)]
+    assert found.negative == (INTERACTION,)
+    parts = [found.components[name].variance for name in (REPEATABILITY, STATION, CAR)]
     assert found.components[TOTAL].variance == pytest.approx(sum(parts))
 
 
 def test_the_interval_of_the_repeatability_is_the_exact_one():
-    found = gauge(anova(*aiag())).components[REPEAT]
+    found = gauge_rr(anova(*aiag())).components[REPEATABILITY]
     exact = 2.7589 / chi2.ppf([0.975, 0.025], 60)
     assert (found.low, found.high) == pytest.approx(tuple(exact), rel=0.02)
     assert DRAWS >= 10_000
 
 
 def test_the_same_numbers_give_the_same_interval():
-    assert gauge(anova(*aiag())) == gauge(anova(*aiag()))
+    assert gauge_rr(anova(*aiag())) == gauge_rr(anova(*aiag()))
 
 
 def test_what_does_not_scatter_is_refused():
     car, station = crossed(3, 2, 2)
     with pytest.raises(ValueError, match="nothing scatters"):
-        gauge(anova(np.ones(12), car, station))
+        gauge_rr(anova(np.ones(12), car, station))
 
 
 @pytest.mark.parametrize("missing", [False, True])
@@ -61,11 +61,11 @@ def test_intervals_hold_the_truth_as_often_as_they_say(missing):
     held = np.zeros(3)
     for _ in range(300):
         y = drawn(rng, car, station, sd)[keep]
-        found = gauge(anova(y, car[keep], station[keep]))
+        found = gauge_rr(anova(y, car[keep], station[keep]))
         c = found.components
         held += [
             c[CAR].low <= sd[0] ** 2 <= c[CAR].high,
-            c[REPEAT].low <= sd[3] ** 2 <= c[REPEAT].high,
+            c[REPEATABILITY].low <= sd[3] ** 2 <= c[REPEATABILITY].high,
             found.grr95[0] <= grr <= found.grr95[1],
         ]
     assert np.all(held / 300 > 0.90)

@@ -5,7 +5,7 @@ import pytest
 
 from calib.errors import InputError
 from calib.fitting.fit import fit
-from calib.gauge.study import QUANTITIES, GaugeReading, known_limits, metrics_of, study
+from calib.gauge.study import METRICS, GaugeReading, known_limits, metrics_of, study
 from calib.validation.limits import Limit
 from tests.support.reference_car import CAR, REAL, noisy, ramp, with_pads
 
@@ -31,7 +31,7 @@ def test_figures_of_a_ramp():
     log = noisy(ramp(with_pads(REAL, 0.36, 0.36)), 1)
     table = fit(CAR, [log])
     found = metrics_of(table, log)
-    assert set(found) == set(QUANTITIES)
+    assert set(found) == set(METRICS)
     assert found["pad_friction_f"] == pytest.approx(0.36, rel=0.02)
     assert found["pad_scale"] == pytest.approx(0.36 / 0.38, rel=0.02)
     assert found["eta_zero"] == pytest.approx(1.0 / 1.0008 - 1.0, abs=1e-4)  # the plant's radii

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.fleet.results_file import open_fleet
+from calib.fleet.results import open_fleet
 from calib.fleet.summary import summarise
 from calib.plots.fleet import distribution, in_order, picture_name, sheet, window
 from calib.plots.save import render
@@ -67,8 +67,8 @@ def test_a_name_with_dollars_and_slashes_is_drawn_as_it_is(tmp_path):
 
     odd = {"a$b/c$": ([1.0, 2.0, 3.0], pa.float64(), "1")}
     few = summarise(open_fleet(results(tmp_path / "r.parquet", 3, extra=odd)))
-    look = next(one for one in few.looks if one.figure.name == "a$b/c$")
+    look = next(one for one in few.looks if one.metric.name == "a$b/c$")
     ax = axes()
     distribution(ax, look)
     assert ax.get_xlabel() == r"a\$b/c\$ [1]"
-    assert picture_name(look.figure.name) == "a_b_c_.png"
+    assert picture_name(look.metric.name) == "a_b_c_.png"

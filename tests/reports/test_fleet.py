@@ -4,7 +4,7 @@ from html.parser import HTMLParser
 import pytest
 
 from calib.fleet.outliers import spread
-from calib.fleet.results_file import open_fleet
+from calib.fleet.results import open_fleet
 from calib.fleet.summary import summarise
 from calib.plots.fleet import sheet
 from calib.plots.save import render
@@ -37,7 +37,7 @@ class Page(HTMLParser):
 
 def test_the_page_fetches_nothing_and_escapes_everything(found):
     picture = render(sheet(found, found.looks[0]).overview(), ".png")
-    text = report_html(found, "<i>a & b</i>", {one.figure.name: picture for one in found.looks})
+    text = report_html(found, "<i>a & b</i>", {one.metric.name: picture for one in found.looks})
     page = Page(text)
     assert "b" not in page.tags
     assert "i" not in page.tags
@@ -62,6 +62,7 @@ def test_the_document_is_json_and_says_what_chance_gives(found):
     assert pads["chart"]["rules"]["1"]["by_chance"] == pytest.approx(0.0027 * 397)
     assert told["outliers_by_chance"] == pytest.approx(0.05 * len(told["outliers"]))
     assert told["outliers"][0]["log"] == "line/car134.csv"
+    assert list(told["outliers"][0]) == ["log", "figure", "value", "z", "p"]
 
 
 def test_a_short_line_is_not_called_steady_and_has_no_counts_by_chance(tmp_path):
@@ -87,5 +88,5 @@ def test_numbers_show_their_scatter():
 def test_a_few_logs_are_not_called_steady(tmp_path):
     few = summarise(open_fleet(results(tmp_path / "r.parquet", 3)))
     assert headline(few) == "3 logs: too few to judge outliers or drift."
-    page = report_html(few, "t", {one.figure.name: b"" for one in few.looks})
+    page = report_html(few, "t", {one.metric.name: b"" for one in few.looks})
     assert '<header class="unknown">' in page

@@ -17,7 +17,7 @@ folder, so that all paths in the outputs are relative. The same program gives th
 NaN equals NaN, and an infinity equals itself. Strings are equal, and so are the keys, columns,
 rows, units and files. The order of keys is free, that of columns, rows and lists is not.
 
-    json jsonl toml csv parquet        by key or column
+    json toml csv parquet              by key or column
     dcm cdfx h xml inca.csv txt        by the numbers, and by the text between them
     html                               the same, of the text that a reader sees, no pictures
     svg                                the same, with the texts of the figure, but no letter shapes
@@ -75,6 +75,9 @@ KEYS_LEFT_OUT = {
     "brake_cal.program": "the version of the code, in the metadata of results.parquet",
     "bytes": "the length of an export changes with a key's name and with the version's length",
 }
+
+JOURNALS = {"journal.jsonl", "journal.sqlite"}
+"""Files of a batch that hold the rows of its results.parquet, which is compared."""
 
 MASKED = (
     # what is replaced in every text, by what; why
@@ -685,7 +688,11 @@ class Side:
         parts = {path: path.relative_to(self.home).parts for path in paths}
         named = {"/".join(map(self.name, parts[path])): path for path in paths}
         skipped = (RECORDING, f"{BROKEN}/")
-        return {name: path for name, path in named.items() if not name.startswith(skipped)}
+        return {
+            name: path
+            for name, path in named.items()
+            if not name.startswith(skipped) and path.name not in JOURNALS
+        }
 
 
 def input_digests(home: Path) -> frozenset[str]:
@@ -722,12 +729,6 @@ def leaves(value: Any, side: Side, place: str = "", keys: tuple[str, ...] = ()) 
 def read_json(path: Path, side: Side) -> Leaves:
     """One document."""
     return leaves(json.loads(path.read_text(encoding="utf-8")), side)
-
-
-def read_journal(path: Path, side: Side) -> Leaves:
-    """A document a line, sorted: which worker is done first is chance."""
-    lines = sorted(path.read_text(encoding="utf-8").splitlines())
-    return leaves([json.loads(line) for line in lines], side)
 
 
 def read_toml(path: Path, side: Side) -> Leaves:
@@ -844,7 +845,6 @@ def read_svg(path: Path, side: Side) -> Leaves:
 
 READERS: dict[str, Callable[[Path, Side], Leaves]] = {
     "json": read_json,
-    "jsonl": read_journal,
     "toml": read_toml,
     "csv": read_csv,
     "parquet": read_parquet,

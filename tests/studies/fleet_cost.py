@@ -66,7 +66,7 @@ def main() -> None:
             command = [sys.executable, "-m", "cli.main", "batch", "validate", str(folder)]
             command += ["--table", car.name, "--store", f"{work}/tables", "--out", out]
             seconds, parent, worker = measured(command)
-            journal = os.path.getsize(f"{out}/journal.jsonl") / count
+            journal = os.path.getsize(f"{out}/journal.sqlite") / count
             rows.append((count, seconds, parent, worker))
             print(
                 f"{count:7d} {seconds:7.2f} s {1e3 * seconds / count:7.2f} ms {parent:6.0f} MB "

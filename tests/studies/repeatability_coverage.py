@@ -14,8 +14,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.gauge.anova import BOTH, CAR, REPEAT, STATION, anova, terms_of
-from calib.gauge.gauge_rr import GAUGE, NDC, TOTAL, gauge
+from calib.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION, anova, terms_of
+from calib.gauge.gauge_rr import GAUGE, NDC, TOTAL, gauge_rr
 
 GAUGES = {
     # standard deviations of car, station, car by station, repeat
@@ -35,7 +35,7 @@ DESIGNS = {
     "10 x 3 x 1": (10, 3, 1, 0.0),
     "3 x 2 x 2": (3, 2, 2, 0.0),
 }
-NAMES = (REPEAT, STATION, BOTH, GAUGE, CAR, TOTAL)
+NAMES = (REPEATABILITY, STATION, INTERACTION, GAUGE, CAR, TOTAL)
 
 
 def truth_of(sd, terms):
@@ -43,10 +43,10 @@ def truth_of(sd, terms):
     car, station, both, repeat = np.square(sd)
     if STATION not in terms:
         station = both = 0.0
-    if BOTH not in terms:
+    if INTERACTION not in terms:
         repeat, both = repeat + both, 0.0
     total = car + station + both + repeat
-    return {REPEAT: repeat, STATION: station, BOTH: both, CAR: car, TOTAL: total} | {
+    return {REPEATABILITY: repeat, STATION: station, INTERACTION: both, CAR: car, TOTAL: total} | {
         GAUGE: total - car
     }
 
@@ -70,7 +70,7 @@ def coverage(rng, design, sd, studies):
     for _ in range(studies):
         y, car, station = drawn(rng, design, sd)
         terms = terms_of(car, station)
-        found, truth = gauge(anova(y, car, station, terms)), truth_of(sd, terms)
+        found, truth = gauge_rr(anova(y, car, station, terms)), truth_of(sd, terms)
         for name in NAMES:
             if name in found.components:
                 c = found.components[name]

@@ -1,8 +1,13 @@
-"""Results of a batch with a known fleet: a drift, an outlier, errors, and a quiet figure."""
+"""Results of a batch with a known fleet: a drift, an outlier, errors, a quiet metric; journals."""
+
+import sqlite3
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+
+from calib.fleet.journal import NAME
 
 DRIFT_AT, OUTLIER, LOST = 240, 133, (13, 57, 185)
 
@@ -35,3 +40,11 @@ def results(path, n=400, shift=0.01, extra=None):
     arrays = [pa.array(v, type=t, from_pandas=True) for v, t, _ in columns.values()]
     pq.write_table(pa.Table.from_arrays(arrays, schema=pa.schema(fields)), path)
     return path
+
+
+def journalled(out: Path) -> dict[str, str | None]:
+    """Logs in the journal of ``out`` that no run has open, each with its error."""
+    db = sqlite3.connect(out / NAME)
+    found = dict(db.execute("SELECT log, error FROM rows"))
+    db.close()
+    return found
