@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cli.console import emit, emit_json, say
+from cli.console import emit, emit_json, is_watched, progress_bar, say
 from cli.jobs import Commands, Fresh, JobOptions, Out, Workers
 from cli.options import Json, example, grouped
 from cli.outputs import writing

@@ -1,13 +1,13 @@
 """What is done with each of many logs, as `batch` and `watch` are told it."""
 
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import calib
+from calib.fleet.command import Command
 from cli.inputs import channel_map_of, limits_of_stops, vehicle_of
 from cli.options import STORE, Map, Store, limits_file, out_folder, vehicle_file
 from cli.outputs import refuse_file
@@ -70,7 +70,7 @@ class JobOptions:
         if known is not None:
             require_same_vehicle(known, car, self.vehicle)
         return Job(
-            command=command.value,
+            command=command,
             table=known,
             vehicle=car,
             limits=limits_of_stops(self.limits) if command is Command.VALIDATE else (),

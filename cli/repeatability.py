@@ -58,15 +58,15 @@ def repeatability(
     Every ramp is fitted by itself; analysis of variance then parts the scatter of each metric into
     repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
     """
-    from calib.gauge.study import DEFAULTS, QUANTITIES, known_limits, study
+    from calib.gauge.study import DEFAULTS, METRICS, known_limits, study
     from calib.validation.limits import read_limits
 
-    _check_names(quantity or [], list(QUANTITIES))
+    _check_names(quantity or [], list(METRICS))
     refuse_file(out)
     held = read_limits(limits, known_limits()) if limits else DEFAULTS
     places = _places(logs or [], plan, folders)
     mapping = channel_map_of(channel_map)
-    readings = _readings(places, vehicle, mapping, eta / 100.0, quantity or list(QUANTITIES))
+    readings = _readings(places, vehicle, mapping, eta / 100.0, quantity or list(METRICS))
     found = study(readings, held, eta / 100.0)
     document = _document(found)
     if out is not None:

@@ -11,7 +11,7 @@ import typer
 
 from calib.fleet.command import Command
 from cli.console import complain, emit_line, json_line, say
-from cli.jobs import Command, Commands, Fresh, JobOptions, Out, Workers
+from cli.jobs import Commands, Fresh, JobOptions, Out, Workers
 from cli.options import example, grouped
 from cli.outputs import writing
 

@@ -63,16 +63,16 @@ def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> st
         too_few=_too_few(found),
         outliers=len(found.outliers),
         farthest=[
-            (o.log, o.figure, f"{o.value:.4g}", f"{o.z:+.1f}", f"{o.p:.1e}")
+            (o.log, o.metric, f"{o.value:.4g}", f"{o.z:+.1f}", f"{o.p:.1e}")
             for o in found.outliers[:NAMES]
         ],
         overview=[_row(look) for look in found.looks],
         figures=[
-            (look.figure.name, picture(pictures[look.figure.name], "png"), described(found, look))
+            (look.metric.name, picture(pictures[look.metric.name], "png"), described(found, look))
             for look in _first(found)
         ],
         classes=[
-            (s.figure.name, ", ".join(f"{text}: {count}" for text, count in s.counts))
+            (s.metric.name, ", ".join(f"{text}: {count}" for text, count in s.counts))
             for s in found.shares
         ],
         ordered_by=found.ordered_by,
@@ -103,11 +103,11 @@ def _row(look: Look) -> tuple[str, ...]:
     """One figure as a row of the table of all."""
     s, judged = look.spread, bool(np.isfinite(look.spread.z).any())
     if not s.count:
-        return (look.figure.name, look.figure.unit, "0", *("",) * 6)
+        return (look.metric.name, look.metric.unit, "0", *("",) * 6)
     tested = look.change and f"{'yes' if look.drifts else 'no'}, p {look.change.p:.1e}"
     return (
-        look.figure.name,
-        look.figure.unit,
+        look.metric.name,
+        look.metric.unit,
         str(s.count),
         number(s.median, s),
         f"{s.scale:.2g}",
