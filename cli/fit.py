@@ -43,9 +43,9 @@ def fit(
     mapping = channel_map_of(channel_map)
     say(f"fitting {car.name} from {len(logs)} log{'s' * (len(logs) > 1)}")
     known = read_model(model, car) if model else None
-    told = with_model(car, known) if known else car
+    given = with_model(car, known) if known else car
     runs = [read_log(path, mapping) for path in logs]
-    stored = calib.Store(store).save(fit_table(told, runs, known.empirical if known else None))
+    stored = calib.Store(store).save(fit_table(given, runs))
     if json:
         emit_json(_document(stored))
     else:
@@ -60,7 +60,7 @@ def _document(stored: "Stored") -> dict[str, object]:
         "digest": stored.digest,
         "path": stored.path,
         "calibration": table.calibration,
-        "effects": table.effects,
+        "effects": table.effect_values,
         "quality": table.quality,
         "remarks": table.remarks,
     }
@@ -77,7 +77,7 @@ def _report(stored: "Stored") -> None:
     ):
         low, high = value.ci95
         emit(f"{label:<10} {value.value:.4f}  (95 % {low:.4f} to {high:.4f})")
-    for effect, parameters in table.effects.items():
+    for effect, parameters in table.effect_values.items():
         for name, value in parameters.items():
             low, high = value.ci95
             emit(f"{effect} {name} {value.value:.4f}  (95 % {max(low, 0.0):.4f} to {high:.4f})")

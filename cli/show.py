@@ -58,7 +58,7 @@ def _facts(stored: "Stored") -> str:
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *(
             (effect, f"{parameter} {_interval(value)} {_unit(effect, parameter)}")
-            for effect, parameters in table.effects.items()
+            for effect, parameters in table.effect_values.items()
             for parameter, value in parameters.items()
         ),
         ("pad scale", _interval(pads.pad_scale)),

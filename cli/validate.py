@@ -87,8 +87,7 @@ def _with_known(table: "Table", path: Path) -> "Table":
     from calib.physics.model import read_model, with_effects
 
     model = read_model(path, table.vehicle)
-    car = with_effects(table.vehicle, model)
-    return replace(table, vehicle=car, empirical=model.empirical or table.empirical)
+    return replace(table, vehicle=with_effects(table.vehicle, model))
 
 
 def _check_out(logs: list[Path], out: Path | None) -> None:

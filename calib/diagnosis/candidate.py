@@ -21,10 +21,9 @@ from calib.diagnosis.channels import (
     whiten,
 )
 from calib.diagnosis.predict import Base, ObservedRun, predict
-from calib.physics.effects.catalogue import Effects, effect_named
+from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.effect import Card
-from calib.physics.effects.empirical import Empirical
-from calib.physics.model import TERM
+from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -69,7 +68,7 @@ class Candidate:
 
     names: tuple[str, ...]
     base: Base
-    effects: dict[str, dict[str, float]]
+    effects: Effects
     x: Array
     covariance: Array
     chi2: float
@@ -86,7 +85,7 @@ def problem_of(vehicle: Vehicle, runs: list[ObservedRun]) -> Problem:
     nominal = base_of(vehicle, np.zeros(4))
     parts = []
     for run in runs:
-        whole = residuals(run, predict(vehicle, nominal, {}, run))
+        whole = residuals(run, predict(vehicle, nominal, Effects(), run))
         parts.append(whole[:, : unbraked_length(run)])
     noise = noise_of(parts)
     turned = tuple(turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
@@ -101,7 +100,7 @@ def turned_to_ripple(
     Every run begins at another angle of the disc. Where the front torque is high, the car and its
     front wheels slow: a_x and front less rear go with -sin(angle).
     """
-    white = whiten(residuals(run, predict(vehicle, base, {}, run)), noise)
+    white = whiten(residuals(run, predict(vehicle, base, Effects(), run)), noise)
     angle = thinned(run, run.angle_f)
     torque = np.maximum(thinned(run, run.p_mc), 0.0)
     ripple = 0.0j
@@ -121,9 +120,7 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
     )
 
 
-def unpack(
-    vehicle: Vehicle, names: tuple[str, ...], x: Array
-) -> tuple[Base, dict[str, dict[str, float]]]:
+def unpack(vehicle: Vehicle, names: tuple[str, ...], x: Array) -> tuple[Base, Effects]:
     """Base and effects from a vector: four logarithms, then parameters in spreads from neutral.
 
     A strength counts from where it is neutral, any other parameter from its typical value.
@@ -136,7 +133,7 @@ def unpack(
             values[p.name] = _origin(card, j) + float(x[i]) * p.spread
             i += 1
         effects[name] = values
-    return base_of(vehicle, x), effects
+    return base_of(vehicle, x), Effects(effects)
 
 
 def _origin(card: Card, index: int) -> float:
@@ -166,7 +163,7 @@ def prior_rows(names: tuple[str, ...], x: Array) -> Array:
     return np.asarray(rows)
 
 
-MakeTerm = Callable[[Array], Empirical]
+MakeTerm = Callable[[Array], EmpiricalTerm]
 """An empirical term from its values at the knots."""
 
 
@@ -191,7 +188,7 @@ def fit(
 
     def objective(x: Array) -> Array:
         base, effects = unpack(problem.vehicle, names, x[:own])
-        present: Effects = {**effects, TERM: term[0](x[own:])} if term else effects
+        present = replace(effects, terms=(term[0](x[own:]),)) if term else effects
         # a term is only as bent as it must be
         bent = np.diff(x[own:]) / 0.5
         rows = [problem.flat(base, present), prior_rows(names, x[:own]), bent]
@@ -199,7 +196,7 @@ def fit(
 
     first = np.clip(start, low + 1e-6, high - 1e-6)
     scale = np.concatenate([np.full(4, 0.1), np.ones(own - 4), np.full(knots, 0.1)])
-    found = least_squares(
+    result = least_squares(
         objective,
         first,
         bounds=(low, high),
@@ -209,15 +206,15 @@ def fit(
         ftol=1e-5,
         xtol=1e-5,
     )
-    priors = prior_rows(names, found.x[:own]).size + (2 * knots - 1 if knots else 0)
-    innovations = found.fun[:-priors]
-    base, effects = unpack(problem.vehicle, names, found.x[:own])
+    priors = prior_rows(names, result.x[:own]).size + (2 * knots - 1 if knots else 0)
+    innovations = result.fun[:-priors]
+    base, effects = unpack(problem.vehicle, names, result.x[:own])
     return Candidate(
         names=names,
         base=base,
         effects=effects,
-        x=found.x,
-        covariance=np.linalg.pinv(found.jac.T @ found.jac),
+        x=result.x,
+        covariance=np.linalg.pinv(result.jac.T @ result.jac),
         chi2=float(innovations @ innovations),
         count=innovations.size,
     )

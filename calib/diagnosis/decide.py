@@ -168,8 +168,7 @@ def contradicted(problem: Problem, best: Candidate) -> bool:
     """
     after = problem.whitened(best.base, best.effects)
     for name in best.names:
-        rest = {n: p for n, p in best.effects.items() if n != name}
-        before = problem.whitened(best.base, rest)
+        before = problem.whitened(best.base, best.effects.without(name))
         for channel in range(len(CHANNELS)):
             x = np.concatenate([run[channel] for run in before])
             y = np.concatenate([run[channel] for run in after])

@@ -38,6 +38,7 @@ from calib.errors import LogError
 from calib.logs.log import Log
 from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.effect import acts_on_wheels
+from calib.physics.effects.effects import Effects
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
@@ -162,7 +163,7 @@ def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Di
     decision = confirm(decision, held)
     unexplained = None
     if decision.verdict == "unknown":
-        unexplained = locate(problem, decision.base)
+        unexplained = locate(problem, decision.base, held.runs)
     before = model_of(vehicle, decision.base)
     after = after_model(vehicle, decision, unexplained)
     first = tuple(replays(before, holdout))
@@ -299,7 +300,7 @@ def chi2_by_run(problem: Problem, candidate: Candidate) -> Array:
 
 def count_of(problem: Problem, candidate: Candidate) -> int:
     """Number of innovations."""
-    return sum(c.size for run in problem.whitened(candidate.base, {}) for c in run)
+    return sum(c.size for run in problem.whitened(candidate.base, Effects()) for c in run)
 
 
 def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, ...]:
@@ -311,7 +312,7 @@ def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, .
     for name in best.names:
         parameters = {}
         for p in effect_named(name).card.parameters:
-            value = best.effects[name][p.name]
+            value = best.effects.parameters[name][p.name]
             spread = 1.96 * float(np.hypot(sigma[i] * p.spread, SYSTEMATIC * value))
             parameters[p.name] = ParameterEstimate(value, p.unit, (value - spread, value + spread))
             i += 1
@@ -342,14 +343,13 @@ def standard_errors(candidate: Candidate) -> Array:
 
 def gain_without(problem: Problem, best: Candidate, name: str) -> float:
     """How much the mean squared innovation rises when the effect is taken away."""
-    rest = {n: p for n, p in best.effects.items() if n != name}
-    innovations = problem.flat(best.base, rest)
+    innovations = problem.flat(best.base, best.effects.without(name))
     return float(innovations @ innovations) / best.count - best.reduced
 
 
 def where_of(problem: Problem, best: Candidate, name: str) -> Where:
     """Where taking the effect away changes the innovations most."""
-    rest = {n: p for n, p in best.effects.items() if n != name}
+    rest = best.effects.without(name)
     power = np.zeros(len(CHANNELS))
     rows = []
     for run in problem.runs:
@@ -371,7 +371,7 @@ def where_of(problem: Problem, best: Candidate, name: str) -> Where:
     )
 
 
-def _change(problem: Problem, best: Candidate, rest: dict, run: ObservedRun) -> Array:  # type: ignore[type-arg]
+def _change(problem: Problem, best: Candidate, rest: Effects, run: ObservedRun) -> Array:
     """Change of the whitened channels (6, m) of a run without an effect; common length."""
     parts = [
         whiten(residuals(run, predict(problem.vehicle, best.base, effects, run)), problem.noise)
@@ -385,7 +385,7 @@ def _axle(problem: Problem, best: Candidate, name: str) -> str:
     """Which axle's torque or wheels an effect changes: front, rear, both, or body."""
     if not acts_on_wheels(effect_named(name)):
         return "body"
-    rest = {n: p for n, p in best.effects.items() if n != name}
+    rest = best.effects.without(name)
     front = rear = 0.0
     for run in problem.runs:
         a, b = (predict(problem.vehicle, best.base, e, run) for e in (best.effects, rest))
@@ -441,4 +441,5 @@ def after_model(vehicle: Vehicle, decision: Decision, unexplained: UnexplainedTe
     """The vehicle with what was found in it."""
     if unexplained is None:
         return model_of(vehicle, decision.best)
-    return replace(model_of(vehicle, unexplained.at), empirical=unexplained.term)
+    model = model_of(vehicle, unexplained.at)
+    return replace(model, effects=replace(model.effects, terms=(unexplained.term,)))

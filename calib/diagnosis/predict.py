@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.names import WHEELS, G
-from calib.physics.effects.catalogue import (
-    Effects,
+from calib.physics.effects.combined import (
     as_driven,
     as_read,
     caliper_pressure,
@@ -30,8 +29,10 @@ from calib.physics.effects.catalogue import (
     total_load_shift,
     wheel_factors,
 )
-from calib.physics.effects.effect import Motion, Pair, RunHistory
+from calib.physics.effects.effect import Pair
+from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads, tyre_force
+from calib.physics.history import Motion, RunHistory
 from calib.physics.vehicle import Vehicle
 from calib.signals.filters import block_mean, centred_mean
 from calib.signals.pedal import as_pressed
@@ -124,23 +125,23 @@ def run_of(log: Log) -> ObservedRun:
 
 
 def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) -> Prediction:
-    """Predict a run. Loads and what depends on them are passed through three times: they settle."""
+    """Predict a run. Loads and what depends on them are computed in three iterations."""
     car = as_driven(vehicle, effects)
     z = -run.a_x / G
     energy = (np.zeros_like(z), np.zeros_like(z))
-    arrives = line_pressure(effects, trace_of(run))
-    clamps = caliper_pressure(effects, trace_of(run), *arrives)
+    arrives = line_pressure(effects, history_of(run))
+    clamps = caliper_pressure(effects, history_of(run), *arrives)
     for _ in range(3):
-        trace = _trace(run, z, energy)
-        torques = _torques(car, base, effects, trace, clamps)
+        history = _history(run, z, energy)
+        torques = _torques(car, base, effects, history, clamps)
         energy = _energy(run, torques)
-        forces, loads, z = _balance(car, base, effects, trace, torques)
+        forces, loads, z = _balance(car, base, effects, history, torques)
     slips: list[Array] = []
     for i, force in enumerate(forces):
         twin = i % 2 == 1 and force is forces[i - 1]
         slips.append(slips[-1] if twin else _slip(base, force, loads[i]))
     a_true = -G * z
-    a_read = as_read(car, effects, _trace(run, z, energy), a_true)
+    a_read = as_read(car, effects, _history(run, z, energy), a_true)
     gained = np.concatenate([[0.0], np.cumsum(0.5 * (a_true[1:] + a_true[:-1])) * run.step])
     axles = (car.front, car.front, car.rear, car.rear)
     omega = np.stack(
@@ -149,13 +150,13 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     return Prediction(a_read, gained, omega)
 
 
-def trace_of(run: ObservedRun) -> RunHistory:
+def history_of(run: ObservedRun) -> RunHistory:
     """The run as an effect sees it before anything is predicted: measured z, no energy."""
     nothing = np.zeros_like(run.time)
-    return _trace(run, -run.a_x / G, (nothing, nothing))
+    return _history(run, -run.a_x / G, (nothing, nothing))
 
 
-def _trace(run: ObservedRun, z: Array, energy: tuple[Array, Array]) -> RunHistory:
+def _history(run: ObservedRun, z: Array, energy: tuple[Array, Array]) -> RunHistory:
     return RunHistory(
         time=run.time,
         v=run.v_smooth,
@@ -167,6 +168,7 @@ def _trace(run: ObservedRun, z: Array, energy: tuple[Array, Array]) -> RunHistor
         angle_r=run.angle_r,
         energy_f=energy[0],
         energy_r=energy[1],
+        source=run.name,
     )
 
 
@@ -178,13 +180,13 @@ def _energy(run: ObservedRun, torques: list[Array]) -> tuple[Array, Array]:
 
 
 def _torques(
-    car: Vehicle, base: Base, effects: Effects, trace: RunHistory, clamps: Pair
+    car: Vehicle, base: Base, effects: Effects, history: RunHistory, clamps: Pair
 ) -> list[Array]:
     """Brake torque of every wheel [N m] in the order of `WHEELS`."""
-    k_f, k_r = pad_factors(effects, trace, *clamps)
+    k_f, k_r = pad_factors(effects, history, *clamps)
     front = base.pad_friction_f * k_f * car.front.torque_gain * clamps[0]
     rear = base.pad_friction_r * k_r * car.rear.torque_gain * clamps[1]
-    uneven = wheel_factors(effects, trace)
+    uneven = wheel_factors(effects, history)
     even = (front, front, rear, rear)
     return [
         torque * uneven[w] if w in uneven else torque
@@ -193,15 +195,15 @@ def _torques(
 
 
 def _balance(
-    car: Vehicle, base: Base, effects: Effects, trace: RunHistory, torques: list[Array]
+    car: Vehicle, base: Base, effects: Effects, history: RunHistory, torques: list[Array]
 ) -> tuple[list[Array], list[Array], Array]:
-    """Tyre forces and loads of every wheel [N], and z [1], from z of the last pass."""
-    late = car.weight * total_load_shift(car, effects, trace)
-    load_f, load_r = axle_loads(car, trace.z)
+    """Tyre forces and loads of every wheel [N], and z [1], from z of the last iteration."""
+    late = car.weight * total_load_shift(car, effects, history)
+    load_f, load_r = axle_loads(car, history.z)
     halves = (0.5 * (load_f - late), 0.5 * (load_r + late))
-    motion = Motion(trace.v, 2.0 * halves[0], 2.0 * halves[1], trace)
+    motion = Motion(history.v, 2.0 * halves[0], 2.0 * halves[1], history)
     moments = total_axle_moment(car, effects, motion)
-    step = float(trace.time[1] - trace.time[0])
+    step = float(history.time[1] - history.time[0])
     forces: list[Array] = []
     for i, torque in enumerate(torques):
         if i % 2 == 1 and torque is torques[i - 1]:  # left and right alike
@@ -209,9 +211,9 @@ def _balance(
             continue
         side = i // 2
         axle = (car.front, car.rear)[side]
-        spin = -G * trace.z / axle.rolling_radius
+        spin = -G * history.z / axle.rolling_radius
         steady = tyre_force(axle, torque, spin, 0.5 * moments[side])
-        lag = axle.wheel_inertia * trace.v / axle.rolling_radius**2 / base.stiffness
+        lag = axle.wheel_inertia * history.v / axle.rolling_radius**2 / base.stiffness
         forces.append(follow(steady, lag / halves[side], step))
     loads = [halves[0], halves[0], halves[1], halves[1]]
     total = forces[0] + forces[1] + forces[2] + forces[3]

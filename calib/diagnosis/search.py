@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, fit, unpack
 from calib.physics.effects.catalogue import CATALOGUE
+from calib.physics.effects.effects import Effects
 
 Array = NDArray[np.float64]
 
@@ -67,7 +68,7 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
         best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(effect.card.parameters))]))
         for trial in trials(name):
             _, effects = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(4), trial]))
-            change = problem.flat(at.base, {**at.effects, **effects}) - innovations
+            change = problem.flat(at.base, at.effects.with_(effects)) - innovations
             gain, amount = along(innovations, directions, change)
             if amount > 0.0 and gain > best.gain:
                 begin = trial.copy()
@@ -94,7 +95,7 @@ def unresolved(problem: Problem, at: Candidate, least: float) -> tuple[str, ...]
         if usual == effect.card.neutral:
             usual += strength.spread
         values = {strength.name: usual} | {p.name: p.typical for p in others}
-        change = problem.flat(at.base, {**at.effects, name: values}) - innovations
+        change = problem.flat(at.base, at.effects.with_(Effects({name: values}))) - innovations
         free = change - directions @ (directions.T @ change)
         if float(free @ free) < least * at.count:
             faint.append(name)

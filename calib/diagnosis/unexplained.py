@@ -7,18 +7,18 @@ says so. What turns with the wheels begins at another angle in every run, so no 
 its share is found by its harmonics.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, fit
 from calib.diagnosis.channels import CHANNELS, thinned
-from calib.diagnosis.predict import trace_of
+from calib.diagnosis.predict import ObservedRun, history_of
 from calib.diagnosis.search import base_directions
 from calib.physics.braking import BITE
-from calib.physics.effects.empirical import DRIVERS, PLACES, Empirical, driver_along
-from calib.physics.model import TERM
+from calib.physics.effects.effects import EmpiricalTerm
+from calib.physics.effects.empirical import DISCS, DRIVERS, PLACES, drivers_of
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class UnexplainedTerm:
     twin, where that is most of it.
     """
 
-    term: Empirical
+    term: EmpiricalTerm
     axle: str
     driver: str
     explained: float
@@ -61,19 +61,24 @@ class UnexplainedTerm:
     runners_up: tuple[tuple[str, str, float], ...]
 
 
-def locate(problem: Problem, at: Candidate) -> UnexplainedTerm:
-    """Try every place with every driver on top of ``at``, in one linear step each."""
+def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) -> UnexplainedTerm:
+    """Try every place with every driver on top of ``at``, in one linear step each.
+
+    A temperature is tried only where every run has it, the hold-outs ``held`` among them.
+    """
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
     rest = innovations - directions @ (directions.T @ innovations)
     excess = max(at.chi2 - at.count, 1e-9)
     found: list[Found] = []
     for driver in DRIVERS:
-        if driver == "temperature" and any(run.temperature_f is None for run in problem.runs):
-            continue
-        signals = [driver_along(trace_of(run), driver) for run in problem.runs]
-        knots = knots_of(driver, signals)
         for place in PLACES:
+            if driver == "temperature" and not _warm(place, (*problem.runs, *held)):
+                continue
+            signals = [
+                x for run in problem.runs for x in drivers_of(place, driver, history_of(run))
+            ]
+            knots = knots_of(driver, signals)
             gain, values = _explain(
                 problem, at, (place, driver), knots, (innovations, directions, rest)
             )
@@ -89,7 +94,7 @@ def locate(problem: Problem, at: Candidate) -> UnexplainedTerm:
     turning, axle = _turning(problem, at, excess)
     turns = turning > max(float(best[0]), 0.1)
     return UnexplainedTerm(
-        term=Empirical(best[1], best[2], tuple(best[3].tolist()), tuple(best[4].tolist())),
+        term=EmpiricalTerm(best[1], best[2], tuple(best[3].tolist()), tuple(best[4].tolist())),
         axle=axle if turns else PLACES[best[1]],
         driver=WHEEL_ANGLE if turns else best[2],
         explained=float(best[0]),
@@ -101,6 +106,15 @@ def locate(problem: Problem, at: Candidate) -> UnexplainedTerm:
             for s, place, driver, *_ in fitted
             if (place, driver) != best[1:3]
         )[:3],
+    )
+
+
+def _warm(place: str, runs: tuple[ObservedRun, ...]) -> bool:
+    """Whether all runs have the temperatures that a term on a place reads."""
+    return all(
+        (run.temperature_f if axle == "f" else run.temperature_r) is not None
+        for run in runs
+        for axle in DISCS[PLACES[place]]
     )
 
 
@@ -148,7 +162,7 @@ def _fitted(problem: Problem, at: Candidate, item: Found, excess: float) -> Foun
     """A term fitted in full with the base: one linear step from a wrong base points wrong."""
     _, place, driver, knots, _, _ = item
 
-    def make(values: Array) -> Empirical:
+    def make(values: Array) -> EmpiricalTerm:
         return _term(place, driver, knots, values)
 
     start = np.concatenate([at.x, np.zeros(knots.size)])
@@ -181,8 +195,8 @@ def _explain(
     for k in range(knots.size):
         hat = np.zeros(knots.size)
         hat[k] = size
-        told = problem.flat(at.base, {**at.effects, TERM: _term(*where, knots, hat)})
-        change = (told - innovations) / size
+        effects = replace(at.effects, terms=(_term(*where, knots, hat),))
+        change = (problem.flat(at.base, effects) - innovations) / size
         columns.append(change - directions @ (directions.T @ change))
     A = np.stack(columns, axis=1)
     ridge = 1e-9 * float(np.trace(A.T @ A)) * np.eye(knots.size)
@@ -190,5 +204,5 @@ def _explain(
     return float(rest @ rest - np.sum((rest + A @ values) ** 2)), values
 
 
-def _term(place: str, driver: str, knots: Array, values: Array) -> Empirical:
-    return Empirical(place, driver, tuple(knots.tolist()), tuple(values.tolist()))
+def _term(place: str, driver: str, knots: Array, values: Array) -> EmpiricalTerm:
+    return EmpiricalTerm(place, driver, tuple(knots.tolist()), tuple(values.tolist()))

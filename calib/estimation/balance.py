@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from calib.physics.balance import ForceBalance, brake_forces, force_balance
 from calib.physics.braking import BITE
-from calib.physics.effects.catalogue import Effects
+from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals
 from calib.signals.filters import low_pass

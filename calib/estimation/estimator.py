@@ -21,12 +21,13 @@ from calib.estimation.baselines import baselines
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
 from calib.estimation.split_filter import PadRatio, Priors, SplitInput
 from calib.fitting.known_effects import remove_known_effects
-from calib.fitting.resistance import Resistance, other_known_effects
+from calib.fitting.resistance import DRAG, ROLLING, Resistance
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.balance import brake_forces, force_balance
 from calib.physics.braking import BITE
-from calib.physics.effects.catalogue import as_driven
+from calib.physics.effects.combined import as_driven
+from calib.physics.effects.effects import Effects
 from calib.physics.forces import mean_slip
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals, eta_of, signals
@@ -213,7 +214,7 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
-    ran = remove_known_effects(_with_effects(table, vehicle), log, table.empirical)
+    ran = remove_known_effects(_with_effects(table, vehicle), log)
     used = replace(table, vehicle=ran.vehicle)
     nominal = None if vehicle is None else _with_pads(ran.vehicle, vehicle)
     s = signals(ran.log, nominal or ran.vehicle)
@@ -309,8 +310,8 @@ def as_used(table: Table, vehicle: Vehicle | None) -> Vehicle:
 
 
 def _with_effects(table: Table, vehicle: Vehicle | None) -> Vehicle:
-    own = vehicle.effects if vehicle else {}
-    return replace(table.vehicle, effects={**table.vehicle.effects, **own})
+    own = vehicle.effects if vehicle else Effects()
+    return replace(table.vehicle, effects=table.vehicle.effects.with_(own))
 
 
 def _with_pads(car: Vehicle, pads: Vehicle) -> Vehicle:
@@ -323,20 +324,9 @@ def known_resistance(table: Table) -> Resistance:
 
     What the vehicle knows of drag or rolling resistance itself goes before it.
     """
-    mean, variance = [], []
-    for effect, parameter in (
-        ("aerodynamic_drag", "drag_area"),
-        ("rolling_resistance", "coefficient"),
-    ):
-        fitted = table.effects[effect][parameter]
-        mean.append(table.vehicle.effects.get(effect, {}).get(parameter, fitted.value))
-        variance.append(fitted.sigma**2)
-    return Resistance(
-        (mean[0], mean[1]),
-        ((variance[0], 0.0), (0.0, variance[1])),
-        known=True,
-        others=other_known_effects(table.vehicle, table.empirical),
-    )
+    effects = table.effects.with_(table.vehicle.effects)
+    drag, rolling = (table.effects.sigma[effect][name] for effect, name in (DRAG, ROLLING))
+    return Resistance(effects, ((drag**2, 0.0), (0.0, rolling**2)), known=True)
 
 
 def merged_noise(table: Table, own: SensorNoise) -> SensorNoise:

@@ -15,11 +15,10 @@ from calib.errors import LogError
 from calib.fitting import curves, identify, resistance
 from calib.fitting.identify import Identified, RampRun
 from calib.fitting.known_effects import remove_known_effects
-from calib.fitting.resistance import Resistance
+from calib.fitting.resistance import RESISTANCE, Resistance
 from calib.logs.log import Log
 from calib.physics.balance import brake_forces
 from calib.physics.braking import BITE
-from calib.physics.effects.empirical import Empirical
 from calib.physics.forces import front_biased_up_to
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
@@ -40,7 +39,7 @@ OUTLIER = 4.0
 """Residuals past this many sigma are named."""
 
 
-def fit(vehicle: Vehicle, logs: list[Log], empirical: Empirical | None = None) -> Table:
+def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     """Fit one table from ramped brakings.
 
     Parameters
@@ -48,9 +47,9 @@ def fit(vehicle: Vehicle, logs: list[Log], empirical: Empirical | None = None) -
     vehicle : names the table. The effects that it knows are taken out of the logs first, see
         `calib.fitting.known_effects`.
     logs : one ramp or more; logs without braking serve as coast logs.
-    empirical : a term whose cause is not known, taken out as well.
 
-    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead.
+    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead;
+    ModelError when an effect cannot be taken out of a log.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"
@@ -63,10 +62,10 @@ def fit(vehicle: Vehicle, logs: list[Log], empirical: Empirical | None = None) -
     0.4 is what the simulation had [1].
     """
     notes = {(log.name, log.digest): log.notes for log in logs}
-    accounted = [remove_known_effects(vehicle, log, empirical) for log in logs]
-    car = accounted[0].vehicle if accounted else vehicle
-    ramps, coasts = sort_logs(car, [run.log for run in accounted])
-    known = resistance.identify(car, [(b, noise.z) for _, b, noise in ramps + coasts], empirical)
+    corrected = [remove_known_effects(vehicle, log) for log in logs]
+    car = corrected[0].vehicle if corrected else vehicle
+    ramps, coasts = sort_logs(car, [run.log for run in corrected])
+    known = resistance.identify(car, [(b, noise.z) for _, b, noise in ramps + coasts])
     runs = [identify.prepare(car, log.name, b, noise, known.effects) for log, b, noise in ramps]
     found, runs = identify.identify(car, runs)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
@@ -86,7 +85,6 @@ def fit(vehicle: Vehicle, logs: list[Log], empirical: Empirical | None = None) -
     return Table(
         name=vehicle.name,
         vehicle=vehicle,
-        empirical=empirical,
         difference=curves.difference_curve(car, found, runs, z_end),
         paper=curves.paper_table(car, found, runs, z_end),
         tyre=curves.tyre_curve(car, found, runs, z_max),
@@ -96,11 +94,11 @@ def fit(vehicle: Vehicle, logs: list[Log], empirical: Empirical | None = None) -
             covariance=tuple(tuple(float(v) for v in row) for row in found.covariance),
         ),
         calibration=calibration(car, found, runs, known),
-        effects=resistance_values(known),
+        effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=quality,
         remarks=(
-            *taken_out(vehicle, empirical),
+            *taken_out(vehicle),
             *remarks(car, found, runs, known, peak, len(coasts)),
         ),
         provenance=Provenance(
@@ -213,15 +211,6 @@ def _sigma_level(vehicle: Vehicle, run: RampRun, known: Resistance) -> float:
     return float(np.hypot(noise, (resist @ z) / (z @ z)))
 
 
-def resistance_values(known: Resistance) -> dict[str, dict[str, Value]]:
-    """The resistance as named effects with sigma."""
-    sigma = np.sqrt(np.diag(np.asarray(known.covariance)))
-    return {
-        effect: {name: Value(float(value), float(s)) for name, value in parameters.items()}
-        for (effect, parameters), s in zip(known.found.items(), sigma, strict=True)
-    }
-
-
 def worst_noise(noises: list[SensorNoise]) -> SensorNoise:
     """The largest of each: an estimator must not promise more than the worst run."""
     return SensorNoise(**{key: max(asdict(n)[key] for n in noises) for key in asdict(noises[0])})
@@ -293,11 +282,9 @@ def remarks(
     return tuple(said)
 
 
-def taken_out(vehicle: Vehicle, empirical: Empirical | None) -> tuple[str, ...]:
+def taken_out(vehicle: Vehicle) -> tuple[str, ...]:
     """What was known of the car and is not in the table's pads."""
-    names = list(vehicle.effects)
-    if empirical is not None:
-        names.append(f"an empirical term on {empirical.place} over {empirical.driver}")
+    names = vehicle.effects.described
     return (f"known effects taken out of the logs: {', '.join(names)}",) if names else ()
 
 

@@ -18,28 +18,26 @@ from numpy.typing import NDArray
 from calib.errors import ModelError
 from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
-from calib.physics.brakes import Brakes, at_rest, brakes_of
-from calib.physics.effects.catalogue import as_driven, as_read, effect_named, pad_factors
-from calib.physics.effects.effect import (
-    RunHistory,
-    acts_on_brakes,
-    no_force,
-    no_moment,
-    true_acceleration,
-)
-from calib.physics.effects.empirical import Empirical
+from calib.physics.brakes import Brakes, brakes_of
+from calib.physics.effects.combined import as_driven, as_read, chosen, pad_factors
+from calib.physics.effects.effect import Effect, acts_on_brakes, slows
+from calib.physics.effects.effects import Effects
 from calib.physics.forces import deceleration
+from calib.physics.history import RunHistory, at_rest
 from calib.physics.lag import integral
 from calib.physics.model import Model, default_model
 from calib.physics.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
-SETTLED = 1e-9
-"""Largest change of a_x [m/s^2] in the last pass."""
+TOLERANCE = 1e-9
+"""Largest change of a_x [m/s^2] in the last iteration."""
 
-PASSES = 50
-"""The sensor effects of a car move a_x by a tenth of it at most: a digit a pass."""
+ITERATIONS = 50
+"""The sensor effects of a car move a_x by a tenth of it at most: a digit an iteration."""
+
+HEAT_ITERATIONS = 3
+"""Friction and heat depend on each other: three iterations are enough for wet pads to agree."""
 
 
 @dataclass(frozen=True)
@@ -57,94 +55,75 @@ class CorrectedRun:
     factor_r: Array
 
 
-def remove_known_effects(
-    vehicle: Vehicle, log: Log, empirical: Empirical | None = None
-) -> CorrectedRun:
-    """Take the known effects of a vehicle, and a term whose cause is not known, out of a log.
+def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
+    """Take the known effects of a vehicle, empirical terms among them, out of a log.
 
     A run without such effects comes back as it is. Causal: no sample depends on a later one.
-    Raises ModelError for an effect the catalogue does not know, for a term on body or wheels over
-    a temperature (the balance of forces has none), and when a_x cannot be told from its reading.
+    Raises ModelError for an effect that the catalogue does not know, for a term on the brakes over
+    a temperature that the log lacks, for a term on body or wheels over any temperature (the balance
+    of forces has none), and when a_x cannot be computed from its reading.
     """
-    _check(empirical)
-    told = default_model(vehicle)
-    terms = {name: p for name, p in told.effects.items() if not _is_force(name)}
-    on_brakes = empirical if empirical is not None and empirical.on_brakes else None
-    car = replace(as_driven(vehicle, told.effects), effects=_forces(told))
+    known = default_model(vehicle)
+    _refuse_force_over_temperature(known.effects, log)
+    car = replace(as_driven(vehicle, known.effects), effects=chosen(known.effects, slows))
+    effects = chosen(known.effects, _changes_log)
     ones = np.ones_like(log.time)
-    if not terms and on_brakes is None:
+    if not effects:
         return CorrectedRun(car, log, ones, ones)
-    model = replace(told, vehicle=car, effects=terms, empirical=on_brakes)
-    trace = _trace(model, log)
-    channels = {**log.channels, "a_x": -G * trace.z}
-    brakes = _brakes(model, log)
+    model = replace(known, vehicle=car, effects=effects)
+    history = _history(model, log)
+    channels = {**log.channels, "a_x": -G * history.z}
     factors = (ones, ones)
-    if _changes_pressure(model):
-        trace = _heated(brakes, trace, log)
-        torques = brakes.torques(trace)
+    if chosen(effects, acts_on_brakes):
+        brakes = _brakes(model, log)
+        history = _heated(brakes, history, log)
+        torques = brakes.torques(history)
         for w in WHEELS:
             gain = brakes.axle(w).torque_gain
             pads = model.pad_friction_f if w[0] == "f" else model.pad_friction_r
             channels[f"p_{w}"] = torques[brakes.twin(w)] / (pads * gain)
         clamp = [brakes.clamp[brakes.twin(f"{a}l")] for a in AXLES]
-        factors = pad_factors(model.terms, trace, clamp[0], clamp[1])
-    notes = (*log.notes, f"known effects taken out: {', '.join(model.terms)}")
+        factors = pad_factors(effects, history, clamp[0], clamp[1])
+    notes = (*log.notes, f"known effects taken out: {', '.join(effects.described)}")
     return CorrectedRun(car, replace(log, channels=channels, notes=notes), *factors)
 
 
-def _check(empirical: Empirical | None) -> None:
-    if empirical is None or empirical.on_brakes or empirical.driver != "temperature":
-        return
-    raise ModelError(
-        f"a term on the {empirical.place} over temperature cannot be taken out of a log",
-        where="empirical",
-        expected="a term on the brakes, or over speed, pressure, deceleration or time",
-    )
+def _refuse_force_over_temperature(effects: Effects, log: Log) -> None:
+    for term in effects.terms:
+        if term.driver == "temperature" and not term.on_brakes:
+            raise ModelError(
+                f"a term on the {term.place} over temperature cannot be taken out of a log",
+                where=log.source,
+                expected="a term on the brakes, or over speed, pressure, deceleration or time",
+            )
 
 
-def _is_force(name: str) -> bool:
-    """Whether an effect leaves the log alone: it acts on body or wheels, or is in the vehicle."""
-    effect = effect_named(name)
-    return not acts_on_brakes(effect) and effect.accelerometer is true_acceleration
+def _changes_log(effect: Effect) -> bool:
+    """Whether an effect changes a pressure or the reading of a_x; others stay in the vehicle."""
+    return acts_on_brakes(effect) or effect.accelerometer is not None
 
 
-def _changes_pressure(model: Model) -> bool:
-    return model.empirical is not None or any(
-        acts_on_brakes(effect_named(name)) for name in model.effects
-    )
-
-
-def _forces(model: Model) -> dict[str, dict[str, float]]:
-    """The effects that slow body or wheels; one may read on the accelerometer, too."""
-    effects = {name: effect_named(name) for name in model.effects}
-    return {
-        name: dict(model.effects[name])
-        for name, effect in effects.items()
-        if effect.body_force is not no_force or effect.axle_moment is not no_moment
-    }
-
-
-def _trace(model: Model, log: Log) -> RunHistory:
-    """The run behind the log, its a_x freed from what the sensor adds; no heat yet."""
+def _history(model: Model, log: Log) -> RunHistory:
+    """The run behind the log, its a_x without what the sensor adds; no heat yet."""
     car = model.vehicle
     omega = {a: 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"]) for a in AXLES}
     v = log["v"] if "v" in log else car.rear.rolling_radius * omega["r"]
     heat = {a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log}
     run = replace(
-        at_rest(log.time, log["p_mc"], float(v[0]), heat),
+        at_rest(log.time, log["p_mc"], float(v[0]), heat, log.source),
         v=v,
         angle_f=integral(log.time, omega["f"]),
         angle_r=integral(log.time, omega["r"]),
     )
     a_x = log["a_x"]
-    for _ in range(PASSES):
+    for _ in range(ITERATIONS):
         run = replace(run, z=deceleration(a_x))
-        off = log["a_x"] - as_read(car, model.terms, run, a_x)
+        off = log["a_x"] - as_read(car, model.effects, run, a_x)
         a_x = a_x + off
-        if float(np.max(np.abs(off))) < SETTLED:
+        if float(np.max(np.abs(off))) < TOLERANCE:
             return run
     raise ModelError(
-        "the acceleration cannot be told from its reading",
+        "the acceleration cannot be computed from its reading",
         where=log.source,
         do="check accelerometer_scale and pitch_coupling among the known effects",
     )
@@ -152,13 +131,13 @@ def _trace(model: Model, log: Log) -> RunHistory:
 
 def _brakes(model: Model, log: Log) -> Brakes:
     own = {w: log[f"p_{w}"] for w in WHEELS if f"p_{w}" in log}
-    return brakes_of(model, at_rest(log.time, log["p_mc"], 0.0), own)
+    return brakes_of(model, at_rest(log.time, log["p_mc"], 0.0, source=log.source), own)
 
 
-def _heated(brakes: Brakes, trace: RunHistory, log: Log) -> RunHistory:
-    """The run with the heat its brakes took; friction and heat depend on each other and settle."""
-    for _ in range(3):
-        torques = brakes.torques(trace)
+def _heated(brakes: Brakes, history: RunHistory, log: Log) -> RunHistory:
+    """The run with the heat [J] that its brakes took; friction and heat depend on each other."""
+    for _ in range(HEAT_ITERATIONS):
+        torques = brakes.torques(history)
         heat = {a: integral(log.time, np.abs(torques[f"{a}l"] * log[f"omega_{a}l"])) for a in AXLES}
-        trace = replace(trace, energy_f=heat["f"], energy_r=heat["r"])
-    return trace
+        history = replace(history, energy_f=heat["f"], energy_r=heat["r"])
+    return history

@@ -10,7 +10,7 @@ speeds separates them. Wrong when the engine drives or brakes, on a slope the ac
 see, or in wind.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,8 @@ from numpy.typing import NDArray
 from calib.physics.balance import force_balance
 from calib.physics.effects import aerodynamic_drag, rolling_resistance
 from calib.physics.effects.aerodynamic_drag import AIR_DENSITY
-from calib.physics.effects.catalogue import Effects
-from calib.physics.effects.effect import Parameters
-from calib.physics.effects.empirical import Empirical
-from calib.physics.model import TERM, default_model
+from calib.physics.effects.effects import Effects
+from calib.physics.model import default_model
 from calib.physics.vehicle import Vehicle
 from calib.signals.blocks import Blocks
 
@@ -31,34 +29,36 @@ MODEL_ERROR = 3e-4
 """What a coast can be off in z for reasons not modelled: wind, road crown, a warm gearbox [1]."""
 
 
+DRAG, ROLLING = (
+    (effect.card.name, effect.card.parameters[0].name)
+    for effect in (aerodynamic_drag.EFFECT, rolling_resistance.EFFECT)
+)
+"""Effect and parameter that are looked for."""
+
+RESISTANCE = (DRAG[0], ROLLING[0])
+"""Names of the two effects."""
+
+
 @dataclass(frozen=True)
 class Resistance:
-    """Drag area [m^2] and rolling coefficient [1]: ``mean`` (2,) and ``covariance`` (2, 2).
+    """Drag and rolling resistance, and what else is known to slow body or wheels.
 
-    ``known`` is true where the vehicle file gave both; ``others`` is what else is known to slow
-    body or wheels.
+    Attributes
+    ----------
+    effects : all of them, drag area [m^2] and rolling coefficient [1] among them.
+    covariance : of these two, (2, 2).
+    known : whether the vehicle file gave both.
     """
 
-    mean: tuple[float, float]
+    effects: Effects
     covariance: tuple[tuple[float, float], tuple[float, float]]
     known: bool = False
-    others: Effects = field(default_factory=dict)
 
     @property
-    def effects(self) -> dict[str, Parameters | Empirical]:
-        """All that slows body or wheels, as the catalogue takes it."""
-        return {
-            **self.others,
-            **self.found,
-        }
-
-    @property
-    def found(self) -> dict[str, Parameters]:
-        """The two effects that are looked for."""
-        return {
-            "aerodynamic_drag": {"drag_area": self.mean[0]},
-            "rolling_resistance": {"coefficient": self.mean[1]},
-        }
+    def mean(self) -> tuple[float, float]:
+        """Drag area [m^2] and rolling coefficient [1]."""
+        drag, rolling = (self.effects.parameters[effect][name] for effect, name in (DRAG, ROLLING))
+        return drag, rolling
 
     def sigma_z(self, vehicle: Vehicle, v: Array) -> Array:
         """Standard deviation of the resistance at speed ``v`` [m/s], as a deceleration [1]."""
@@ -67,24 +67,13 @@ class Resistance:
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-def other_known_effects(vehicle: Vehicle, empirical: Empirical | None) -> Effects:
-    """What is known to slow body or wheels besides drag and rolling resistance."""
-    names = (aerodynamic_drag.EFFECT.card.name, rolling_resistance.EFFECT.card.name)
-    others = {n: p for n, p in vehicle.effects.items() if n not in names}
-    if empirical is None or empirical.on_brakes:
-        return others
-    return {**others, TERM: empirical}
-
-
-def identify(
-    vehicle: Vehicle, runs: list[tuple[Blocks, float]], empirical: Empirical | None = None
-) -> Resistance:
+def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
     """Drag and rolling resistance from the unbraked blocks of ``runs``.
 
     Each run comes with the noise density of its z [s^0.5]. Values of the vehicle file are kept,
-    whatever the runs say; its other effects, and an empirical term, are taken out first. The answer
-    is the most probable one under a Gaussian on the cards' typical values, within the cards'
-    ranges; the covariance is that of the uncut Gaussian.
+    whatever the runs say; its other effects are taken out first. The result is the most probable
+    one under a Gaussian on the cards' typical values, within the cards' ranges; the covariance is
+    that of the uncut Gaussian.
 
     Raises ModelError if the vehicle names an effect or parameter that the catalogue does not know,
     or a value out of its range.
@@ -92,10 +81,9 @@ def identify(
     from scipy.optimize import lsq_linear
 
     effects = default_model(vehicle).effects
-    others = other_known_effects(vehicle, empirical)
-    cards = (aerodynamic_drag.EFFECT.card, rolling_resistance.EFFECT.card)
-    priors = [card.parameters[0] for card in cards]
-    given = [effects.get(card.name, {}).get(p.name) for card, p in zip(cards, priors, strict=True)]
+    others = effects.without(*RESISTANCE)
+    priors = [e.EFFECT.card.parameters[0] for e in (aerodynamic_drag, rolling_resistance)]
+    given = [effects.parameters.get(name, {}).get(p) for name, p in (DRAG, ROLLING)]
     centre = [p.typical if g is None else g for p, g in zip(priors, given, strict=True)]
     # a given value is still a measured one: 2 % of the usual spread keeps the algebra regular
     spread = [p.spread * (1.0 if g is None else 0.02) for p, g in zip(priors, given, strict=True)]
@@ -120,15 +108,22 @@ def identify(
         rest = y - A[:, ~free] @ solution[~free]
         solution[free] = lsq_linear(A[:, free], rest, bounds=(low, high)).x
     covariance = np.linalg.inv(A.T @ A)
+    values = np.maximum(solution, 0.0)
+    sigma = np.sqrt(np.diag(covariance))
     return Resistance(
-        mean=(max(float(solution[0]), 0.0), max(float(solution[1]), 0.0)),
+        effects=others.with_(Effects(_resistance(values), sigma=_resistance(sigma))),
         covariance=(
             (float(covariance[0, 0]), float(covariance[0, 1])),
             (float(covariance[1, 0]), float(covariance[1, 1])),
         ),
         known=all(g is not None for g in given),
-        others=others,
     )
+
+
+def _resistance(numbers: Array) -> dict[str, dict[str, float]]:
+    """Two numbers, one for each of the two parameters, as `Effects` has them."""
+    pairs = zip((DRAG, ROLLING), numbers, strict=True)
+    return {effect: {name: float(number)} for (effect, name), number in pairs}
 
 
 def _drag_gain(vehicle: Vehicle, v: Array) -> Array:

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.names import G
-from calib.physics.brakes import at_rest
-from calib.physics.effects.catalogue import Effects, total_axle_moment, total_body_force
-from calib.physics.effects.effect import Motion
+from calib.physics.effects.combined import total_axle_moment, total_body_force
+from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads, braking_sum
+from calib.physics.history import Motion, at_rest
 from calib.physics.vehicle import Axle, Vehicle
 
 Array = NDArray[np.float64]

@@ -15,36 +15,18 @@ from numpy.typing import NDArray
 
 from calib.names import WHEELS
 from calib.physics import forces
-from calib.physics.effects.catalogue import (
+from calib.physics.effects.combined import (
     caliper_pressure,
     line_pressure,
     pad_factors,
     wheel_factors,
 )
-from calib.physics.effects.effect import Pair, RunHistory
+from calib.physics.effects.effect import Pair
+from calib.physics.history import RunHistory
 from calib.physics.model import Model
 from calib.physics.vehicle import Axle
 
 Array = NDArray[np.float64]
-
-
-def at_rest(
-    time: Array, p_mc: Array, v0: float, temperature: Mapping[str, Array] | None = None
-) -> RunHistory:
-    """A run of which only the pressure [Pa] and the temperatures [degC] by axle are known yet."""
-    heat, zero = temperature or {}, np.zeros_like(time)
-    return RunHistory(
-        time=time,
-        v=np.full_like(time, v0),
-        z=zero,
-        p_mc=p_mc,
-        temperature_f=heat.get("f"),
-        temperature_r=heat.get("r"),
-        angle_f=zero,
-        angle_r=zero,
-        energy_f=zero,
-        energy_r=zero,
-    )
 
 
 @dataclass(frozen=True)
@@ -67,16 +49,16 @@ class Brakes:
         """The axle of a wheel."""
         return self.model.vehicle.front if w[0] == "f" else self.model.vehicle.rear
 
-    def pads(self, trace: RunHistory, side: str = "l") -> Pair:
+    def pads(self, history: RunHistory, side: str = "l") -> Pair:
         """Friction of the front and the rear pads [1] (n,) on one side."""
         p_f, p_r = (self.clamp[self.twin(f"{a}{side}")] for a in "fr")
-        front, rear = pad_factors(self.model.terms, trace, p_f, p_r)
+        front, rear = pad_factors(self.model.effects, history, p_f, p_r)
         return self.model.pad_friction_f * front, self.model.pad_friction_r * rear
 
-    def torques(self, trace: RunHistory) -> dict[str, Array]:
+    def torques(self, history: RunHistory) -> dict[str, Array]:
         """Brake torque [N m] (n,) by wheel."""
-        uneven = wheel_factors(self.model.terms, trace)
-        pads = {side: self.pads(trace, side) for side in {w[1] for w in self.clamp}}
+        uneven = wheel_factors(self.model.effects, history)
+        pads = {side: self.pads(history, side) for side in {w[1] for w in self.clamp}}
         torques = {}
         for w, p in self.clamp.items():
             T_b = forces.brake_torque(self.axle(w), pads[w[1]]["fr".index(w[0])], p)  # (2), (3)
@@ -89,12 +71,15 @@ def brakes_of(model: Model, rest: RunHistory, own: Mapping[str, Array]) -> Brake
 
     A wheel's own pressure is behind the line, so only the caliper changes it.
     """
-    p_f, p_r = line_pressure(model.terms, rest)
+    effects = model.effects
+    p_f, p_r = line_pressure(effects, rest)
     arrives = {w: own.get(w, p_f if w[0] == "f" else p_r) for w in WHEELS}
-    uneven = {w[0] for w in wheel_factors(model.terms, rest)}
+    uneven = {w[0] for w in wheel_factors(effects, rest)}
     clamp: dict[str, Array] = {}
     for side in "lr" if own or uneven else "l":
-        front, rear = caliper_pressure(model.terms, rest, arrives[f"f{side}"], arrives[f"r{side}"])
+        front, rear = caliper_pressure(
+            model.effects, rest, arrives[f"f{side}"], arrives[f"r{side}"]
+        )
         clamp |= {f"f{side}": front, f"r{side}": rear}
     differ = [w for w in WHEELS if w[1] == "l" or own or w[0] in uneven]
     return Brakes(model, {w: clamp[w] for w in differ})

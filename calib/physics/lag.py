@@ -18,7 +18,7 @@ def integral(time: Array, x: Array) -> Array:
 
 
 def first_order(time: Array, x: Array, time_constant: float) -> Array:
-    """Return y of T dy/dt + y = x at ``time`` [s] (n,), ``x`` (n,), T [s] above nought."""
+    """Return y of T dy/dt + y = x at ``time`` [s] (n,), ``x`` (n,), T [s] above zero."""
     return np.asarray(_follow(time, x, -1.0 / time_constant), float)
 
 

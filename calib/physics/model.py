@@ -13,7 +13,8 @@ drag_area = "0.66 m^2"
 start = "60 m"
 stiffness = 0.8
 peak = 0.5
-[empirical]                   # over a driver in SI; see calib/physics/effects/empirical.py
+[empirical]                   # over a driver in SI, see calib/physics/effects/empirical.py;
+                              # several terms are written with [[empirical]]
 place = "front_brakes"
 driver = "speed"
 knots = [5.0, 20.0, 35.0]
@@ -27,16 +28,14 @@ from pathlib import Path
 
 from calib.errors import ModelError
 from calib.files import write_whole
-from calib.physics.effects.catalogue import CATALOGUE, Effects, effect_named
-from calib.physics.effects.empirical import DRIVERS, PLACES, Empirical
+from calib.physics.effects.catalogue import CATALOGUE, effect_named
+from calib.physics.effects.effects import Effects, EmpiricalTerm
+from calib.physics.effects.empirical import DRIVERS, PLACES
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.vehicle import Vehicle
 from calib.toml import check_keys, quantity, read_toml
 
 SCHEMA = 1
-
-TERM = "empirical"
-"""Name of the empirical term among the effects."""
 
 WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
 """What is assumed of a tyre when nothing is known: a passenger car on wet asphalt."""
@@ -65,23 +64,16 @@ class Model:
     vehicle : masses, lengths, brakes. Its own list of effects is not read here.
     pad_friction_f, pad_friction_r : mu_p of the axles [1].
     tyre : common to both axles.
-    effects : parameters [SI] by effect and parameter name; the whole list.
+    effects : all that act in it.
     surfaces : changes of road, in the order in which they are met.
-    empirical : what is added over what it depends on, its cause not known.
     """
 
     vehicle: Vehicle
     pad_friction_f: float
     pad_friction_r: float
     tyre: MagicFormula
-    effects: dict[str, dict[str, float]]
+    effects: Effects
     surfaces: tuple[Surface, ...] = ()
-    empirical: Empirical | None = None
-
-    @property
-    def terms(self) -> Effects:
-        """The effects, and the empirical term among them."""
-        return self.effects if self.empirical is None else {**self.effects, TERM: self.empirical}
 
 
 def default_model(vehicle: Vehicle) -> Model:
@@ -95,13 +87,15 @@ def default_model(vehicle: Vehicle) -> Model:
     >>> model.pad_friction_f == car.front.pad_friction, model.tyre.peak, model.effects
     (True, 0.9, {})
     """
-    where = f"vehicle {vehicle.name}"
+    where = f"vehicle {vehicle.name}: effects"
+    given = vehicle.effects.parameters
+    named = {name: _believable(name, own, f"{where}.{name}") for name, own in given.items()}
     return Model(
         vehicle=vehicle,
         pad_friction_f=vehicle.front.pad_friction,
         pad_friction_r=vehicle.rear.pad_friction,
         tyre=WET_ASPHALT,
-        effects={n: _believable(n, p, f"{where}: effects.{n}") for n, p in vehicle.effects.items()},
+        effects=replace(vehicle.effects, parameters=named),
     )
 
 
@@ -121,11 +115,11 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
         pad_friction_f=pads.get("front", base.pad_friction_f),
         pad_friction_r=pads.get("rear", base.pad_friction_r),
         tyre=_tyre(table.get("tyre", {}), f"{path}: tyre"),
-        effects=_effects(table["effects"], path) if "effects" in table else base.effects,
+        effects=Effects(
+            _effects(table["effects"], path) if "effects" in table else base.effects.parameters,
+            _terms(table["empirical"], path) if "empirical" in table else base.effects.terms,
+        ),
         surfaces=_surfaces(table.get("surfaces", []), path),
-        empirical=_empirical(table["empirical"], f"{path}: empirical")
-        if "empirical" in table
-        else None,
     )
 
 
@@ -138,7 +132,7 @@ def write_model(model: Model, path: Path) -> None:
     lines += [f"front = {model.pad_friction_f!r}", f"rear = {model.pad_friction_r!r}", "", "[tyre]"]
     lines += [f"{f.name} = {float(getattr(model.tyre, f.name))!r}" for f in fields(MagicFormula)]
     lines += ["", "[effects]"]
-    for name, parameters in model.effects.items():
+    for name, parameters in model.effects.parameters.items():
         lines += ["", f"[effects.{name}]"]
         for parameter in effect_named(name).card.parameters:
             value, unit = float(parameters[parameter.name]), parameter.unit
@@ -147,16 +141,16 @@ def write_model(model: Model, path: Path) -> None:
     for surface in model.surfaces:
         lines += ["", "[[surfaces]]", f'start = "{surface.start!r} {surface.unit}"']
         lines += [f"stiffness = {surface.stiffness!r}", f"peak = {surface.peak!r}"]
-    if model.empirical is not None:
-        term = model.empirical
-        lines += ["", "[empirical]", f'place = "{term.place}"', f'driver = "{term.driver}"']
+    head = "[empirical]" if len(model.effects.terms) == 1 else "[[empirical]]"
+    for term in model.effects.terms:
+        lines += ["", head, f'place = "{term.place}"', f'driver = "{term.driver}"']
         lines += [f"knots = {list(term.knots)!r}", f"values = {list(term.values)!r}"]
     write_whole(Path(path), "\n".join([*lines, ""]).encode())
 
 
 def with_effects(vehicle: Vehicle, model: Model) -> Vehicle:
     """Return the vehicle with the effects of a model known beside its own."""
-    return replace(vehicle, effects={**vehicle.effects, **model.effects})
+    return replace(vehicle, effects=vehicle.effects.with_(model.effects))
 
 
 def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
@@ -168,7 +162,7 @@ def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
 
 Range = tuple[float, float]
 _PADS: dict[str, Range] = {"front": (0.02, 1.0), "rear": (0.02, 1.0)}
-# Shape 1 never falls past the peak, 2 falls to nought: outside, the closed inverse does not hold.
+# Shape 1 never falls past the peak, 2 falls to zero: outside, the closed inverse does not hold.
 _TYRE: dict[str, Range] = {
     "stiffness": (1.0, 100.0),
     "peak": (0.02, 2.0),
@@ -252,7 +246,13 @@ def _start(written: object, where: str) -> tuple[float, str]:
     )
 
 
-def _empirical(table: object, where: str) -> Empirical:
+def _terms(tables: object, path: Path) -> tuple[EmpiricalTerm, ...]:
+    if not isinstance(tables, list):
+        return (_term(tables, f"{path}: empirical"),)
+    return tuple(_term(t, f"{path}: empirical[{i}]") for i, t in enumerate(tables))
+
+
+def _term(table: object, where: str) -> EmpiricalTerm:
     keys = ("place", "driver", "knots", "values")
     given = check_keys(table, keys, keys, where, ModelError)
     for key, known in (("place", PLACES), ("driver", DRIVERS)):
@@ -264,7 +264,7 @@ def _empirical(table: object, where: str) -> Empirical:
     knots = rows["knots"]
     if len(knots) != len(rows["values"]) or any(b <= a for a, b in pairwise(knots)):
         raise ModelError("knots and values", where=where, expected="as many, knots increasing")
-    return Empirical(str(given["place"]), str(given["driver"]), knots, rows["values"])
+    return EmpiricalTerm(str(given["place"]), str(given["driver"]), knots, rows["values"])
 
 
 def _row(value: object, where: str) -> tuple[float, ...]:

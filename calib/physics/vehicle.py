@@ -4,16 +4,16 @@ Wheel values are per wheel. ``friction_faces`` counts the pad faces of one calip
 brake): (2) of the paper is for one face.
 """
 
-import hashlib
 import json
 import math
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from calib.errors import VehicleError
 from calib.files import write_whole
 from calib.names import G
+from calib.physics.effects.effects import Effects
 from calib.toml import check_keys, quantity, read_toml
 
 SCHEMA = 1
@@ -59,7 +59,7 @@ class Vehicle:
     track_width : l_w [m].
     front, rear : the axles.
     mass_tolerance : one standard deviation of the relative error of the mass [1].
-    effects : parameters of known effects [SI], by effect and parameter name.
+    effects : what is known to act in it beside the paper's model.
     """
 
     name: str
@@ -71,7 +71,7 @@ class Vehicle:
     front: Axle
     rear: Axle
     mass_tolerance: float = 0.005
-    effects: dict[str, dict[str, float]] = field(default_factory=dict)
+    effects: Effects = field(default_factory=Effects)
 
     @property
     def wheelbase(self) -> float:
@@ -82,11 +82,6 @@ class Vehicle:
     def weight(self) -> float:
         """M_v g [N]."""
         return self.mass * G
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the canonical content."""
-        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -133,7 +128,7 @@ def checked(vehicle: Vehicle, where: object = None) -> Vehicle:
         for key, bound in AXLE.items():
             _within(getattr(getattr(vehicle, axle), key), bound, f"{where}: {axle}.{key}")
     _check_geometry(vehicle, where)
-    for effect, parameters in vehicle.effects.items():
+    for effect, parameters in vehicle.effects.parameters.items():
         for key, value in parameters.items():
             _within(value, Bound("SI", -1e12, 1e12), f"{where}: effects.{effect}.{key}")
     return vehicle
@@ -209,7 +204,7 @@ def read_vehicle(path: Path | str) -> Vehicle:
         **_section(table["chassis"], CHASSIS, f"{path}: chassis"),
         front=_axle(table["front"], f"{path}: front"),
         rear=_axle(table["rear"], f"{path}: rear"),
-        effects=_effects(table.get("effects", {}), path),
+        effects=Effects(_effects(table.get("effects", {}), path)),
     )
     return checked(vehicle, path)
 
@@ -249,16 +244,24 @@ def _effects(table: object, path: Path) -> dict[str, dict[str, float]]:
 def write_vehicle(vehicle: Vehicle, path: Path) -> None:
     """Write a vehicle file that `read_vehicle` reads back exactly. All values are in SI.
 
-    Raises VehicleError for a value that is not believable, OSError if ``path`` cannot be written.
+    Raises VehicleError for a value that is not believable, and for an empirical term, which only a
+    model file can hold; OSError if ``path`` cannot be written.
     """
     checked(vehicle)
+    if vehicle.effects.terms:
+        raise VehicleError(
+            "a vehicle file cannot hold an empirical term",
+            where=vehicle.name,
+            expected="named effects only",
+            do="write a model file",
+        )
     lines = [f"schema = {SCHEMA}", f"name = {json.dumps(vehicle.name, ensure_ascii=False)}"]
     lines += ["", "[chassis]", *(_line(k, getattr(vehicle, k), b.si) for k, b in CHASSIS.items())]
     for name in ("front", "rear"):
         axle = getattr(vehicle, name)
         values = {f.name: getattr(axle, f.name) for f in fields(Axle)}
         lines += ["", f"[{name}]", *(_line(k, v, AXLE[k].si) for k, v in values.items())]
-    for effect, parameters in vehicle.effects.items():
+    for effect, parameters in vehicle.effects.parameters.items():
         lines += ["", f"[effects.{_key(effect)}]  # SI"]
         lines += [_line(key, value, "1") for key, value in parameters.items()]
     write_whole(Path(path), "\n".join([*lines, ""]).encode())

@@ -56,7 +56,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
 
     The force side is smooth, all noise is in eta and slip. Raises LogError as `signals` does.
     """
-    ran = remove_known_effects(table.vehicle, log, table.empirical)
+    ran = remove_known_effects(table.vehicle, log)
     vehicle = ran.vehicle
     b = blocks(signals(ran.log, vehicle))
     effects = known_resistance(replace(table, vehicle=vehicle)).effects

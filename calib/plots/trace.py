@@ -12,9 +12,8 @@ from calib.estimation.estimator import AxleEstimate, Estimate, calibrated, known
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics import forces
+from calib.physics.balance import force_balance
 from calib.physics.braking import BITE
-from calib.physics.effects.catalogue import total_body_force
-from calib.physics.effects.effect import Motion
 from calib.physics.vehicle import Axle, Vehicle
 from calib.plots.result import StoredResult
 from calib.table.table import Table
@@ -85,12 +84,9 @@ def from_estimate(
     car = vehicle or calibrated(table)
     front = _axle(car.front, estimate.front, estimate, 0, log)
     rear = _axle(car.rear, estimate.rear, estimate, 1, log)
-    air = total_body_force(
-        car,
-        known_resistance(table).effects,
-        Motion(estimate.speed, *forces.axle_loads(car, estimate.z)),
-    )
-    total = _force_sum(car, estimate.z, front, rear) + air
+    e, known = estimate, known_resistance(table).effects
+    body = force_balance(car, known, e.time, e.speed, e.z, e.pressure_f).body
+    total = _force_sum(car, estimate.z, front, rear) + body
     return StopTrace(
         name=log.name,
         time=estimate.time,

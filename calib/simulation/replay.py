@@ -6,7 +6,7 @@ from calib.errors import LogError
 from calib.logs.log import Array, Log
 from calib.names import AXLES, WHEELS
 from calib.physics.braking import BITE
-from calib.physics.effects.catalogue import as_driven
+from calib.physics.effects.combined import as_driven
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
 from calib.signals.driving_record import SETTLE
@@ -33,7 +33,7 @@ def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
         model,
         log.time,
         as_pressed(log["p_mc"], step),
-        first_speed(log, as_driven(model.vehicle, model.terms)),
+        first_speed(log, as_driven(model.vehicle, model.effects)),
         wheel_pressure={w: as_pressed(log[f"p_{w}"], step) for w in WHEELS if f"p_{w}" in log},
         temperature={a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log},
         stop_speed=stop_speed,
@@ -52,15 +52,15 @@ def first_speed(log: Log, vehicle: Vehicle) -> float:
     free = float(since[braked[0]]) - SETTLE if braked.size else np.inf
     first = since <= min(max(free, FIRST_SECONDS), COAST_SECONDS)
     speed = (log["v"] if "v" in log else _rolling_speed(log, vehicle))[first]
-    seen = np.isfinite(speed)
-    if np.count_nonzero(seen[since[first] <= FIRST_SECONDS]) < 2:
+    finite = np.isfinite(speed)
+    if np.count_nonzero(finite[since[first] <= FIRST_SECONDS]) < 2:
         raise LogError(
             f"no speed in the first {FIRST_SECONDS:g} s",
             where=log.source,
             expected="v, or wheel speeds, from the start",
         )
-    t = (log.time[first] - log.time[0])[seen]
-    return float(np.polynomial.Polynomial.fit(t, speed[seen], 1)(0.0))
+    t = (log.time[first] - log.time[0])[finite]
+    return float(np.polynomial.Polynomial.fit(t, speed[finite], 1)(0.0))
 
 
 def _rolling_speed(log: Log, vehicle: Vehicle) -> Array:

@@ -16,11 +16,11 @@ from calib.errors import ModelError
 from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
 from calib.physics import forces
-from calib.physics.brakes import at_rest, brakes_of
-from calib.physics.effects.catalogue import as_driven, as_read
-from calib.physics.effects.effect import RunHistory
+from calib.physics.brakes import brakes_of
+from calib.physics.effects.combined import as_driven, as_read
+from calib.physics.history import RunHistory, at_rest
 from calib.physics.model import Model
-from calib.simulation.solver import Drive, State, end_of, solve, trace_of
+from calib.simulation.solver import Drive, State, end_of, history_of, solve
 
 Array = NDArray[np.float64]
 
@@ -46,8 +46,8 @@ def simulate(
     pressure : at the master cylinder [Pa], shape (n,).
     v0 : first speed [m/s].
     wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
-    temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; effects that ask
-        for it do nothing on an axle without.
+    temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; thermal fade
+        does nothing on an axle without.
     stop_speed : at which it ends [m/s].
     name : of the log.
 
@@ -58,8 +58,8 @@ def simulate(
     which, when and why.
 
     Raises ModelError if there is nothing to drive: ``v0`` not above ``stop_speed``, shapes that
-    differ, time that does not increase, numbers that are not finite, an unknown effect, an end
-    before the second sample.
+    differ, time that does not increase, numbers that are not finite, an unknown effect, an
+    empirical term over a temperature that is not given, an end before the second sample.
 
     >>> import numpy as np
     >>> import calib
@@ -78,16 +78,16 @@ def simulate(
     _check_inputs(time, {"pressure": pressure}, ("pressure",))
     _check_inputs(time, own, WHEELS, "wheel")
     _check_inputs(time, heat, AXLES, "axle")
-    driven = replace(model, vehicle=as_driven(model.vehicle, model.terms))
-    rest = at_rest(time, pressure, v0, heat)
+    driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
+    rest = at_rest(time, pressure, v0, heat, source=name)
     run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed)
     state = solve(run)
     end, note = end_of(run, state)
-    trace = trace_of(run, state)
+    history = history_of(run, state)
     logged = {f"p_{w}": own[w] for w in WHEELS if w in own}
     logged |= {f"T_disc_{a}": heat[a] for a in AXLES if a in heat}
-    channels = _first(_channels(run, state, trace) | logged, end)
-    truth = _first(_truth(run, state, trace), end)
+    channels = _first(_channels(run, state, history) | logged, end)
+    truth = _first(_truth(run, state, history), end)
     return Log(
         name=name,
         source=f"simulation of {model.vehicle.name}",
@@ -125,9 +125,9 @@ def _first(channels: Mapping[str, Array], end: int) -> dict[str, Array]:
     return {name: values[:end].copy() for name, values in channels.items()}
 
 
-def _channels(run: Drive, state: State, trace: RunHistory) -> dict[str, Array]:
+def _channels(run: Drive, state: State, history: RunHistory) -> dict[str, Array]:
     model, brakes = run.brakes.model, run.brakes
-    a_x = as_read(model.vehicle, model.terms, trace, -G * state.z)
+    a_x = as_read(model.vehicle, model.effects, history, -G * state.z)
     channels = {"time": run.time, "p_mc": run.rest.p_mc, "a_x": a_x}
     for w in WHEELS:
         slip = state.slip[brakes.twin(w)]
@@ -135,10 +135,10 @@ def _channels(run: Drive, state: State, trace: RunHistory) -> dict[str, Array]:
     return channels | {"v": state.v}
 
 
-def _truth(run: Drive, state: State, trace: RunHistory) -> dict[str, Array]:
+def _truth(run: Drive, state: State, history: RunHistory) -> dict[str, Array]:
     twins = {w: run.brakes.twin(w) for w in WHEELS}
     truth = {f"true_Tb_{w}": state.demand[twin].torque for w, twin in twins.items()}
     truth |= {f"true_Fx_{w}": state.force[twin] for w, twin in twins.items()}
     truth |= {f"true_Fz_{w}": state.demand[twin].load for w, twin in twins.items()}
-    truth["true_mu_pad_f"], truth["true_mu_pad_r"] = run.brakes.pads(trace)
+    truth["true_mu_pad_f"], truth["true_mu_pad_r"] = run.brakes.pads(history)
     return truth

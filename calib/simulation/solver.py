@@ -1,12 +1,12 @@
-"""A run solved: passes over the whole array until speed, loads, torques and slips agree.
+"""A run solved by fixed-point iteration: speed, loads, torques and slips, until they agree.
 
     v(t) --> loads, effects, torques --> slip (1) --> tyre forces --> z(t) (5) --> v(t)
      ^                                                                  |
      +------------------ until v and slip no longer change -------------+
 
-A pass takes every sample at once. Each sample depends on earlier ones only, so the passes settle
-from the front to the back, and what lies after the end of the run (the stop, or a wheel past the
-peak of its tyre) cannot disturb what lies before.
+An iteration takes every sample at once. Each sample depends on earlier ones only, so the solution
+converges from the front to the back, and what lies after the end of the run (the stop, or a wheel
+past the peak of its tyre) cannot disturb what lies before.
 """
 
 from collections.abc import Mapping
@@ -19,18 +19,19 @@ from calib.errors import ModelError
 from calib.names import AXLES, G
 from calib.physics import forces, wheel
 from calib.physics.brakes import Brakes
-from calib.physics.effects.catalogue import total_axle_moment, total_body_force, total_load_shift
-from calib.physics.effects.effect import Motion, Pair, RunHistory
+from calib.physics.effects.combined import total_axle_moment, total_body_force, total_load_shift
+from calib.physics.effects.effect import Pair
+from calib.physics.history import Motion, RunHistory
 from calib.physics.lag import integral
 from calib.physics.road import tyres_along
 
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-9
-"""Largest change of v (relative to the first speed) and of slip in the last pass."""
+"""Largest change of v (relative to the first speed) and of slip in the last iteration."""
 
-PASSES = 60
-"""A pass gains one to two digits; half a minute of coasting takes a dozen."""
+ITERATIONS = 60
+"""An iteration gains one to two digits; half a minute of coasting takes a dozen."""
 
 LEAST_LOAD = 0.01
 """Share of the weight [1] below which an axle counts as lifted."""
@@ -38,7 +39,7 @@ LEAST_LOAD = 0.01
 
 @dataclass(frozen=True)
 class Drive:
-    """What does not change from pass to pass.
+    """What does not change from one iteration to the next.
 
     ``brakes`` with the model as driven; ``rest`` clock, pressure and temperatures; first and last
     speed ``v0``, ``stop_speed`` [m/s].
@@ -68,16 +69,16 @@ class Drive:
         return self.v0 - np.concatenate([[0.0], np.cumsum(lost)])
 
     def moving(self, v: Array) -> Array:
-        """V [m/s] above nought: after the stop it is of no matter, but must not turn over."""
+        """V [m/s] above zero: after the stop it does not matter, but it must keep its sign."""
         return np.maximum(v, 0.5 * self.stop_speed)
 
 
 @dataclass(frozen=True)
 class State:
-    """One pass: ``v`` [m/s], ``z`` [1], ``loads`` of the axles [N] (n,).
+    """The result of one iteration: ``v`` [m/s], ``z`` [1], ``loads`` of the axles [N] (n,).
 
-    By wheel: ``slip`` [1], ``demand`` what it was asked for, ``force`` [N], ``used`` slip over that
-    of the tyre's peak [1]; above 1 the state is not physical.
+    By wheel: ``slip`` [1], ``demand`` its torque, moment and load, ``force`` [N], ``used`` slip
+    over that of the tyre's peak [1]; above 1 the state is not physical.
     """
 
     v: Array
@@ -90,10 +91,13 @@ class State:
 
 
 def solve(run: Drive) -> State:
-    """Pass until neither v nor slip changes before the end. Raises ModelError if they never do."""
+    """Iterate until neither v nor slip changes before the end.
+
+    Raises ModelError if that does not converge.
+    """
     state = _first(run)
-    for _ in range(PASSES):
-        new = _pass(run, state)
+    for _ in range(ITERATIONS):
+        new = _iterate(run, state)
         end, why = end_of(run, new)
         if end < 2:
             raise ModelError("nothing to simulate", expected="two samples or more", do=why)
@@ -104,15 +108,15 @@ def solve(run: Drive) -> State:
         if np.max(changes) < TOLERANCE:
             return state
     raise ModelError(
-        f"the simulation did not settle in {PASSES} passes",
+        f"the simulation did not converge in {ITERATIONS} iterations",
         where=run.brakes.model.vehicle.name,
         do="check the parameters of the effects and the clock of the log",
     )
 
 
-def trace_of(run: Drive, state: State) -> RunHistory:
+def history_of(run: Drive, state: State) -> RunHistory:
     """The run as the effects see it: turned angles and dissipated heat among the rest."""
-    if not run.brakes.model.terms:
+    if not run.brakes.model.effects:
         return run.rest
     v = run.moving(state.v)
     angle, energy = {}, {}
@@ -151,7 +155,7 @@ def end_of(run: Drive, state: State) -> tuple[int, str]:
 
 
 def _first(run: Drive) -> State:
-    """Where the passes start: brakes alone, no inertia, every wheel on a straight tyre."""
+    """Where the iteration starts: brakes alone, no inertia, every wheel on a straight tyre."""
     vehicle, zero = run.brakes.model.vehicle, np.zeros_like(run.time)
     torque = run.brakes.torques(run.rest)
     force = {w: T_b / run.brakes.axle(w).rolling_radius for w, T_b in torque.items()}
@@ -162,31 +166,31 @@ def _first(run: Drive) -> State:
     return State(run.speed(z), z, loads, dict.fromkeys(force, straight), demand, force, {})
 
 
-def _pass(run: Drive, old: State) -> State:
+def _iterate(run: Drive, old: State) -> State:
     """Loads (6), (7), effects, one step towards (1) for every wheel, (5), and v."""
     model, vehicle = run.brakes.model, run.brakes.model.vehicle
-    trace = trace_of(run, old)
+    history = history_of(run, old)
     travel = wheel.Travel(run.time, run.moving(old.v), old.z)
-    loads = [np.maximum(load, LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, trace)]
-    motion = Motion(travel.v, loads[0], loads[1], trace)
-    moments = total_axle_moment(vehicle, model.terms, motion)
+    loads = [np.maximum(load, LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
+    motion = Motion(travel.v, loads[0], loads[1], history)
+    moments = total_axle_moment(vehicle, model.effects, motion)
     tyres = tyres_along(model, run.time, travel.v)
     slip, demand, force, used = {}, {}, {}, {}
-    for w, torque in run.brakes.torques(trace).items():
+    for w, torque in run.brakes.torques(history).items():
         i = "fr".index(w[0])
         tyre = wheel.RisingTyre(tyres[i], 2.0 * loads[i] / vehicle.weight)
         demand[w] = wheel.WheelDemand(torque, 0.5 * moments[i], 0.5 * loads[i])
         slip[w] = wheel.next_slip(run.brakes.axle(w), tyre, demand[w], travel, old.slip[w])
         force[w] = demand[w].load * tyre.force(slip[w])
         used[w] = tyre.used(slip[w])
-    body = total_body_force(vehicle, model.terms, motion)
+    body = total_body_force(vehicle, model.effects, motion)
     z = (run.total(force) + body) / vehicle.weight  # (5)
-    return State(run.speed(z), z, _loads(run, z, trace), slip, demand, force, used)
+    return State(run.speed(z), z, _loads(run, z, history), slip, demand, force, used)
 
 
-def _loads(run: Drive, z: Array, trace: RunHistory) -> Pair:
+def _loads(run: Drive, z: Array, history: RunHistory) -> Pair:
     """Axle loads [N] at z [1], (6) and (7), less what has not arrived at the front yet."""
     vehicle = run.brakes.model.vehicle
     front, rear = forces.axle_loads(vehicle, z)
-    late = vehicle.weight * total_load_shift(vehicle, run.brakes.model.terms, trace)
+    late = vehicle.weight * total_load_shift(vehicle, run.brakes.model.effects, history)
     return front - late, rear + late

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.digest import content_digest
-from calib.physics.effects.empirical import Empirical
+from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle import Axle, Vehicle
 
 Array = NDArray[np.float64]
@@ -161,10 +161,10 @@ class Provenance:
 class Table:
     """A fitted table, without version: the store gives it one.
 
-    ``effects`` holds drag and rolling resistance with sigma [SI], by effect and parameter; what
-    else was known beforehand is in the vehicle, and ``empirical`` a term whose cause is not known;
-    ``noise`` the long-run noise density of each sensor [unit * s^0.5]; ``quality`` figures that say
-    how good the fit is; ``remarks`` what the user must know, in words.
+    ``effects`` holds drag and rolling resistance with their sigma; what else was known beforehand,
+    empirical terms among it, is in the vehicle; ``noise`` the long-run noise density of each sensor
+    [unit * s^0.5]; ``quality`` figures that say how good the fit is; ``remarks`` what the user must
+    know, in words.
     """
 
     name: str
@@ -174,12 +174,11 @@ class Table:
     tyre: TyreCurve
     posterior: TyrePosterior
     calibration: Calibration
-    effects: dict[str, dict[str, Value]]
+    effects: Effects
     noise: dict[str, float]
     quality: dict[str, float]
     remarks: tuple[str, ...]
     provenance: Provenance
-    empirical: Empirical | None = None
 
     def __repr__(self) -> str:
         eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
@@ -197,8 +196,16 @@ class Table:
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
         """Return the record (JSON-able) and the curves (named float columns)."""
         record = asdict(self)
-        if self.empirical is None:
-            del record["empirical"]
+        # as tables were written when a vehicle held named effects only, and one term stood beside
+        vehicle = record["vehicle"].pop("effects")
+        record["vehicle"]["effects"] = vehicle["parameters"]
+        record["effects"] = {
+            effect: {name: asdict(value) for name, value in values.items()}
+            for effect, values in self.effect_values.items()
+        }
+        if vehicle["terms"]:
+            one = len(vehicle["terms"]) == 1
+            record["empirical"] = vehicle["terms"][0] if one else vehicle["terms"]
         for log in record["provenance"]["logs"]:
             if not log["notes"]:  # as tables were written before a reader had anything to say
                 del log["notes"]
@@ -216,13 +223,14 @@ class Table:
         vehicle = dict(r.pop("vehicle"))
         provenance = r.pop("provenance")
         posterior = r.pop("posterior")
-        term = r.pop("empirical", None)
+        terms = r.pop("empirical", [])
         return cls(
             vehicle=Vehicle(
                 **{
                     **vehicle,
                     "front": Axle(**vehicle["front"]),
                     "rear": Axle(**vehicle["rear"]),
+                    "effects": Effects(vehicle.get("effects", {}), _terms(terms)),
                 }
             ),
             difference=DifferenceCurve(**curves["difference"]),
@@ -234,9 +242,7 @@ class Table:
                 covariance=tuple(tuple(row) for row in posterior["covariance"]),
             ),
             calibration=Calibration(**{k: Value(**v) for k, v in r.pop("calibration").items()}),
-            effects={
-                e: {p: Value(**v) for p, v in ps.items()} for e, ps in r.pop("effects").items()
-            },
+            effects=_effects(r.pop("effects")),
             provenance=Provenance(
                 logs=tuple(
                     LogReference(**{**x, "notes": tuple(x.get("notes", ()))})
@@ -247,9 +253,17 @@ class Table:
                 identity=dict(provenance.get("identity", {})),
             ),
             remarks=tuple(r.pop("remarks")),
-            empirical=_term(term),
             **r,
         )
+
+    @property
+    def effect_values(self) -> dict[str, dict[str, Value]]:
+        """The parameters of the effects with sigma [SI], by effect and parameter name."""
+        sigma = self.effects.sigma
+        return {
+            effect: {name: Value(value, sigma[effect][name]) for name, value in named.items()}
+            for effect, named in self.effects.parameters.items()
+        }
 
     @property
     def digest(self) -> str:
@@ -257,8 +271,19 @@ class Table:
         return content_digest(*self.content())
 
 
-def _term(record: dict[str, Any] | None) -> Empirical | None:
-    if record is None:
-        return None
-    knots, values = tuple(record["knots"]), tuple(record["values"])
-    return Empirical(record["place"], record["driver"], knots, values)
+def _effects(record: dict[str, dict[str, Any]]) -> Effects:
+    values = {
+        effect: {name: Value(**value) for name, value in named.items()}
+        for effect, named in record.items()
+    }
+    return Effects(
+        {effect: {p: v.value for p, v in named.items()} for effect, named in values.items()},
+        sigma={effect: {p: v.sigma for p, v in named.items()} for effect, named in values.items()},
+    )
+
+
+def _terms(record: dict[str, Any] | list[dict[str, Any]]) -> tuple[EmpiricalTerm, ...]:
+    return tuple(
+        EmpiricalTerm(r["place"], r["driver"], tuple(r["knots"]), tuple(r["values"]))
+        for r in (record if isinstance(record, list) else [record])
+    )

@@ -146,3 +146,33 @@ def test_a_slip_in_the_model_is_named(brake_cal, model, tmp_path):
     assert "raer_proportioning" in ran.err
     assert "rear_proportioning" in ran.err.replace("raer_proportioning", "")
     assert not (tmp_path / "tables").exists()
+
+
+FADING = """schema = 1
+[empirical]
+place = "rear_brakes"
+driver = "temperature"
+knots = [0.0, 500.0]
+values = [0.0, -0.5]
+"""
+
+
+def test_a_temperature_that_the_log_lacks_is_bad_input(brake_cal, model, tmp_path):
+    """None of these logs has a disc temperature, and none is guessed."""
+    model.write_text(FADING)
+    store, sim = tmp_path / "tables", tmp_path / "sim.csv"
+    sedan = sample_logs() / "sedan"
+    ramp, stop = sedan / "ramp_wet_asphalt.csv", sedan / "dry_asphalt_stop.csv"
+    vehicle = ("--vehicle", sedan / "vehicle.toml")
+    assert brake_cal("fit", ramp, *vehicle, "--store", store).code == 0
+    for log, words in (
+        (ramp, ("fit", ramp, *vehicle, "--store", tmp_path / "other")),
+        (stop, ("validate", "sedan-2up", stop, "--store", store)),
+        (stop, ("simulate", stop, *vehicle, "--out", sim)),
+    ):
+        ran = brake_cal(*words, "--model", model)
+        assert ran.code == 3
+        assert "T_disc_r" in ran.err
+        assert log.stem in ran.err
+    assert not sim.exists()
+    assert not (tmp_path / "other").exists()

@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from calib.diagnosis.predict import Base, follow, predict, run_of
+from calib.physics.effects.effects import Effects
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import CAR as SEDAN
 
@@ -21,7 +22,7 @@ def run():
 
 def test_a_plant_with_the_same_physics_is_predicted(run):
     base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, 25.0, 0.95)
-    told = predict(SEDAN, base, {}, run)
+    told = predict(SEDAN, base, Effects(), run)
     held = slice(200, -10)
     assert told.a_x[held] == pytest.approx(run.a_x[held], abs=2e-3)
     # half of what a speed's noise is, after 16 m/s of braking
@@ -31,8 +32,8 @@ def test_a_plant_with_the_same_physics_is_predicted(run):
 
 def test_pads_that_are_five_percent_better_brake_five_percent_harder(run):
     mu_f, mu_r = SEDAN.front.pad_friction, SEDAN.rear.pad_friction
-    one = predict(SEDAN, Base(mu_f, mu_r, 25.0, 0.95), {}, run).a_x[300]
-    more = predict(SEDAN, Base(1.05 * mu_f, 1.05 * mu_r, 25.0, 0.95), {}, run).a_x[300]
+    one = predict(SEDAN, Base(mu_f, mu_r, 25.0, 0.95), Effects(), run).a_x[300]
+    more = predict(SEDAN, Base(1.05 * mu_f, 1.05 * mu_r, 25.0, 0.95), Effects(), run).a_x[300]
     assert more / one == pytest.approx(1.05, rel=1e-3)
 
 

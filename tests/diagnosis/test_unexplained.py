@@ -1,5 +1,7 @@
 """Where an unknown cause is put: on the plant of tests/hidden, with causes of no catalogue."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -39,3 +41,15 @@ def test_brakes_that_weaken_go_with_the_time_of_the_run(name, axles):
     assert found.axle in axles
     assert found.driver == "elapsed"
     assert found.wheel is None
+
+
+def test_a_temperature_that_a_hold_out_lacks_is_no_driver():
+    """The pads of both axles fade; without the rear discs only a term in front can be proved."""
+    case = draw("single", 34, names=("pad_thermal_fade",), severity=2)
+    runs = [run_of(log) for log in case.calibration if log.name in ("ramp", "coast", "hot")]
+    problem = problem_of(case.vehicle, runs)
+    held = (replace(runs[0], temperature_r=None),)
+    found = locate(problem, fit(problem, (), np.zeros(4)), held)
+    tried = [(found.term.place, found.term.driver), *(r[:2] for r in found.runners_up)]
+    assert tried[0] == ("front_brakes", "temperature")
+    assert not {("brakes", "temperature"), ("rear_brakes", "temperature")} & set(tried)

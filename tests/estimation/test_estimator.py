@@ -333,5 +333,5 @@ def test_the_larger_noise_is_believed(table):
 
 def test_resistance_is_that_of_the_table(table):
     known = known_resistance(table)
-    assert known.mean[0] == table.effects["aerodynamic_drag"]["drag_area"].value
-    assert known.covariance[1][1] == table.effects["rolling_resistance"]["coefficient"].sigma ** 2
+    assert known.mean[0] == table.effects.parameters["aerodynamic_drag"]["drag_area"]
+    assert known.covariance[1][1] == table.effects.sigma["rolling_resistance"]["coefficient"] ** 2

@@ -18,6 +18,7 @@ from calib.fitting.resistance import Resistance
 from calib.logs.read import read_log
 from calib.logs.write import write_csv, write_parquet
 from calib.physics import forces
+from calib.physics.effects.effects import Effects
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import default_model
 from calib.physics.vehicle import read_vehicle
@@ -164,7 +165,7 @@ def test_a_log_without_braking_serves_as_a_coast(table, run, coast):
         ("aerodynamic_drag", "drag_area", 0.66),
         ("rolling_resistance", "coefficient", 0.011),
     ):
-        alone, better = table.effects[effect][parameter], both.effects[effect][parameter]
+        alone, better = (t.effect_values[effect][parameter] for t in (table, both))
         assert better.sigma < 0.7 * alone.sigma
         assert abs(better.value - truth) < 3.0 * better.sigma
     assert any("add a coast log" in remark for remark in table.remarks)
@@ -176,8 +177,9 @@ def test_resistance_of_the_vehicle_file_is_kept(run):
         "aerodynamic_drag": {"drag_area": 0.66},
         "rolling_resistance": {"coefficient": 0.011},
     }
-    given = fit(replace(CAR, effects=known), [run])
-    assert given.effects["aerodynamic_drag"]["drag_area"].value == pytest.approx(0.66, rel=0.02)
+    given = fit(replace(CAR, effects=Effects(known)), [run])
+    area = given.effects.parameters["aerodynamic_drag"]["drag_area"]
+    assert area == pytest.approx(0.66, rel=0.02)
     assert not any("add a coast log" in remark for remark in given.remarks)
 
 
@@ -371,16 +373,18 @@ def test_worst_noise_is_the_largest_of_each():
 
 def test_levels_of_the_runs_are_averaged_and_their_spread_counts(clean):
     logs = [clean, noisy(ramp(with_pads(REAL, 0.40, 0.40), name="second"), 2)]
-    made = []
-    for log in logs:
-        b = blocks(signals(log, CAR))
-        effects = {
+    effects = Effects(
+        {
             "aerodynamic_drag": {"drag_area": 0.66},
             "rolling_resistance": {"coefficient": 0.011},
         }
+    )
+    made = []
+    for log in logs:
+        b = blocks(signals(log, CAR))
         made.append(prepare(CAR, log.name, b, sensor_noise(log, b), effects))
     found, runs = identify(CAR, made)
-    sure = Resistance((0.66, 0.011), ((1e-12, 0.0), (0.0, 1e-12)), known=True)
+    sure = Resistance(effects, ((1e-12, 0.0), (0.0, 1e-12)), known=True)
     value = calibration(replace(CAR, mass_tolerance=0.0), found, runs, sure).pad_scale
     assert value.value == pytest.approx((1.0 + 0.40 / 0.38) / 2.0, rel=0.005)
     spread = 0.5 * (0.40 / 0.38 - 1.0) / math.sqrt(2.0)

@@ -17,7 +17,7 @@ from calib.logs.read import read_log
 from calib.names import WHEELS, G
 from calib.physics import forces
 from calib.physics.effects.catalogue import CATALOGUE
-from calib.physics.effects.empirical import Empirical
+from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle import read_vehicle
 from calib.validation.validate import agreement, validate
 from tests.support.effect_runs import SEDAN, driven, wave
@@ -29,8 +29,8 @@ def typical(name):
     return {p.name: p.typical for p in CATALOGUE[name].card.parameters}
 
 
-def known(effects):
-    return replace(SEDAN, effects=effects)
+def known(effects, *terms):
+    return replace(SEDAN, effects=Effects(effects, terms))
 
 
 def axle(car, w):
@@ -79,29 +79,64 @@ def test_pads_fade_and_the_factor_says_so():
 
 @pytest.mark.parametrize("place", ["front_brakes", "rear_brakes"])
 def test_a_term_on_the_brakes_comes_out_again(place):
-    term = Empirical(place, "pressure", (0.0, 30e5, 60e5), (0.0, 0.1, -0.1))
+    term = EmpiricalTerm(place, "pressure", (0.0, 30e5, 60e5), (0.0, 0.1, -0.1))
     log = _with_term(term)
-    ran = remove_known_effects(SEDAN, log, term)
+    ran = remove_known_effects(known({}, term), log)
     for w in WHEELS:
         wheel = axle(SEDAN, w)
         torque = forces.brake_torque(wheel, wheel.pad_friction, pressure_of(ran.log, w))
         assert np.max(np.abs(torque - log.truth[f"true_Tb_{w}"])) < 0.01
 
 
-def _with_term(term):
+def _with_term(term, heat=None):
     from calib.physics.model import default_model
     from calib.simulation.simulate import simulate
     from tests.support.effect_runs import TYRE, clock
 
-    model = replace(default_model(SEDAN), tyre=TYRE, empirical=term)
+    model = replace(default_model(SEDAN), tyre=TYRE, effects=Effects(terms=(term,)))
     time = clock(4.0)
-    return simulate(model, time, np.array([wave(t) for t in time]), 30.0)
+    return simulate(model, time, np.array([wave(t) for t in time]), 30.0, temperature=heat)
 
 
 def test_a_term_that_cannot_be_taken_out_is_refused():
-    term = Empirical("body", "temperature", (0.0, 100.0), (0.0, 0.1))
+    term = EmpiricalTerm("body", "temperature", (0.0, 100.0), (0.0, 0.1))
     with pytest.raises(ModelError, match="over temperature"):
-        remove_known_effects(SEDAN, driven({}, wave), term)
+        remove_known_effects(known({}, term), driven({}, wave))
+
+
+OVER_HEAT = ((0.0, 500.0), (0.0, -0.5))
+"""A thousandth of the brake torque less for each degree of the disc."""
+
+
+@pytest.mark.parametrize("place", ["front_brakes", "rear_brakes", "brakes"])
+def test_a_term_over_temperature_reads_the_discs_of_its_own_axle(place):
+    """Front 100 and rear 400 degC: 0.9 of the front torque is left, 0.6 of the rear."""
+    term = EmpiricalTerm(place, "temperature", *OVER_HEAT)
+    heat = {"f": np.full(801, 100.0), "r": np.full(801, 400.0)}
+    log = _with_term(term, heat)
+    ran = remove_known_effects(known({}, term), log)
+    n = log.time.size
+    left = {"f": 0.9 if place != "rear_brakes" else 1.0, "r": 0.6 if place != "front_brakes" else 1}
+    for w in WHEELS:
+        wheel = axle(SEDAN, w)
+        plain = forces.brake_torque(wheel, wheel.pad_friction, log["p_mc"])
+        assert log.truth[f"true_Tb_{w}"] == pytest.approx(left[w[0]] * plain)
+        assert ran.log[f"p_{w}"][:n] == pytest.approx(left[w[0]] * log["p_mc"])
+    assert ran.factor_f == pytest.approx(np.full(n, left["f"]))
+    assert ran.factor_r == pytest.approx(np.full(n, left["r"]))
+
+
+@pytest.mark.parametrize(
+    ("place", "missing"), [("front_brakes", "f"), ("rear_brakes", "r"), ("brakes", "r")]
+)
+def test_a_temperature_that_a_term_needs_is_not_guessed(place, missing):
+    term = EmpiricalTerm(place, "temperature", *OVER_HEAT)
+    heat = {a: np.full(801, 200.0) for a in "fr" if a != missing}
+    with pytest.raises(ModelError, match=f"simulation: .*T_disc_{missing}"):
+        _with_term(term, heat)
+    log = replace(driven({}, wave, temperature=heat), source="stop_7.csv")
+    with pytest.raises(ModelError, match=f"stop_7.csv: .*T_disc_{missing}"):
+        remove_known_effects(known({}, term), log)
 
 
 def test_an_effect_of_no_catalogue_is_refused():
@@ -117,7 +152,7 @@ def hidden():
     ramps = [read_log(folder / "calibration" / f"{n}.parquet") for n in ("ramp", "coast")]
     stops = [read_log(p) for p in sorted((folder / "holdout").iterdir())]
     valve = {"rear_proportioning": {"knee": 13.569300499412385e5, "knee_slope": 0.3342603554666}}
-    return vehicle, replace(vehicle, effects=valve), ramps, stops
+    return vehicle, replace(vehicle, effects=Effects(valve)), ramps, stops
 
 
 TRUE = {"f": 0.9089685720928812, "r": 1.0495420934603412}

@@ -8,13 +8,14 @@ import pytest
 from calib.errors import ModelError
 from calib.fitting.resistance import MODEL_ERROR, identify
 from calib.physics.effects import aerodynamic_drag, rolling_resistance
+from calib.physics.effects.effects import Effects
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
 from calib.signals.noise import sensor_noise
 from tests.support.plant import Plant, as_log, drive
 from tests.support.tables import VEHICLE
 
-CAR = replace(VEHICLE, effects={})
+CAR = replace(VEHICLE, effects=Effects())
 TRUE = (0.80, 0.015)
 PRIOR = tuple(effect.EFFECT.card.parameters[0] for effect in (aerodynamic_drag, rolling_resistance))
 
@@ -101,15 +102,17 @@ def test_without_coasting_it_is_what_is_usual():
 def test_known_effects_are_kept(coast):
     told = replace(
         CAR,
-        effects={
-            "aerodynamic_drag": {"drag_area": 0.66},
-            "rolling_resistance": {"coefficient": 0.011},
-        },
+        effects=Effects(
+            {
+                "aerodynamic_drag": {"drag_area": 0.66},
+                "rolling_resistance": {"coefficient": 0.011},
+            }
+        ),
     )
     found = identify(told, [seen(coast)])
     assert found.known
     assert found.mean == (0.66, 0.011)  # though the coast says 0.80 and 0.015
-    assert found.effects == told.effects
+    assert found.effects.parameters == told.effects.parameters
 
 
 @pytest.mark.parametrize(
@@ -122,11 +125,11 @@ def test_known_effects_are_kept(coast):
 )
 def test_an_effect_that_is_not_known_is_not_passed_over(effects, says):
     with pytest.raises(ModelError, match=says):
-        identify(replace(CAR, effects=effects), [])
+        identify(replace(CAR, effects=Effects(effects)), [])
 
 
 def test_one_known_effect_gives_the_other_from_a_lead_in(ramp):
-    told = replace(CAR, effects={"aerodynamic_drag": {"drag_area": TRUE[0]}})
+    told = replace(CAR, effects=Effects({"aerodynamic_drag": {"drag_area": TRUE[0]}}))
     found = identify(told, [seen(ramp)])
     assert not found.known
     assert found.mean[0] == TRUE[0]

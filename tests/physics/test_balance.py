@@ -7,6 +7,7 @@ import pytest
 
 from calib.names import G
 from calib.physics.balance import brake_forces, force_balance, moment_at_road
+from calib.physics.effects.effects import Effects
 from tests.support.reference_car import CAR
 
 
@@ -32,17 +33,19 @@ def test_inertia_drives_on_what_the_moment_slows():
 
 def test_without_effects_the_brakes_carry_weight_and_wheels():
     z, one = np.array([0.0, 0.4]), np.ones(2)
-    balance = force_balance(CAR, {}, np.array([0.0, 0.1]), 20.0 * one, z, 0.0 * one)
+    balance = force_balance(CAR, Effects(), np.array([0.0, 0.1]), 20.0 * one, z, 0.0 * one)
     wheels = sum(2.0 * a.wheel_inertia / a.rolling_radius**2 for a in (CAR.front, CAR.rear))
     assert balance.demanded == pytest.approx((CAR.mass + wheels) * G * z)
     assert balance.load_f + balance.load_r == pytest.approx(CAR.weight * one)
 
 
 def test_drag_slows_the_body_and_rolling_the_wheels():
-    effects = {
-        "aerodynamic_drag": {"drag_area": 0.7},
-        "rolling_resistance": {"coefficient": 0.01},
-    }
+    effects = Effects(
+        {
+            "aerodynamic_drag": {"drag_area": 0.7},
+            "rolling_resistance": {"coefficient": 0.01},
+        }
+    )
     z, one = np.array([0.0, 0.0]), np.ones(2)
     balance = force_balance(CAR, effects, np.array([0.0, 0.1]), 20.0 * one, z, 0.0 * one)
     assert balance.moment_f + balance.moment_r == pytest.approx(0.01 * CAR.weight * one)

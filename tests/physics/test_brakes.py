@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.physics.brakes import at_rest, brakes_of
+from calib.physics.brakes import brakes_of
+from calib.physics.effects.effects import Effects
+from calib.physics.history import at_rest
 from calib.physics.model import default_model
 from tests.support.effect_runs import SEDAN
 
@@ -15,7 +17,7 @@ PRESSURE = 30e5 * np.sin(2.0 * TIME)
 
 def brakes(effects, own=None, p=PRESSURE):
     rest = at_rest(TIME, p, 20.0)
-    return brakes_of(replace(default_model(SEDAN), effects=effects), rest, own or {}), rest
+    return brakes_of(replace(default_model(SEDAN), effects=Effects(effects)), rest, own or {}), rest
 
 
 def test_without_effects_the_clamp_is_the_pedal_and_two_wheels_stand_for_four():

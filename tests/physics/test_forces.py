@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.physics import forces
-from calib.physics.effects.catalogue import total_axle_moment, total_body_force
-from calib.physics.effects.effect import Motion
+from calib.physics.effects.combined import total_axle_moment, total_body_force
+from calib.physics.effects.effects import Effects
+from calib.physics.history import Motion, at_rest
 from calib.physics.model import default_model
 from calib.physics.vehicle import Vehicle
 from calib.simulation.simulate import simulate
@@ -193,16 +194,18 @@ def test_slip_is_positive_when_the_wheel_is_braked():
 
 def test_forces_account_for_what_simulate_adds():
     """From pressure and a_x alone to the truth of every wheel, drag and rolling present."""
-    effects = {
-        "aerodynamic_drag": {"drag_area": 0.66},
-        "rolling_resistance": {"coefficient": 0.012},
-    }
+    effects = Effects(
+        {
+            "aerodynamic_drag": {"drag_area": 0.66},
+            "rolling_resistance": {"coefficient": 0.012},
+        }
+    )
     time = np.arange(1600) / 200.0
     pressure = 5e5 * np.maximum(time - 1.0, 0.0)
     log = simulate(default_model(replace(VEHICLE, effects=effects)), time, pressure, 33.0)
     z = forces.deceleration(log["a_x"])
     loads = forces.axle_loads(VEHICLE, z)
-    motion = Motion(log["v"], *loads)
+    motion = Motion(log["v"], *loads, at_rest(log.time, log["p_mc"], 33.0))
     moments = total_axle_moment(VEHICLE, effects, motion)
     total = np.zeros_like(z)
     axles = (("fl", VEHICLE.front), ("rl", VEHICLE.rear))

@@ -8,13 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import ModelError
+from calib.physics.effects.effects import Effects, EmpiricalTerm
+from calib.physics.effects.empirical import DRIVERS, PLACES
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import WET_ASPHALT, Model, Surface, default_model, read_model, write_model
 from calib.physics.vehicle import read_vehicle
 from tests.support.refusals import refusal
 
 SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
-KNOWN = replace(SEDAN, effects={"rolling_resistance": {"coefficient": 0.012}})
+KNOWN = replace(SEDAN, effects=Effects({"rolling_resistance": {"coefficient": 0.012}}))
 
 WHOLE = """
 schema = 1
@@ -53,7 +55,7 @@ def test_reads_every_section_in_si(tmp_path):
     model = read(tmp_path, WHOLE, KNOWN)
     assert (model.pad_friction_f, model.pad_friction_r) == (0.30, pytest.approx(0.34))
     assert model.tyre == MagicFormula(20.0, 0.5, 1.5, 0.1)
-    assert model.effects == {"aerodynamic_drag": {"drag_area": pytest.approx(0.66)}}
+    assert model.effects == Effects({"aerodynamic_drag": {"drag_area": pytest.approx(0.66)}})
     assert model.surfaces == (Surface(60.0, "m", 0.8, 0.5), Surface(4.5, "s", 1.0, 1.0))
 
 
@@ -67,13 +69,13 @@ def test_what_is_left_out_is_the_default(tmp_path):
 def test_the_default_is_the_vehicle_as_it_is_known():
     model = default_model(KNOWN)
     assert (model.pad_friction_f, model.pad_friction_r) == (0.38, 0.38)
-    assert model.effects == {"rolling_resistance": {"coefficient": 0.012}}
+    assert model.effects == Effects({"rolling_resistance": {"coefficient": 0.012}})
     with pytest.raises(ModelError, match="aerodynamic_dragg"):
-        default_model(replace(SEDAN, effects={"aerodynamic_dragg": {"drag_area": 0.6}}))
+        default_model(replace(SEDAN, effects=Effects({"aerodynamic_dragg": {"drag_area": 0.6}})))
 
 
 def test_an_effects_section_is_the_whole_list(tmp_path):
-    assert read(tmp_path, "schema = 1\n[effects]", KNOWN).effects == {}
+    assert read(tmp_path, "schema = 1\n[effects]", KNOWN).effects == Effects()
 
 
 models = st.builds(
@@ -88,12 +90,26 @@ models = st.builds(
         shape=st.floats(1.05, 1.95),
         load_exponent=st.floats(-0.9, 0.9),
     ),
-    effects=st.fixed_dictionaries(
-        {},
-        optional={
-            "aerodynamic_drag": st.fixed_dictionaries({"drag_area": st.floats(0.0, 5.0)}),
-            "rolling_resistance": st.fixed_dictionaries({"coefficient": st.floats(0.0, 0.04)}),
-        },
+    effects=st.builds(
+        Effects,
+        parameters=st.fixed_dictionaries(
+            {},
+            optional={
+                "aerodynamic_drag": st.fixed_dictionaries({"drag_area": st.floats(0.0, 5.0)}),
+                "rolling_resistance": st.fixed_dictionaries({"coefficient": st.floats(0.0, 0.04)}),
+            },
+        ),
+        terms=st.lists(
+            st.builds(
+                EmpiricalTerm,
+                st.sampled_from(sorted(PLACES)),
+                st.sampled_from(sorted(DRIVERS)),
+                st.just((0.0, 0.1, 1e5)),
+                st.tuples(*[st.floats(-0.9, 0.9)] * 3),
+            ),
+            max_size=2,
+        ).map(tuple),
+        sigma=st.just({}),
     ),
     surfaces=st.lists(
         st.builds(

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import VehicleError
+from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle import AXLE, CHASSIS, Axle, Vehicle, checked, read_vehicle, write_vehicle
 from tests.support.refusals import refusal
 
@@ -38,7 +39,7 @@ def test_reads_tables_i_and_ii():
     assert car.rear.piston_area == pytest.approx(11.34e-4)
     assert isinstance(car.front.friction_faces, int)
     assert car.mass_tolerance == 0.005
-    assert car.effects == {}
+    assert car.effects == Effects()
 
 
 def test_other_units_mean_the_same_car(tmp_path):
@@ -67,10 +68,12 @@ def test_known_effects_and_tolerance_come_in_si(tmp_path):
     path.write_text(text)
     car = read_vehicle(path)
     assert car.mass_tolerance == pytest.approx(0.015)
-    assert car.effects == {
-        "aerodynamic_drag": {"drag_area": pytest.approx(0.66)},
-        "rolling_resistance": {"coefficient": 0.012},
-    }
+    assert car.effects == Effects(
+        {
+            "aerodynamic_drag": {"drag_area": pytest.approx(0.66)},
+            "rolling_resistance": {"coefficient": 0.012},
+        }
+    )
 
 
 @pytest.mark.parametrize(
@@ -120,7 +123,7 @@ def test_a_replaced_value_is_checked_too():
     with pytest.raises(VehicleError, match=r"sedan-2up: chassis\.mass"):
         checked(replace(car, mass=-1.0))
     with pytest.raises(VehicleError, match=r"effects\.aerodynamic_drag\.drag_area"):
-        checked(replace(car, effects={"aerodynamic_drag": {"drag_area": float("nan")}}))
+        checked(replace(car, effects=Effects({"aerodynamic_drag": {"drag_area": float("nan")}})))
 
 
 inside = {key: st.floats(bound.low, bound.high) for key, bound in {**CHASSIS, **AXLE}.items()}
@@ -142,7 +145,7 @@ def vehicles(draw):
     number = st.floats(-1e6, 1e6)
     parameters = st.dictionaries(st.text("ab c.\"'", min_size=1), number, max_size=2)
     effects = draw(st.dictionaries(st.sampled_from(["road_grade", "odd one"]), parameters))
-    return Vehicle(name=name, front=axle(), rear=axle(), effects=effects, **chassis)
+    return Vehicle(name=name, front=axle(), rear=axle(), effects=Effects(effects), **chassis)
 
 
 @given(car=vehicles())
@@ -150,6 +153,14 @@ def test_written_and_read_back_is_the_same(tmp_path_factory, car):
     path = tmp_path_factory.getbasetemp() / "round.toml"
     write_vehicle(car, path)
     assert read_vehicle(path) == car
+
+
+def test_an_empirical_term_is_not_lost_in_a_vehicle_file(tmp_path):
+    term = EmpiricalTerm("body", "constant", (0.0,), (0.01,))
+    car = replace(read_vehicle(SEDAN), effects=Effects(terms=(term,)))
+    with pytest.raises(VehicleError, match="cannot hold an empirical term"):
+        write_vehicle(car, tmp_path / "car.toml")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_refused_vehicle_leaves_no_file(tmp_path):

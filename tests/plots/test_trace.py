@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from calib.estimation.estimator import estimate
+from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle import read_vehicle
 from calib.plots.result import read_result
 from calib.plots.trace import from_estimate, from_result
@@ -29,6 +30,15 @@ def test_the_sum_of_forces_is_that_of_the_deceleration(trace):
     held = trace.valid
     assert np.mean(trace.force_sum[held]) == pytest.approx(np.mean(trace.inertia[held]), rel=0.02)
     assert trace.inertia == pytest.approx(WEIGHT * trace.z)
+
+
+def test_what_a_term_takes_is_in_the_sum_of_forces(sedan, transition):
+    """Two hundredths of the weight, 5 % of what slows the car."""
+    term = EmpiricalTerm("body", "constant", (0.0,), (0.02,))
+    table = replace(sedan, vehicle=replace(sedan.vehicle, effects=Effects(terms=(term,))))
+    drawn = from_estimate(table, "s", transition, estimate(table, transition))
+    held = drawn.valid
+    assert np.mean(drawn.force_sum[held]) == pytest.approx(np.mean(drawn.inertia[held]), rel=0.02)
 
 
 def test_nominal_torque_is_that_of_table_1_at_the_pressure(sedan, transition):

@@ -10,6 +10,7 @@ from calib.errors import LogError
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.names import WHEELS
+from calib.physics.effects.effects import Effects
 from calib.physics.model import default_model
 from calib.physics.vehicle import read_vehicle
 from calib.simulation.manoeuvre import ramp
@@ -21,10 +22,12 @@ SAMPLES = Path(__file__).parents[2] / "sample_logs/sedan"
 SEDAN = read_vehicle(SAMPLES / "vehicle.toml")
 MODEL = replace(
     default_model(SEDAN),
-    effects={
-        "aerodynamic_drag": {"drag_area": 0.66},
-        "rolling_resistance": {"coefficient": 0.011},
-    },
+    effects=Effects(
+        {
+            "aerodynamic_drag": {"drag_area": 0.66},
+            "rolling_resistance": {"coefficient": 0.011},
+        }
+    ),
 )
 
 
@@ -61,9 +64,9 @@ def test_pressures_of_single_wheels_are_used(driven):
 
 def test_disc_temperatures_are_used(driven):
     hot = {f"T_disc_{a}": np.full(driven.time.size, 350.0) for a in "fr"}
-    fade = {"pad_thermal_fade": {"fade_slope": 0.001, "fade_onset": 150.0}}
+    fade = Effects({"pad_thermal_fade": {"fade_slope": 0.001, "fade_onset": 150.0}})
     again = replay(
-        replace(MODEL, effects={**MODEL.effects, **fade}),
+        replace(MODEL, effects=MODEL.effects.with_(fade)),
         replace(driven, channels={**driven.channels, **hot}),
     )
     n = again.time.size
@@ -72,7 +75,7 @@ def test_disc_temperatures_are_used(driven):
 
 
 def test_without_v_the_radii_of_the_model_count(driven):
-    worn = replace(MODEL, effects={"rolling_radius_mismatch": {"radius_mismatch": -0.02}})
+    worn = replace(MODEL, effects=Effects({"rolling_radius_mismatch": {"radius_mismatch": -0.02}}))
     log = without(simulate(worn, driven.time, driven["p_mc"], 30.0), "v")
     assert replay(worn, log)["v"][0] == pytest.approx(30.0, rel=1e-3)
     assert replay(MODEL, log)["v"][0] == pytest.approx(30.3, rel=1e-3)

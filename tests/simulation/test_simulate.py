@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from calib.errors import ModelError
 from calib.names import WHEELS, G
 from calib.physics import forces
+from calib.physics.effects.effects import Effects
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import Model, Surface, default_model
 from calib.physics.vehicle import read_vehicle
@@ -25,7 +26,7 @@ TYRE = MagicFormula(25.0, 0.9, 1.65, 0.1)
 
 
 def model(effects=BOTH, vehicle=SEDAN, tyre=TYRE, **changes) -> Model:
-    return replace(default_model(vehicle), effects=effects, tyre=tyre, **changes)
+    return replace(default_model(vehicle), effects=Effects(effects), tyre=tyre, **changes)
 
 
 def clock(duration, rate=200):
@@ -36,7 +37,7 @@ def ramp(t):
     return max(t - 1.0, 0.0) * 6e5
 
 
-def trace(pressure, time):
+def sampled(pressure, time):
     return np.array([pressure(t) for t in time])
 
 
@@ -87,7 +88,7 @@ def test_without_wheel_inertia_the_torque_is_the_force():
         rear=replace(SEDAN.rear, wheel_inertia=0.0),
     )
     time = clock(6)
-    pressure = trace(ramp, time)
+    pressure = sampled(ramp, time)
     log = simulate(model({}, bare), time, pressure, 33.0)
     gain = 2.0 * (
         bare.front.pad_friction * bare.front.torque_gain / bare.front.rolling_radius
@@ -107,7 +108,7 @@ def test_without_wheel_inertia_the_torque_is_the_force():
 @pytest.fixture(scope="module")
 def ramped():
     time = clock(12)
-    return simulate(model(), time, trace(ramp, time), 33.0)
+    return simulate(model(), time, sampled(ramp, time), 33.0)
 
 
 def test_forces_sum_to_mass_times_deceleration(ramped):
@@ -135,7 +136,7 @@ def test_equation_1_holds_in_every_sample(ramped, w):
 def energy_missing(rate):
     """Share of the kinetic energy lost that brakes, rolling, slip and drag do not account for."""
     time = clock(12, rate)
-    log = simulate(model(), time, trace(ramp, time), 33.0)
+    log = simulate(model(), time, sampled(ramp, time), 33.0)
     v, heat = log["v"], 0.5 * 1.2 * 0.66 * log["v"] ** 3
     kinetic = 0.5 * SEDAN.mass * v**2
     for w in WHEELS:
@@ -176,7 +177,7 @@ def wave(t):
 def test_follows_the_plant(pressure, rate):
     """The wheel's lag is known to half a sample: of that size, and no more, is the difference."""
     run = drive(PLANT, pressure, 30.0, duration=5.0, rate=rate)
-    log = simulate(model(), run["time"], trace(pressure, run["time"]), 30.0)
+    log = simulate(model(), run["time"], sampled(pressure, run["time"]), 30.0)
     assert log.time.size == run["time"].size
     fastest = np.max(np.abs(np.diff(run["p_mc"]))) * 0.5
     force = 2.0 * SEDAN.front.pad_friction * SEDAN.front.torque_gain / SEDAN.front.rolling_radius
@@ -194,7 +195,7 @@ def test_half_the_step_halves_the_difference():
     found = []
     for rate in (200, 400):
         run = drive(PLANT, ramp, 30.0, duration=5.0, rate=rate, rtol=1e-10)
-        log = simulate(model(), run["time"], trace(ramp, run["time"]), 30.0)
+        log = simulate(model(), run["time"], sampled(ramp, run["time"]), 30.0)
         found.append(apart(log, run, "v"))
     assert found[0] / found[1] == pytest.approx(2.0, abs=0.2)
 
@@ -306,7 +307,7 @@ def test_more_friction_brakes_more_everywhere(friction, more):
 
 def test_equal_wheel_pressures_are_the_master_cylinder_pressure(ramped):
     time = clock(12)
-    p = trace(ramp, time)
+    p = sampled(ramp, time)
     log = simulate(model(), time, p, 33.0, wheel_pressure=dict.fromkeys(WHEELS, p))
     for w in WHEELS:
         assert log[f"omega_{w}"] == pytest.approx(ramped[f"omega_{w}"], abs=1e-9)
@@ -314,23 +315,23 @@ def test_equal_wheel_pressures_are_the_master_cylinder_pressure(ramped):
 
 def test_an_uneven_clock_gives_the_same_run(ramped):
     time = np.sort(np.concatenate([clock(12), clock(11.9)[::3] + 0.0013]))
-    log = simulate(model(), time, trace(ramp, time), 33.0)
+    log = simulate(model(), time, sampled(ramp, time), 33.0)
     at = np.interp(ramped.time, log.time, log["v"])
     assert at == pytest.approx(ramped["v"], abs=1e-3)
 
 
 def test_noise_on_the_pressure_does_not_unsettle_it():
     time = clock(8, 1000)
-    p = trace(ramp, time) + np.random.default_rng(0).normal(0.0, 0.5e5, time.size)
-    quiet = simulate(model(), time, trace(ramp, time), 33.0)
+    p = sampled(ramp, time) + np.random.default_rng(0).normal(0.0, 0.5e5, time.size)
+    quiet = simulate(model(), time, sampled(ramp, time), 33.0)
     assert simulate(model(), time, p, 33.0)["v"] == pytest.approx(quiet["v"], abs=0.01)
 
 
 def test_truth_names_the_pads_and_digest_the_content(ramped):
     assert set(ramped.truth["true_mu_pad_f"]) == {0.38}
     time = clock(12)
-    again = simulate(model(), time, trace(ramp, time), 33.0)
-    other = simulate(model(), time, trace(ramp, time), 32.0)
+    again = simulate(model(), time, sampled(ramp, time), 33.0)
+    other = simulate(model(), time, sampled(ramp, time), 32.0)
     assert again.digest == ramped.digest != other.digest
 
 

@@ -1,4 +1,4 @@
-"""The solver: sums over twins, what the trace holds, where a run ends, and that it settles."""
+"""The solver: sums over twins, what the history holds, where a run ends, and that it converges."""
 
 from dataclasses import replace
 
@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from calib.errors import ModelError
-from calib.physics.brakes import at_rest, brakes_of
+from calib.physics.brakes import brakes_of
+from calib.physics.effects.effects import Effects
+from calib.physics.history import at_rest
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import default_model
-from calib.simulation.solver import PASSES, Drive, end_of, solve, trace_of
+from calib.simulation.solver import ITERATIONS, Drive, end_of, history_of, solve
 from tests.support.effect_runs import SEDAN
 
 TIME = np.arange(801) / 200.0
@@ -17,7 +19,7 @@ DRAG = {"aerodynamic_drag": {"drag_area": 0.66}}
 
 
 def run_with(effects, pressure=25e5, **own):
-    model = replace(default_model(SEDAN), effects=effects)
+    model = replace(default_model(SEDAN), effects=Effects(effects))
     rest = at_rest(TIME, np.full(TIME.size, pressure), 30.0)
     return Drive(brakes_of(model, rest, own), rest, 30.0, 1.0)
 
@@ -39,22 +41,22 @@ def test_equal_twins_sum_to_the_last_bit_as_one_for_both():
 def test_what_the_brakes_and_the_road_took_is_what_the_car_lost():
     run = run_with(DRAG)
     state = solve(run)
-    trace = trace_of(run, state)
+    history = history_of(run, state)
     R = SEDAN.front.rolling_radius
     way = np.concatenate([[0.0], np.cumsum(0.5 * (state.v[1:] + state.v[:-1])) / 200.0])
-    assert trace.angle_f[-1] == pytest.approx(way[-1] / R, rel=0.02)  # less by the slip
-    assert trace.angle_f[-1] < trace.angle_r[-1] < way[-1] / R
+    assert history.angle_f[-1] == pytest.approx(way[-1] / R, rel=0.02)  # less by the slip
+    assert history.angle_f[-1] < history.angle_r[-1] < way[-1] / R
     spinning = SEDAN.front.wheel_inertia + SEDAN.rear.wheel_inertia
     moving = (0.5 * SEDAN.mass + spinning / R**2) * (30.0**2 - state.v[-1] ** 2)
     drag = np.trapezoid(0.6 * 0.66 * state.v**3, TIME)
-    heat = 2.0 * (trace.energy_f[-1] + trace.energy_r[-1])
+    heat = 2.0 * (history.energy_f[-1] + history.energy_r[-1])
     assert heat == pytest.approx(moving - drag, rel=0.02)  # the rest is left on the road
     assert heat < moving - drag
 
 
-def test_without_effects_no_trace_is_made():
+def test_without_effects_no_history_is_made():
     run = run_with({})
-    assert trace_of(run, solve(run)) is run.rest
+    assert history_of(run, solve(run)) is run.rest
 
 
 def test_an_axle_lifts_when_its_load_has_left_and_not_before():
@@ -63,7 +65,9 @@ def test_an_axle_lifts_when_its_load_has_left_and_not_before():
     pitch = {"elastic_share": 1.0, "natural_frequency": 3.0, "damping": 0.9, "pitch_gradient": 0.0}
     grip, reached = MagicFormula(60.0, 3.0), []
     for effects in ({}, {"pitch_coupling": pitch}):
-        model = replace(default_model(tall), effects=effects, tyre=grip, pad_friction_r=0.0)
+        model = replace(
+            default_model(tall), effects=Effects(effects), tyre=grip, pad_friction_r=0.0
+        )
         rest = at_rest(TIME, np.clip(TIME - 0.5, 0.0, None) * 60e5, 40.0)
         run = Drive(brakes_of(model, rest, {}), rest, 40.0, 1.0)
         state = solve(run)
@@ -75,8 +79,8 @@ def test_an_axle_lifts_when_its_load_has_left_and_not_before():
 
 
 @pytest.mark.parametrize("strength", [0.02, -0.02])
-def test_strong_effects_settle_with_passes_to_spare(strength, monkeypatch):
-    monkeypatch.setattr("calib.simulation.solver.PASSES", PASSES // 2)
+def test_strong_effects_converge_with_iterations_to_spare(strength, monkeypatch):
+    monkeypatch.setattr("calib.simulation.solver.ITERATIONS", ITERATIONS // 2)
     effects = {
         "pad_speed_dependence": {"speed_slope": strength},
         "wet_pad_recovery": {"wet_loss": 0.95, "dry_energy": 60e3},
@@ -84,7 +88,7 @@ def test_strong_effects_settle_with_passes_to_spare(strength, monkeypatch):
     solve(run_with(effects, 15e5))
 
 
-def test_refuses_what_has_not_settled(monkeypatch):
-    monkeypatch.setattr("calib.simulation.solver.PASSES", 2)
-    with pytest.raises(ModelError, match="did not settle in 2 passes"):
+def test_refuses_what_has_not_converged(monkeypatch):
+    monkeypatch.setattr("calib.simulation.solver.ITERATIONS", 2)
+    with pytest.raises(ModelError, match="did not converge in 2 iterations"):
         solve(run_with(DRAG))

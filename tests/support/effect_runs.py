@@ -1,4 +1,4 @@
-"""Traces out of thin air, and short runs of the reference car under one effect."""
+"""Made histories, and short runs of the reference car under named effects."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from calib.physics.effects.catalogue import CATALOGUE
-from calib.physics.effects.effect import RunHistory
+from calib.physics.effects.effects import Effects
+from calib.physics.history import Motion, RunHistory
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import default_model
 from calib.physics.vehicle import read_vehicle
@@ -24,8 +25,8 @@ def without_inertia(car):
     return replace(car, front=front, rear=rear)
 
 
-def made_trace(n=200, **changes):
-    """A trace of n samples in which everything moves."""
+def made_history(n=200, **changes):
+    """A history (n,) in which everything moves."""
     time = np.arange(n) * 0.01
     given = {
         "time": time,
@@ -42,14 +43,21 @@ def made_trace(n=200, **changes):
     return RunHistory(**{**given, **changes})
 
 
-def pressures(name, trace, **parameters):
+def made_motion(v, load_f=1e4, load_r=7e3):
+    """The motion of a made history at these speeds [m/s] and axle loads [N]."""
+    v = np.asarray(v, float)
+    one = np.ones_like(v)
+    return Motion(v, load_f * one, load_r * one, made_history(v.size, v=v))
+
+
+def pressures(name, history, **parameters):
     """Front and rear pressure [Pa] of an effect fed with p_mc."""
-    return CATALOGUE[name].pressure(parameters, trace, trace.p_mc, trace.p_mc)
+    return CATALOGUE[name].pressure(parameters, history, history.p_mc, history.p_mc)
 
 
-def factors(name, trace, **parameters):
+def factors(name, history, **parameters):
     """Factors on the front and the rear pads [1] at p_mc."""
-    return CATALOGUE[name].friction(parameters, trace, trace.p_mc, trace.p_mc)
+    return CATALOGUE[name].friction(parameters, history, history.p_mc, history.p_mc)
 
 
 def clock(duration, rate=200):
@@ -57,9 +65,9 @@ def clock(duration, rate=200):
 
 
 def driven(effects, pressure=lambda t: 25e5, v0=30.0, *, duration=4.0, rate=200, car=SEDAN, **more):
-    """Simulate the car with these effects and no others."""
+    """Simulate the car with these parameters of named effects, and no other effects."""
     time = clock(duration, rate)
-    model = replace(default_model(car), effects=effects, tyre=TYRE)
+    model = replace(default_model(car), effects=Effects(effects), tyre=TYRE)
     return simulate(model, time, np.array([pressure(t) for t in time]), v0, **more)
 
 
@@ -77,5 +85,5 @@ def apart(log, run, channel):
 
 
 def wave(t):
-    """Pressure [Pa] that rises and falls, from nought on."""
+    """Pressure [Pa] that rises and falls, from zero on."""
     return 15e5 * (1.0 - np.cos(2.5 * t))

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Axle, Vehicle
 from calib.table.table import (
     EXTRAPOLATED,
@@ -39,7 +40,7 @@ VEHICLE = Vehicle(
     track_width=1.55,
     front=Axle(0.322, 1.2, 28.84e-4, 0.1309, 2, 0.38),
     rear=Axle(0.322, 1.1, 11.34e-4, 0.124, 2, 0.38),
-    effects={"aerodynamic_drag": {"drag_area": 0.66}},
+    effects=Effects({"aerodynamic_drag": {"drag_area": 0.66}}),
 )
 
 
@@ -78,7 +79,10 @@ def made_table(stiffness: float = C, name: str = "sedan", rows: int = 21) -> Tab
         calibration=Calibration(
             Value(1.05, 0.01), Value(0.0, 0.05), Value(0.4, 0.01), Value(0.39, 0.02)
         ),
-        effects={"aerodynamic_drag": {"drag_area": Value(0.66, 0.02)}},
+        effects=Effects(
+            {"aerodynamic_drag": {"drag_area": 0.66}},
+            sigma={"aerodynamic_drag": {"drag_area": 0.02}},
+        ),
         noise={"a_x": 0.01, "omega": 0.004},
         quality={"rms": 0.0021},
         remarks=("made from a closed form",),

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.digest import canonical_json, content_digest
+from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.table.table import Table, Value
 from tests.support.tables import C, K, made_table
 
@@ -29,6 +30,28 @@ def test_content_and_back_is_the_same_table(table):
                 getattr(getattr(again, curve), field.name),
                 getattr(getattr(table, curve), field.name),
             )
+
+
+TERM = EmpiricalTerm("front_brakes", "speed", (5.0, 30.0), (0.0, -0.1))
+WRITTEN = {
+    "place": "front_brakes",
+    "driver": "speed",
+    "knots": [5.0, 30.0],
+    "values": [0.0, -0.1],
+}
+
+
+@pytest.mark.parametrize("terms", [(), (TERM,), (TERM, TERM)], ids=len)
+def test_the_record_keeps_the_keys_of_tables_stored_before(table, terms):
+    """Named effects stand in the vehicle, the term beside it, sigma beside each value."""
+    effects = replace(table.vehicle.effects, terms=terms)
+    held = replace(table, vehicle=replace(table.vehicle, effects=effects))
+    record, curves = held.content()
+    assert record["vehicle"]["effects"] == {"aerodynamic_drag": {"drag_area": 0.66}}
+    assert record["effects"] == {"aerodynamic_drag": {"drag_area": {"value": 0.66, "sigma": 0.02}}}
+    written = {0: None, 1: WRITTEN, 2: [WRITTEN, WRITTEN]}[len(terms)]
+    assert record.get("empirical") == written
+    assert Table.from_content(record, curves).vehicle == held.vehicle
 
 
 def test_digest_is_sha256_of_the_canonical_content():
@@ -71,7 +94,7 @@ def test_one_bit_of_any_column_changes_the_digest(column, row):
         {"remarks": ("other",)},
         {"quality": {"rms": 0.0022}},
         {"noise": {}},
-        {"effects": {}},
+        {"effects": Effects()},
         {"name": "wagon"},
     ],
 )

@@ -1,10 +1,13 @@
 """Accelerometer bias: a reading where there is no acceleration."""
 
-from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters, RunHistory
+from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
+from calib.physics.history import RunHistory
 from calib.physics.vehicle import Vehicle
 
 
-def accelerometer(vehicle: Vehicle, parameters: Parameters, trace: RunHistory, a_x: Array) -> Array:
+def accelerometer(
+    vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array
+) -> Array:
     """Return a_x + b [m/s^2], the same all along the run."""
     return a_x + parameters["bias"]
 

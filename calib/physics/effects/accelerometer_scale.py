@@ -1,10 +1,13 @@
 """Accelerometer scale: a reading that is off in proportion."""
 
-from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters, RunHistory
+from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
+from calib.physics.history import RunHistory
 from calib.physics.vehicle import Vehicle
 
 
-def accelerometer(vehicle: Vehicle, parameters: Parameters, trace: RunHistory, a_x: Array) -> Array:
+def accelerometer(
+    vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array
+) -> Array:
     """Return a_x (1 + e) [m/s^2]."""
     return a_x * (1.0 + parameters["scale_error"])
 

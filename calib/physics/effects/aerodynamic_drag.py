@@ -1,6 +1,7 @@
 """Aerodynamic drag: a force on the body that grows with the square of the speed."""
 
-from calib.physics.effects.effect import Array, Card, Effect, Motion, Parameter, Parameters
+from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
+from calib.physics.history import Motion
 from calib.physics.vehicle import Vehicle
 
 AIR_DENSITY = 1.2

@@ -2,19 +2,12 @@
 
 import numpy as np
 
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Pair,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import RunHistory
 
 
-def pressure(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Pressure less what the threshold p_0 takes of it [Pa]; nought below.
+def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Pressure less what the threshold p_0 takes of it [Pa]; zero below.
 
     The sign is kept, so that the noise of a sensor at rest stays without a mean.
     """
@@ -27,7 +20,7 @@ EFFECT = Effect(
     card=Card(
         name="brake_threshold_pressure",
         cause="return springs and seals of the calipers",
-        equation="p - p_0 above p_0, nought below; nothing at threshold = 0",
+        equation="p - p_0 above p_0, zero below; nothing at threshold = 0",
         source="Limpert, Brake Design and Safety, ch. 5 (pushout pressure)",
         looks_like="the same torque missing at every pressure, all of it at light braking",
         parameters=(Parameter("threshold", "Pa", 0.0, 10e5, 1.5e5, 1e5),),

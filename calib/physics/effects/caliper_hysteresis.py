@@ -15,15 +15,8 @@ speed of the pedal. With the lines L = p and U = p/(1 - w) of each sample it is
 
 import numpy as np
 
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Pair,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import RunHistory
 
 WOBBLE = 0.1e5
 """Most that a pressure sensor is taken to add to a held pressure [Pa]: three sigma of a usual one
@@ -31,7 +24,7 @@ WOBBLE = 0.1e5
 large as its noise."""
 
 
-def pressure(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressure [Pa] that would clamp as hard without hysteresis, for each axle.
 
     Begins on the loading line. Below no pressure (sensor noise) there is no play.

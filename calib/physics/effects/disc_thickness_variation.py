@@ -2,17 +2,18 @@
 
 import numpy as np
 
-from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters, RunHistory
+from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
+from calib.physics.history import RunHistory
 
 
-def wheels(parameters: Parameters, trace: RunHistory) -> dict[str, Array]:
+def wheels(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     """Factors 1 + a sin(angle + phase) [1] on the front brakes.
 
     ``side`` is 0 when both discs pulse in step, 1 when only the left one does, -1 the right one.
     The angle counts from the first sample, unless the run was turned to its ripple
     (`calib.diagnosis`).
     """
-    turned = np.sin(trace.angle_f + parameters["phase"])
+    turned = np.sin(history.angle_f + parameters["phase"])
     a, side = parameters["amplitude"], parameters["side"]
     left, right = min(1.0, 1.0 + side), min(1.0, 1.0 - side)
     return {"fl": 1.0 + a * left * turned, "fr": 1.0 + a * right * turned}

@@ -1,15 +1,15 @@
-"""An empirical term: what was left, over what it depends on. It is no physics and says so.
+"""What an empirical term does: it adds to the same links as any effect.
 
-A piecewise linear function of one driver that acts on one place of the car. It adds to the same
-links as any effect, so that a model with it can be simulated and accounted for.
+So a model with a term can be simulated, and a term can be taken out of a log. See `EmpiricalTerm`.
 """
-
-from dataclasses import dataclass
 
 import numpy as np
 
+from calib.errors import ModelError
 from calib.physics.braking import BITE
-from calib.physics.effects.effect import Array, Card, Effect, Motion, Pair, Parameters, RunHistory
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameters
+from calib.physics.effects.effects import EmpiricalTerm
+from calib.physics.history import Motion, RunHistory
 from calib.physics.vehicle import Vehicle
 
 PLACES = {
@@ -32,79 +32,100 @@ DRIVERS = {
     "constant": "1",
 }
 """What a term can depend on, with its unit: time counts from the last bite of the pads, elapsed
-from the start of the run, and what is constant has one knot at nought."""
+from the start of the run, and what is constant has one knot at zero. The temperature is that of
+the discs of the axle that the term acts on."""
+
+DISCS = {"front": ("f",), "rear": ("r",), "both": ("f", "r"), "body": ("f",)}
+"""Axles whose discs a term over temperature reads. The body has no disc; the front discs stand for
+it, since they take most of the heat."""
 
 
-@dataclass(frozen=True)
-class Empirical:
-    """A term: ``values`` [1] at the ``knots`` of a ``driver``.
+def effect_of(term: EmpiricalTerm) -> Effect:
+    """The term as an effect without parameters."""
+    card = Card(
+        name=f"empirical_{term.place}_over_{term.driver}",
+        cause="not known",
+        equation="piecewise linear over its driver",
+        source="the runs it was fitted to",
+        looks_like="what was left of them",
+        parameters=(),
+    )
 
-    On brakes a value is the factor on the brake torque less one; on wheels and body it is a force
-    at the road over the weight, positive when it slows.
-    """
+    def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+        front, rear = np.ones_like(p_f), np.ones_like(p_r)
+        if PLACES[term.place] != "rear":
+            front = 1.0 + value_along(term, history, "f")
+        if PLACES[term.place] != "front":
+            rear = 1.0 + value_along(term, history, "r")
+        return front, rear
 
-    place: str
-    driver: str
-    knots: tuple[float, ...]
-    values: tuple[float, ...]
+    def body_force(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
+        return np.asarray(vehicle.weight * value_along(term, motion.history, "f"))
 
-    @property
-    def on_brakes(self) -> bool:
-        """Whether it is a factor on a brake torque, not a force at the road."""
-        return self.place.endswith("brakes")
-
-    def at(self, trace: RunHistory) -> Array:
-        """Value of the term along a run (n,)."""
-        return np.interp(driver_along(trace, self.driver), self.knots, self.values)
-
-    def effect(self) -> Effect:
-        """The term as an effect without parameters."""
-        card = Card(
-            name=f"empirical_{self.place}_over_{self.driver}",
-            cause="not known",
-            equation="piecewise linear over its driver",
-            source="the runs it was fitted to",
-            looks_like="what was left of them",
-            parameters=(),
-        )
-        if self.on_brakes:
-            return Effect(card, friction=self._friction)
-        if self.place == "body":
-            return Effect(card, body_force=self._body)
-        return Effect(card, axle_moment=self._moment)
-
-    def _friction(self, parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
-        one, factor = np.ones_like(p_f), 1.0 + self.at(trace)
-        if self.place == "brakes":
-            return factor, factor
-        return (factor, one) if self.place == "front_brakes" else (one, factor)
-
-    def _body(self, vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
-        assert motion.trace is not None
-        return np.asarray(vehicle.weight * self.at(motion.trace))
-
-    def _moment(self, vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-        force = self._body(vehicle, parameters, motion)
+    def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
+        (axle,) = DISCS[PLACES[term.place]]
+        force = vehicle.weight * value_along(term, motion.history, axle)
         nothing = np.zeros_like(force)
-        if self.place == "front_wheels":
+        if axle == "f":
             return vehicle.front.rolling_radius * force, nothing
         return nothing, vehicle.rear.rolling_radius * force
 
+    if term.on_brakes:
+        return Effect(card, friction=friction)
+    if term.place == "body":
+        return Effect(card, body_force=body_force)
+    return Effect(card, axle_moment=axle_moment)
 
-def driver_along(trace: RunHistory, driver: str) -> Array:
-    """A driver along a run [SI] (n,); a temperature that is not known counts as nought."""
+
+def value_along(term: EmpiricalTerm, history: RunHistory, axle: str) -> Array:
+    """Value of a term [1] (n,) along a run, on the axle ``f`` or ``r``.
+
+    Raises ModelError where the run lacks the temperature of that axle's discs.
+    """
+    return np.interp(driver_along(history, term.driver, axle), term.knots, term.values)
+
+
+def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
+    """All that a term on ``place`` reads of a run [SI], arrays (n,): one, or one for each axle.
+
+    Raises ModelError where a temperature is not known.
+    """
+    axles = DISCS[PLACES[place]] if driver == "temperature" else ("f",)
+    return [driver_along(history, driver, axle) for axle in axles]
+
+
+def driver_along(history: RunHistory, driver: str, axle: str) -> Array:
+    """A driver along a run [SI] (n,); the temperature is that of the axle ``f`` or ``r``.
+
+    Raises ModelError where that temperature is not known.
+    """
     if driver == "pressure":
-        return trace.p_mc
+        return history.p_mc
     if driver == "speed":
-        return trace.v
+        return history.v
     if driver == "temperature":
-        return np.zeros_like(trace.v) if trace.temperature_f is None else trace.temperature_f
+        return _temperature(history, axle)
     if driver == "deceleration":
-        return trace.z
+        return history.z
     if driver == "constant":
-        return np.zeros_like(trace.v)
+        return np.zeros_like(history.v)
     if driver == "elapsed":
-        return np.asarray(trace.time - trace.time[0])
-    braked = trace.p_mc > BITE
-    last_free = np.maximum.accumulate(np.where(braked, -np.inf, trace.time))
-    return np.where(np.isfinite(last_free), trace.time - last_free, trace.time - trace.time[0])
+        return np.asarray(history.time - history.time[0])
+    braked = history.p_mc > BITE
+    last_free = np.maximum.accumulate(np.where(braked, -np.inf, history.time))
+    return np.where(
+        np.isfinite(last_free), history.time - last_free, history.time - history.time[0]
+    )
+
+
+def _temperature(history: RunHistory, axle: str) -> Array:
+    known = history.temperature_f if axle == "f" else history.temperature_r
+    if known is None:
+        raise ModelError(
+            f"no temperature of the {'front' if axle == 'f' else 'rear'} discs, on which an "
+            "empirical term depends",
+            where=history.source or None,
+            expected=f"a channel T_disc_{axle} [degC]",
+            do="log it, or take a model without this term",
+        )
+    return known

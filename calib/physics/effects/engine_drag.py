@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from calib.physics.effects.effect import Card, Effect, Motion, Pair, Parameter, Parameters
+from calib.physics.effects.effect import Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import Motion
 from calib.physics.vehicle import Vehicle
 
 

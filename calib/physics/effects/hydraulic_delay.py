@@ -2,24 +2,17 @@
 
 import numpy as np
 
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Pair,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import RunHistory
 
 
-def pressure(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressure [Pa] of ``delay`` [s] earlier, straight between samples.
 
     Before the first sample the pressure was that of the first sample.
     """
-    then = trace.time - parameters["delay"]
-    return np.interp(then, trace.time, p_f), np.interp(then, trace.time, p_r)
+    then = history.time - parameters["delay"]
+    return np.interp(then, history.time, p_f), np.interp(then, history.time, p_r)
 
 
 EFFECT = Effect(

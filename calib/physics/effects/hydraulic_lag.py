@@ -1,18 +1,11 @@
 """Hydraulic lag: the calipers fill through narrow lines."""
 
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Pair,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import RunHistory
 from calib.physics.lag import first_order
 
 
-def pressure(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressure [Pa] behind a first-order lag, the same on both axles.
 
     Steady at the first sample. A line that fills fast and empties slowly is not covered.
@@ -20,7 +13,7 @@ def pressure(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) 
     lag = parameters["time_constant"]
     if lag <= 0.0:
         return p_f, p_r
-    return first_order(trace.time, p_f, lag), first_order(trace.time, p_r, lag)
+    return first_order(history.time, p_f, lag), first_order(history.time, p_r, lag)
 
 
 EFFECT = Effect(

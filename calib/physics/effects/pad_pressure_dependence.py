@@ -1,20 +1,13 @@
 """Pressure dependence of the pads: friction that changes with how hard they are pressed."""
 
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Pair,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import RunHistory
 
 REFERENCE_PRESSURE = 20e5
 """Pressure [Pa] at which the pad friction is what the model says; the middle of usual braking."""
 
 
-def friction(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factor 1 + k (p - 20 bar) [1], p of the caliper; a straight line, wrong far from 20 bar."""
     slope = parameters["pressure_slope"]
     return 1.0 + slope * (p_f - REFERENCE_PRESSURE), 1.0 + slope * (p_r - REFERENCE_PRESSURE)

@@ -1,23 +1,16 @@
 """Speed dependence of the pads: friction that is not the same at every sliding speed."""
 
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Pair,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import RunHistory
 
 REFERENCE_SPEED = 20.0
 """Speed [m/s] at which the pad friction is what the model says; the middle of a usual stop, so
 that slope and level are told apart best."""
 
 
-def friction(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factor 1 + k (v - 20 m/s) [1] on both axles; a straight line, wrong far from 20 m/s."""
-    factor = 1.0 + parameters["speed_slope"] * (trace.v - REFERENCE_SPEED)
+    factor = 1.0 + parameters["speed_slope"] * (history.v - REFERENCE_SPEED)
     return factor, factor
 
 

@@ -2,18 +2,11 @@
 
 import numpy as np
 
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Pair,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import RunHistory
 
 
-def friction(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factor 1 - k max(T - T_0, 0) [1] on both axles; 1 where the temperature is not known.
 
     T is that of the disc [degC]. A straight line: wrong where little friction is left.
@@ -21,7 +14,7 @@ def friction(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) 
     slope, onset = parameters["fade_slope"], parameters["fade_onset"]
     front, rear = (
         np.ones_like(p) if T is None else 1.0 - slope * np.maximum(T - onset, 0.0)
-        for T, p in ((trace.temperature_f, p_f), (trace.temperature_r, p_r))
+        for T, p in ((history.temperature_f, p_f), (history.temperature_r, p_r))
     )
     return front, rear
 

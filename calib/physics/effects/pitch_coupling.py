@@ -6,30 +6,33 @@ nose down by e k z_b
 """
 
 from calib.names import G
-from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters, RunHistory
+from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
+from calib.physics.history import RunHistory
 from calib.physics.lag import second_order
 from calib.physics.vehicle import Vehicle
 
 
-def load_shift(vehicle: Vehicle, parameters: Parameters, trace: RunHistory) -> Array:
+def load_shift(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
     """Share e (z - z_b) h/L of W [1] that the front axle still lacks.
 
     Springs and dampers of both axles as one mode; steady at the first sample.
     """
-    late = trace.z - _body(parameters, trace)
+    late = history.z - _body(parameters, history)
     return parameters["elastic_share"] * late * vehicle.cg_height / vehicle.wheelbase
 
 
-def accelerometer(vehicle: Vehicle, parameters: Parameters, trace: RunHistory, a_x: Array) -> Array:
+def accelerometer(
+    vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array
+) -> Array:
     """Return a_x - g e k z_b [m/s^2]: nose down, gravity adds to the deceleration; small angles."""
-    pitch = parameters["elastic_share"] * parameters["pitch_gradient"] * _body(parameters, trace)
+    pitch = parameters["elastic_share"] * parameters["pitch_gradient"] * _body(parameters, history)
     return a_x - G * pitch
 
 
-def _body(parameters: Parameters, trace: RunHistory) -> Array:
+def _body(parameters: Parameters, history: RunHistory) -> Array:
     """Deceleration [1] at which the springs as they stand would be at rest."""
     frequency, damping = parameters["natural_frequency"], parameters["damping"]
-    return second_order(trace.time, trace.z, frequency, damping)
+    return second_order(history.time, history.z, frequency, damping)
 
 
 EFFECT = Effect(

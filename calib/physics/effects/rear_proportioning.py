@@ -2,18 +2,11 @@
 
 import numpy as np
 
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Pair,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import RunHistory
 
 
-def pressure(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Rear pressure [Pa] that grows with ``knee_slope`` above ``knee``; the front as it comes.
 
     A valve without hysteresis, whose knee does not move with load or deceleration.

@@ -3,15 +3,8 @@
 import numpy as np
 
 from calib.names import G
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Motion,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
+from calib.physics.history import Motion, RunHistory
 from calib.physics.vehicle import Vehicle
 
 
@@ -23,7 +16,9 @@ def body_force(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Arra
     return np.full_like(motion.v, vehicle.weight * parameters["grade"])
 
 
-def accelerometer(vehicle: Vehicle, parameters: Parameters, trace: RunHistory, a_x: Array) -> Array:
+def accelerometer(
+    vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array
+) -> Array:
     """Return a_x + f g s [m/s^2]: a sensor reads specific force (f = 1), a log may hold dv/dt."""
     return a_x + parameters["felt"] * G * parameters["grade"]
 

@@ -1,6 +1,7 @@
 """Rolling resistance: a moment that slows every wheel in proportion to its load."""
 
-from calib.physics.effects.effect import Array, Card, Effect, Motion, Parameter, Parameters
+from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
+from calib.physics.history import Motion
 from calib.physics.vehicle import Vehicle
 
 

@@ -2,15 +2,16 @@
 
 import numpy as np
 
-from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters, RunHistory
+from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
+from calib.physics.history import RunHistory
 
 
-def wheels(parameters: Parameters, trace: RunHistory) -> dict[str, Array]:
+def wheels(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     """Factors 1 + x and 1 - x [1] on the brake torques, left and right; r x on the rear.
 
     The car is held straight by the driver; side forces are not looked at.
     """
-    one, x = np.ones_like(trace.time), parameters["imbalance"]
+    one, x = np.ones_like(history.time), parameters["imbalance"]
     y = parameters["rear_share"] * x
     left_right = {"fl": 1.0 + x, "fr": 1.0 - x, "rl": 1.0 + y, "rr": 1.0 - y}
     if y == 0.0:  # the rear is even: its wheels are alike and are driven once

@@ -2,24 +2,18 @@
 
 import numpy as np
 
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Pair,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import RunHistory
 
 
-def friction(parameters: Parameters, trace: RunHistory, p_f: Array, p_r: Array) -> Pair:
+def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factor 1 - a exp(-E/E_0) [1], each axle with its own heat E of one brake [J].
 
     Every run begins as wet as ``wet_loss`` says; water that comes later is not covered.
     """
     loss, dry = parameters["wet_loss"], parameters["dry_energy"]
-    return 1.0 - loss * np.exp(-trace.energy_f / dry), 1.0 - loss * np.exp(-trace.energy_r / dry)
+    front, rear = (1.0 - loss * np.exp(-E / dry) for E in (history.energy_f, history.energy_r))
+    return front, rear
 
 
 EFFECT = Effect(

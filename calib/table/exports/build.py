@@ -133,7 +133,7 @@ def _scalars(table: Table, version: int, first: str) -> list[Scalar]:
                 v.value,
                 v.sigma,
             )
-            for effect, values in table.effects.items()
+            for effect, values in table.effect_values.items()
             for name, v in values.items()
         ),
     ]

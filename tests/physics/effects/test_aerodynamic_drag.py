@@ -6,17 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.physics.effects.aerodynamic_drag import AIR_DENSITY, EFFECT
-from calib.physics.effects.effect import Motion
+from calib.physics.effects.effect import acts_on_wheels
+from tests.support.effect_runs import made_motion
 from tests.support.tables import VEHICLE
 
 
-def motion(v, load_f=1e4, load_r=7e3):
-    one = np.ones_like(np.asarray(v, float))
-    return Motion(v * one, load_f * one, load_r * one)
-
-
 def drag(v, area=0.66, **loads):
-    return EFFECT.body_force(VEHICLE, {"drag_area": area}, motion(v, **loads))
+    return EFFECT.body_force(VEHICLE, {"drag_area": area}, made_motion(np.atleast_1d(v), **loads))
 
 
 def test_306_newtons_at_100_km_h():
@@ -37,5 +33,4 @@ def test_grows_with_area_and_the_square_of_speed_and_no_load(v, area, load):
 def test_slows_the_body_and_not_the_wheels():
     speeds = np.array([0.0, 10.0, 30.0])
     assert np.all(np.diff(drag(speeds)) > 0.0)
-    for moment in EFFECT.axle_moment(VEHICLE, {"drag_area": 0.66}, motion(speeds)):
-        assert np.array_equal(moment, np.zeros(3))
+    assert not acts_on_wheels(EFFECT)

@@ -5,21 +5,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.effect_runs import SEDAN, driven, made_trace, pressures, wave
+from tests.support.effect_runs import SEDAN, driven, made_history, pressures, wave
 
 
 @given(st.floats(0.0, 10e5), st.floats(0.0, 150e5))
 def test_what_is_above_the_threshold(threshold, p):
-    trace = made_trace(1, p_mc=np.array([p]))
-    for found in pressures("brake_threshold_pressure", trace, threshold=threshold):
+    history = made_history(1, p_mc=np.array([p]))
+    for found in pressures("brake_threshold_pressure", history, threshold=threshold):
         assert found == pytest.approx([max(p - threshold, 0.0)], abs=1e-6)
 
 
 def test_noise_at_rest_stays_without_a_mean():
     noise = np.random.default_rng(0).normal(0.0, 0.1e5, 1000)
-    trace = made_trace(1000, p_mc=np.concatenate([noise[:500], -noise[:500]]))
+    history = made_history(1000, p_mc=np.concatenate([noise[:500], -noise[:500]]))
     for threshold in (0.0, 0.05e5, 2e5):
-        front, _ = pressures("brake_threshold_pressure", trace, threshold=threshold)
+        front, _ = pressures("brake_threshold_pressure", history, threshold=threshold)
         assert np.mean(front) == pytest.approx(0.0, abs=1e-9)
     assert np.all(front == 0.0)
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from calib.physics.effects.caliper_hysteresis import clamp
-from tests.support.effect_runs import SEDAN, driven, made_trace, pressures
+from tests.support.effect_runs import SEDAN, driven, made_history, pressures
 
 PRESSURES = arrays(float, st.integers(1, 300), elements=st.floats(-1e5, 100e5))
 WIDTH = st.floats(0.0, 0.5)
@@ -42,9 +42,9 @@ def test_the_rate_is_of_no_matter(p, width, slower):
 
 @given(st.floats(0.0, 0.5))
 def test_rising_there_is_none_of_it(width):
-    trace = made_trace(p_mc=np.linspace(0.0, 50e5, 200))
-    for found in pressures("caliper_hysteresis", trace, width=width):
-        assert np.array_equal(found, trace.p_mc)
+    history = made_history(p_mc=np.linspace(0.0, 50e5, 200))
+    for found in pressures("caliper_hysteresis", history, width=width):
+        assert np.array_equal(found, history.p_mc)
 
 
 def test_the_axles_have_it_each_for_itself():

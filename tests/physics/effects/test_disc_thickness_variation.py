@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson
 
 from calib.physics.effects.disc_thickness_variation import EFFECT
-from tests.support.effect_runs import driven, made_trace
+from tests.support.effect_runs import driven, made_history
 
 
 @given(st.floats(0.0, 0.3), st.floats(-np.pi, np.pi), st.floats(0.0, 1000.0))
 def test_a_sine_of_the_front_angle(amplitude, phase, angle):
-    trace = made_trace(2, angle_f=np.array([0.0, angle]))
-    found = EFFECT.wheels({"amplitude": amplitude, "phase": phase, "side": 0.0}, trace)
+    history = made_history(2, angle_f=np.array([0.0, angle]))
+    found = EFFECT.wheels({"amplitude": amplitude, "phase": phase, "side": 0.0}, history)
     for wheel in ("fl", "fr"):
         assert found[wheel][1] == pytest.approx(1.0 + amplitude * np.sin(angle + phase))
     assert set(found) == {"fl", "fr"}
@@ -21,8 +21,8 @@ def test_a_sine_of_the_front_angle(amplitude, phase, angle):
 
 @pytest.mark.parametrize(("side", "still"), [(1.0, "fr"), (-1.0, "fl")])
 def test_one_disc_alone(side, still):
-    trace = made_trace(2, angle_f=np.array([0.0, 1.0]))
-    found = EFFECT.wheels({"amplitude": 0.1, "phase": 0.0, "side": side}, trace)
+    history = made_history(2, angle_f=np.array([0.0, 1.0]))
+    found = EFFECT.wheels({"amplitude": 0.1, "phase": 0.0, "side": side}, history)
     assert found[still] == pytest.approx(np.ones(2))
 
 

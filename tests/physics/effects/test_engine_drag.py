@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
-from calib.physics.effects.effect import Motion
 from calib.physics.effects.engine_drag import EFFECT
-from tests.support.effect_runs import SEDAN, driven, without_inertia
+from tests.support.effect_runs import SEDAN, driven, made_motion, without_inertia
 
 
 def test_the_front_axle_has_all_of_it():
-    motion = Motion(np.array([5.0, 40.0]), np.full(2, 1e4), np.full(2, 7e3))
-    front, rear = EFFECT.axle_moment(SEDAN, {"drag_torque": 120.0}, motion)
+    front, rear = EFFECT.axle_moment(SEDAN, {"drag_torque": 120.0}, made_motion([5.0, 40.0]))
     assert np.array_equal(front, [120.0, 120.0])
     assert np.array_equal(rear, [0.0, 0.0])
 

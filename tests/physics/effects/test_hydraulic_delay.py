@@ -9,7 +9,7 @@ from tests.support.effect_runs import (
     SEDAN,
     apart,
     driven,
-    made_trace,
+    made_history,
     on_the_plant,
     pressures,
     wave,
@@ -18,17 +18,17 @@ from tests.support.effect_runs import (
 
 @given(st.floats(0.0, 0.5))
 def test_a_straight_pressure_is_met_exactly(delay):
-    trace = made_trace(p_mc=3e5 + 8e5 * np.arange(200) * 0.01)
-    for found in pressures("hydraulic_delay", trace, delay=delay):
-        assert found == pytest.approx(np.maximum(trace.p_mc - 8e5 * delay, 3e5))
+    history = made_history(p_mc=3e5 + 8e5 * np.arange(200) * 0.01)
+    for found in pressures("hydraulic_delay", history, delay=delay):
+        assert found == pytest.approx(np.maximum(history.p_mc - 8e5 * delay, 3e5))
 
 
 @pytest.mark.parametrize("samples", [1, 7, 50])
 def test_whole_samples_shift(samples):
-    trace = made_trace()
-    front, _ = pressures("hydraulic_delay", trace, delay=0.01 * samples)
-    assert front[samples:] == pytest.approx(trace.p_mc[:-samples])
-    assert front[:samples] == pytest.approx(trace.p_mc[0])
+    history = made_history()
+    front, _ = pressures("hydraulic_delay", history, delay=0.01 * samples)
+    assert front[samples:] == pytest.approx(history.p_mc[:-samples])
+    assert front[:samples] == pytest.approx(history.p_mc[0])
 
 
 def test_follows_the_plant_under_the_late_pressure():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.support.effect_runs import SEDAN, apart, driven, made_trace, on_the_plant, pressures
+from tests.support.effect_runs import SEDAN, apart, driven, made_history, on_the_plant, pressures
 
 GAIN = SEDAN.front.pad_friction * SEDAN.front.torque_gain
 
@@ -15,8 +15,8 @@ def test_a_ramp_is_behind_by_the_time_constant():
 
 
 def test_a_step_is_two_thirds_there_after_one_time_constant():
-    trace = made_trace(400, p_mc=np.where(np.arange(400) >= 100, 20e5, 0.0))
-    front, rear = pressures("hydraulic_lag", trace, time_constant=0.2)
+    history = made_history(400, p_mc=np.where(np.arange(400) >= 100, 20e5, 0.0))
+    front, rear = pressures("hydraulic_lag", history, time_constant=0.2)
     assert front[120] == pytest.approx(20e5 * (1.0 - np.exp(-1.0)), rel=0.02)
     assert np.array_equal(front, rear)
     assert np.all(front[:100] == 0.0)
@@ -28,7 +28,7 @@ def test_sample_by_sample_on_an_uneven_clock(lag):
     rng = np.random.default_rng(3)
     time = np.cumsum(rng.uniform(0.002, 0.05, 200))
     p = 10e5 + 5e5 * rng.standard_normal(200)
-    front, _ = pressures("hydraulic_lag", made_trace(200, time=time, p_mc=p), time_constant=lag)
+    front, _ = pressures("hydraulic_lag", made_history(200, time=time, p_mc=p), time_constant=lag)
     y = [p[0]]
     for dt, a, b in zip(np.diff(time), p[:-1], p[1:], strict=True):
         rate = (b - a) / dt
@@ -37,10 +37,10 @@ def test_sample_by_sample_on_an_uneven_clock(lag):
 
 
 def test_goes_over_into_nothing():
-    trace = made_trace()
-    none = pressures("hydraulic_lag", trace, time_constant=0.0)[0]
-    short = pressures("hydraulic_lag", trace, time_constant=1e-6)[0]
-    assert none is trace.p_mc
+    history = made_history()
+    none = pressures("hydraulic_lag", history, time_constant=0.0)[0]
+    short = pressures("hydraulic_lag", history, time_constant=1e-6)[0]
+    assert none is history.p_mc
     assert short == pytest.approx(none, abs=1e-6 * 40e5)
 
 

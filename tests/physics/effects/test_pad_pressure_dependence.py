@@ -6,13 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.physics.effects.pad_pressure_dependence import EFFECT
-from tests.support.effect_runs import SEDAN, driven, made_trace, wave
+from tests.support.effect_runs import SEDAN, driven, made_history, wave
 
 
 @given(st.floats(-8e-8, 8e-8), st.floats(0.0, 150e5), st.floats(0.0, 150e5))
 def test_a_line_through_one_at_20_bar_for_each_axle_by_itself(slope, p_f, p_r):
     found = EFFECT.friction(
-        {"pressure_slope": slope}, made_trace(1), np.array([p_f]), np.array([p_r])
+        {"pressure_slope": slope}, made_history(1), np.array([p_f]), np.array([p_r])
     )
     assert found[0] == pytest.approx([1.0 + slope * (p_f - 20e5)])
     assert found[1] == pytest.approx([1.0 + slope * (p_r - 20e5)])

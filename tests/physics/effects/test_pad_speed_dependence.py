@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.effect_runs import SEDAN, driven, factors, made_trace, without_inertia
+from tests.support.effect_runs import SEDAN, driven, factors, made_history, without_inertia
 
 
 @given(st.floats(-0.02, 0.02), st.floats(0.0, 60.0))
 def test_a_line_through_one_at_20_m_s_on_both_axles(slope, v):
-    trace = made_trace(2, v=np.array([20.0, v]))
-    for factor in factors("pad_speed_dependence", trace, speed_slope=slope):
+    history = made_history(2, v=np.array([20.0, v]))
+    for factor in factors("pad_speed_dependence", history, speed_slope=slope):
         assert factor == pytest.approx([1.0, 1.0 + slope * (v - 20.0)])
 
 

@@ -7,29 +7,37 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.effect_runs import SEDAN, apart, clock, driven, factors, made_trace, on_the_plant
+from tests.support.effect_runs import (
+    SEDAN,
+    apart,
+    clock,
+    driven,
+    factors,
+    made_history,
+    on_the_plant,
+)
 
 FADE = {"fade_slope": 0.001, "fade_onset": 150.0}
 
 
 def test_by_hand():
-    trace = made_trace(4, temperature_f=np.array([20.0, 150.0, 250.0, 650.0]))
-    front, rear = factors("pad_thermal_fade", trace, **FADE)
+    history = made_history(4, temperature_f=np.array([20.0, 150.0, 250.0, 650.0]))
+    front, rear = factors("pad_thermal_fade", history, **FADE)
     assert front == pytest.approx([1.0, 1.0, 0.9, 0.5])
     assert np.array_equal(rear, np.ones(4))
 
 
 @given(st.floats(0.0, 0.005), st.floats(0.0, 500.0), st.floats(-20.0, 800.0))
 def test_sample_by_sample(slope, onset, temperature):
-    trace = made_trace(3, temperature_r=np.array([0.0, temperature, 0.0]))
-    _, rear = factors("pad_thermal_fade", trace, fade_slope=slope, fade_onset=onset)
+    history = made_history(3, temperature_r=np.array([0.0, temperature, 0.0]))
+    _, rear = factors("pad_thermal_fade", history, fade_slope=slope, fade_onset=onset)
     lost = slope * (temperature - onset) if temperature > onset else 0.0
     assert rear[1] == pytest.approx(1.0 - lost)
 
 
 def test_nothing_is_known_without_a_temperature():
-    trace = replace(made_trace(), temperature_f=None, temperature_r=None)
-    for factor in factors("pad_thermal_fade", trace, **FADE):
+    history = replace(made_history(), temperature_f=None, temperature_r=None)
+    for factor in factors("pad_thermal_fade", history, **FADE):
         assert np.array_equal(factor, np.ones(200))
 
 

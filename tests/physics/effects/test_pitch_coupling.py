@@ -5,7 +5,7 @@ import pytest
 
 from calib.names import G
 from calib.physics.effects.pitch_coupling import EFFECT
-from tests.support.effect_runs import SEDAN, apart, driven, made_trace, on_the_plant
+from tests.support.effect_runs import SEDAN, apart, driven, made_history, on_the_plant
 
 PITCH = {
     "elastic_share": 1.0,
@@ -22,23 +22,23 @@ def step(t):
 def test_a_step_overshoots_as_the_damping_says():
     """Step of z: overshoot exp(-pi D/sqrt(1 - D^2)) after half a damped period."""
     time = np.arange(4000) * 1e-3
-    trace = made_trace(4000, time=time, z=np.where(time >= 0.5, 0.4, 0.0))
-    felt = EFFECT.accelerometer(SEDAN, PITCH, trace, np.zeros(4000)) / (-G * 0.03 * 0.4)
+    history = made_history(4000, time=time, z=np.where(time >= 0.5, 0.4, 0.0))
+    felt = EFFECT.accelerometer(SEDAN, PITCH, history, np.zeros(4000)) / (-G * 0.03 * 0.4)
     root = np.sqrt(1.0 - 0.25**2)
     assert np.max(felt) == pytest.approx(1.0 + np.exp(-np.pi * 0.25 / root), abs=1e-3)
     assert time[np.argmax(felt)] - 0.5 == pytest.approx(0.5 / (1.5 * root), abs=2e-3)
 
 
 def test_held_it_is_gravity_on_a_pitched_sensor_and_no_load_is_late():
-    trace = made_trace(2000, z=np.full(2000, 0.5))
-    a_x = EFFECT.accelerometer(SEDAN, PITCH, trace, np.full(2000, -0.5 * G))
+    history = made_history(2000, z=np.full(2000, 0.5))
+    a_x = EFFECT.accelerometer(SEDAN, PITCH, history, np.full(2000, -0.5 * G))
     assert a_x == pytest.approx(-0.5 * G * 1.03)  # nose down: reads more deceleration
-    assert EFFECT.load_shift(SEDAN, PITCH, trace) == pytest.approx(0.0, abs=1e-12)
+    assert EFFECT.load_shift(SEDAN, PITCH, history) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_at_first_the_front_lacks_all_of_the_transfer_that_springs_carry():
-    trace = made_trace(3, time=np.array([0.0, 1e-6, 2e-6]), z=np.array([0.0, 0.4, 0.4]))
-    late = EFFECT.load_shift(SEDAN, {**PITCH, "elastic_share": 0.7}, trace)
+    history = made_history(3, time=np.array([0.0, 1e-6, 2e-6]), z=np.array([0.0, 0.4, 0.4]))
+    late = EFFECT.load_shift(SEDAN, {**PITCH, "elastic_share": 0.7}, history)
     assert late[1:] == pytest.approx(0.7 * 0.4 * SEDAN.cg_height / SEDAN.wheelbase, rel=1e-6)
 
 

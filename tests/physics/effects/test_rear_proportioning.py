@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.effect_runs import apart, driven, made_trace, on_the_plant, pressures, wave
+from tests.support.effect_runs import apart, driven, made_history, on_the_plant, pressures, wave
 
 
 def valve(p, slope=0.4, knee=15e5):
@@ -14,9 +14,9 @@ def valve(p, slope=0.4, knee=15e5):
 
 @given(st.floats(0.0, 1.0), st.floats(0.0, 150e5), st.floats(0.0, 200e5))
 def test_sample_by_sample(slope, knee, p):
-    trace = made_trace(2, p_mc=np.array([0.0, p]))
-    front, rear = pressures("rear_proportioning", trace, knee_slope=slope, knee=knee)
-    assert front is trace.p_mc
+    history = made_history(2, p_mc=np.array([0.0, p]))
+    front, rear = pressures("rear_proportioning", history, knee_slope=slope, knee=knee)
+    assert front is history.p_mc
     assert rear == pytest.approx([0.0, valve(p, slope, knee)], abs=1e-6)
 
 

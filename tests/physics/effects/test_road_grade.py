@@ -1,20 +1,17 @@
 """Grade against the inclined plane."""
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.names import G
-from calib.physics.effects.effect import Motion
 from calib.physics.effects.road_grade import EFFECT
-from tests.support.effect_runs import SEDAN, driven, without_inertia
+from tests.support.effect_runs import SEDAN, driven, made_motion, without_inertia
 
 
 @given(st.floats(-0.2, 0.2), st.floats(0.0, 60.0))
 def test_is_the_weight_along_the_road_at_any_speed(grade, v):
-    motion = Motion(np.array([v]), np.array([1e4]), np.array([7e3]))
-    assert EFFECT.body_force(SEDAN, {"grade": grade}, motion) == pytest.approx(
+    assert EFFECT.body_force(SEDAN, {"grade": grade}, made_motion([v])) == pytest.approx(
         SEDAN.mass * G * grade
     )
 

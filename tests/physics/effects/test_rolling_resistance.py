@@ -7,17 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.physics.effects.effect import Motion
+from calib.physics.effects.effect import acts_on_wheels
 from calib.physics.effects.rolling_resistance import EFFECT
 from calib.physics.forces import axle_loads
+from tests.support.effect_runs import made_motion
 from tests.support.tables import VEHICLE
 
 
 def moments(vehicle, c_rr, z, v=20.0):
     load_f, load_r = axle_loads(vehicle, np.asarray([z]))
-    return EFFECT.axle_moment(
-        vehicle, {"coefficient": c_rr}, Motion(np.asarray([v]), load_f, load_r)
-    )
+    return EFFECT.axle_moment(vehicle, {"coefficient": c_rr}, made_motion([v], load_f, load_r))
 
 
 @given(st.floats(0.0, 0.05), st.floats(0.0, 1.0), st.floats(0.25, 0.4), st.floats(0.25, 0.4))
@@ -45,5 +44,5 @@ def test_does_not_depend_on_speed(v):
 
 
 def test_slows_the_wheels_and_not_the_body():
-    motion = Motion(np.ones(3), np.ones(3), np.ones(3))
-    assert np.array_equal(EFFECT.body_force(VEHICLE, {"coefficient": 0.01}, motion), np.zeros(3))
+    assert acts_on_wheels(EFFECT)
+    assert EFFECT.body_force is None

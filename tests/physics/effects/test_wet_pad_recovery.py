@@ -6,15 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson
 
-from tests.support.effect_runs import SEDAN, driven, factors, made_trace
+from tests.support.effect_runs import SEDAN, driven, factors, made_history
 
 WET = {"wet_loss": 0.4, "dry_energy": 50e3}
 
 
 @given(st.floats(0.0, 0.95), st.floats(1e3, 1e6), st.floats(0.0, 1e6))
 def test_each_axle_by_its_own_heat(loss, dry, energy):
-    trace = made_trace(2, energy_f=np.array([0.0, energy]), energy_r=np.array([0.0, 0.5 * energy]))
-    front, rear = factors("wet_pad_recovery", trace, wet_loss=loss, dry_energy=dry)
+    heat = np.array([0.0, energy])
+    history = made_history(2, energy_f=heat, energy_r=0.5 * heat)
+    front, rear = factors("wet_pad_recovery", history, wet_loss=loss, dry_energy=dry)
     assert front == pytest.approx([1.0 - loss, 1.0 - loss * np.exp(-energy / dry)])
     assert rear == pytest.approx([1.0 - loss, 1.0 - loss * np.exp(-0.5 * energy / dry)])
 

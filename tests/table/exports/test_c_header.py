@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.physics.effects.effects import Effects
 from calib.table.exports.build import build
 from calib.table.exports.c_header import write_c_header
 from calib.table.exports.labels import LONGEST
-from calib.table.table import Value
 from tests.support.tables import made_table
 
 COMPILER = shutil.which("gcc") or shutil.which("cc") or shutil.which("clang")
@@ -103,9 +103,10 @@ def test_a_name_full_of_traps_compiles(stored, tmp_path):
 @pytest.mark.parametrize("bits", [None, 16])
 def test_names_differ_within_31_characters(stored, bits):
     """As C99 and MISRA C:2012 (5.1) want it of external names, for long names of effects too."""
-    effects = {"pad_pressure_dependence": {"exponent": Value(0.1, 0.01), "excess": Value(1, 0.1)}}
+    parameters = {"pad_pressure_dependence": {"exponent": 0.1, "excess": 1.0}}
+    sigma = {"pad_pressure_dependence": {"exponent": 0.01, "excess": 0.1}}
     name = "a vehicle with a very long name"
-    table = replace(made_table(name=name), effects=effects)
+    table = replace(made_table(name=name), effects=Effects(parameters, sigma=sigma))
     text = write_c_header(build(replace(stored, name=name, table=table)), bits).decode()
     labels = re.findall(r"extern const \w+ (\w+)", text)
     assert len(labels) > 20

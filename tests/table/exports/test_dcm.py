@@ -76,7 +76,7 @@ def test_scalars_have_value_unit_and_long_name(real, dcm_reader):
     gain = 2 * car.front.piston_area * car.front.effective_radius
     assert float.fromhex(seen[f"{first}_C_f"][0]) == pytest.approx(gain)
     assert seen[f"{first}_C_f"][1] == "m^3"
-    drag = real.table.effects["aerodynamic_drag"]["drag_area"].value
+    drag = real.table.effects.parameters["aerodynamic_drag"]["drag_area"]
     assert seen[f"{first}_drag_area"][:2] == [drag.hex(), "m^2"]
 
 

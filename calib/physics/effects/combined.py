@@ -1,0 +1,145 @@
+"""What several effects do together, at each link of the chain from the pedal to the accelerometer.
+
+Each function asks only those effects that act on its link. Factors are multiplied, forces and
+moments are added; pressures and readings pass through the effects in the order of the catalogue.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from calib.physics.effects.catalogue import CALIPER, LINE, SENSOR, effect_named
+from calib.physics.effects.effect import Array, Effect, Pair, Parameters
+from calib.physics.effects.effects import Effects
+from calib.physics.effects.empirical import effect_of
+from calib.physics.history import Motion, RunHistory
+from calib.physics.vehicle import Axle, Vehicle
+
+
+def chosen(effects: Effects, test: Callable[[Effect], bool]) -> Effects:
+    """The effects, terms among them, that pass a test. Raises ModelError for an unknown name."""
+    kept = effects.only(*(name for name in effects.names if test(effect_named(name))))
+    return replace(kept, terms=tuple(term for term in effects.terms if test(effect_of(term))))
+
+
+def as_driven(vehicle: Vehicle, effects: Effects) -> Vehicle:
+    """Return the vehicle with the mass, rolling radii and wheel inertias that it really has.
+
+    Its own list of effects stays as it is.
+    """
+    front, rear, mass = vehicle.front, vehicle.rear, vehicle.mass
+    for effect, parameters in _all(effects):
+        if effect.radius is not None:
+            R_f, R_r = effect.radius(parameters)
+            front, rear = _with_radius(front, R_f), _with_radius(rear, R_r)
+        if effect.inertia is not None:
+            J_f, J_r = effect.inertia(parameters)
+            front, rear = _with_inertia(front, J_f), _with_inertia(rear, J_r)
+        if effect.mass is not None:
+            mass *= effect.mass(parameters)
+    return replace(vehicle, front=front, rear=rear, mass=mass)
+
+
+def _with_radius(axle: Axle, factor: float) -> Axle:
+    return replace(axle, rolling_radius=axle.rolling_radius * factor)
+
+
+def _with_inertia(axle: Axle, more: float) -> Axle:
+    return replace(axle, wheel_inertia=axle.wheel_inertia + more)
+
+
+def line_pressure(effects: Effects, history: RunHistory) -> Pair:
+    """Pressure [Pa] (n,) that reaches the front and the rear wheels from ``history.p_mc``.
+
+    Reads ``time`` and ``p_mc`` of the history only: the fluid does not feel the car.
+    """
+    return _through(LINE, effects, history, history.p_mc, history.p_mc)
+
+
+def caliper_pressure(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Pressure [Pa] (n,) that clamps the pads of one side, from that of its wheels."""
+    return _through(CALIPER, effects, history, p_f, p_r)
+
+
+def _through(
+    order: tuple[str, ...], effects: Effects, history: RunHistory, p_f: Array, p_r: Array
+) -> Pair:
+    for effect, parameters in _in_order(effects, order):
+        if effect.pressure is not None:
+            p_f, p_r = effect.pressure(parameters, history, p_f, p_r)
+    return p_f, p_r
+
+
+def pad_factors(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
+    """Factors [1] (n,) on the pad friction of one side at its caliper pressures [Pa] (n,).
+
+    Raises ModelError where an empirical term needs a temperature that is not known.
+    """
+    front, rear = np.ones_like(p_f), np.ones_like(p_r)
+    for effect, parameters in _all(effects):
+        if effect.friction is not None:
+            f, r = effect.friction(parameters, history, p_f, p_r)
+            front, rear = front * f, rear * r
+    return front, rear
+
+
+def wheel_factors(effects: Effects, history: RunHistory) -> dict[str, Array]:
+    """Factors [1] (n,) on the torques of the wheels that differ from the other side, by wheel."""
+    factors: dict[str, Array] = {}
+    for effect, parameters in _all(effects):
+        if effect.wheels is not None:
+            for w, factor in effect.wheels(parameters, history).items():
+                factors[w] = factors[w] * factor if w in factors else factor
+    return factors
+
+
+def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
+    """Sum of what the front axle lacks of its load, and the rear has too much of, over W [1]."""
+    total = 0.0 * history.z
+    for effect, parameters in _all(effects):
+        if effect.load_shift is not None:
+            total = total + effect.load_shift(vehicle, parameters, history)
+    return total
+
+
+def total_body_force(vehicle: Vehicle, effects: Effects, motion: Motion) -> Array:
+    """Sum of what slows the body directly [N] (n,)."""
+    total = 0.0 * motion.v
+    for effect, parameters in _all(effects):
+        if effect.body_force is not None:
+            total = total + effect.body_force(vehicle, parameters, motion)
+    return total
+
+
+def total_axle_moment(vehicle: Vehicle, effects: Effects, motion: Motion) -> Pair:
+    """Sum of what slows the wheels besides the brake [N m per axle] (n,), front and rear."""
+    front, rear = 0.0 * motion.v, 0.0 * motion.v
+    for effect, parameters in _all(effects):
+        if effect.axle_moment is not None:
+            f, r = effect.axle_moment(vehicle, parameters, motion)
+            front, rear = front + f, rear + r
+    return front, rear
+
+
+def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
+    """What the accelerometer says [m/s^2] (n,) when the car has ``a_x`` [m/s^2] (n,)."""
+    for effect, parameters in _in_order(effects, SENSOR):
+        if effect.accelerometer is not None:
+            a_x = effect.accelerometer(vehicle, parameters, history, a_x)
+    return a_x
+
+
+def _all(effects: Effects) -> Iterator[tuple[Effect, Parameters]]:
+    """Every effect with its parameters, the terms last."""
+    for name, parameters in effects.parameters.items():
+        yield effect_named(name), parameters
+    for term in effects.terms:
+        yield effect_of(term), {}
+
+
+def _in_order(effects: Effects, order: tuple[str, ...]) -> Iterator[tuple[Effect, Parameters]]:
+    """The effects of ``order`` that are there, in that order."""
+    for name in order:
+        if name in effects:
+            yield effect_named(name), effects.parameters[name]

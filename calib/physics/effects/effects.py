@@ -1,0 +1,94 @@
+"""The effects of a car as one value: named causes with their parameters, and empirical terms.
+
+Plain data. What a named cause does stands in its own file, what a term does in `empirical`, and
+what several effects do together in `combined`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Self
+
+ByParameter = Mapping[str, Mapping[str, float]]
+"""A number for each parameter of each effect, by effect name and parameter name."""
+
+
+@dataclass(frozen=True)
+class EmpiricalTerm:
+    """What was left of some runs, over what it depends on: ``values`` [1] at ``knots`` of a driver.
+
+    Piecewise linear, and constant beyond the first and the last knot. ``place`` and ``driver`` are
+    of `calib.physics.effects.empirical`, the knots have the driver's unit. On brakes a value is
+    the factor on the brake torque less one; on wheels and body it is a force at the road over the
+    weight, positive when it slows. It is no physics: its cause is not known.
+    """
+
+    place: str
+    driver: str
+    knots: tuple[float, ...]
+    values: tuple[float, ...]
+
+    @property
+    def on_brakes(self) -> bool:
+        """Whether it is a factor on a brake torque, not a force at the road."""
+        return self.place.endswith("brakes")
+
+
+@dataclass(frozen=True)
+class Effects:
+    """What acts in a car beside the paper's model.
+
+    Attributes
+    ----------
+    parameters : of the named causes [SI].
+    terms : those whose cause is not known.
+    sigma : one standard deviation of each parameter [SI]; only where it is known.
+    """
+
+    parameters: ByParameter = field(default_factory=dict)
+    terms: tuple[EmpiricalTerm, ...] = ()
+    sigma: ByParameter = field(default_factory=dict)
+
+    def __bool__(self) -> bool:
+        """Whether there is any effect."""
+        return bool(self.parameters or self.terms)
+
+    def __contains__(self, name: str) -> bool:
+        """Whether a cause of that name is there."""
+        return name in self.parameters
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the causes, in their order; an empirical term has none."""
+        return tuple(self.parameters)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Every effect in words: the names of the causes, then place and driver of each term."""
+        terms = (f"an empirical term on {t.place} over {t.driver}" for t in self.terms)
+        return (*self.parameters, *terms)
+
+    def with_(self, other: Self) -> Self:
+        """Both together. What both have is taken from ``other``, as a whole.
+
+        Terms of ``other`` replace those of this value: a term is what a set of causes left
+        unexplained, and it was fitted without another term.
+        """
+        own = self.without(*other.names)
+        return type(self)(
+            {**self.parameters, **other.parameters},
+            other.terms or self.terms,
+            {**own.sigma, **other.sigma},
+        )
+
+    def only(self, *names: str) -> Self:
+        """The causes of these names, and no term."""
+        return type(self)(_chosen(self.parameters, names), (), _chosen(self.sigma, names))
+
+    def without(self, *names: str) -> Self:
+        """All but the causes of these names; the terms stay."""
+        kept = self.only(*(name for name in self.parameters if name not in names))
+        return type(self)(kept.parameters, self.terms, kept.sigma)
+
+
+def _chosen(values: ByParameter, names: tuple[str, ...]) -> ByParameter:
+    return {name: own for name, own in values.items() if name in names}

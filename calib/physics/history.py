@@ -1,0 +1,73 @@
+"""A run as the effects of a car see it: what came before, and what is there now."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RunHistory:
+    """A run over time, for effects that remember; arrays (n,), SI.
+
+    ``time`` [s], increasing; ``v`` [m/s]; ``z`` deceleration over g [1]; ``p_mc`` [Pa];
+    ``temperature_f``, ``temperature_r`` of the discs [degC], None where not known; ``angle_f``,
+    ``angle_r`` wheel angle since the first sample [rad]; ``energy_f``, ``energy_r`` dissipated in
+    one brake of the axle since the first sample [J]; ``source`` the log or the simulation, for
+    messages.
+    """
+
+    time: Array
+    v: Array
+    z: Array
+    p_mc: Array
+    temperature_f: Array | None
+    temperature_r: Array | None
+    angle_f: Array
+    angle_r: Array
+    energy_f: Array
+    energy_r: Array
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The state that an effect may depend on; arrays of one shape.
+
+    ``v`` [m/s]; ``load_f``, ``load_r`` axle loads [N]; ``history`` the run so far.
+    """
+
+    v: Array
+    load_f: Array
+    load_r: Array
+    history: RunHistory
+
+
+def at_rest(
+    time: Array,
+    p_mc: Array,
+    v0: float,
+    temperature: Mapping[str, Array] | None = None,
+    source: str = "",
+) -> RunHistory:
+    """A run of which only the pressure [Pa] and the temperatures [degC] by axle are known yet.
+
+    ``time`` [s] and ``p_mc`` (n,); speed ``v0`` [m/s] at every sample, nothing turned, no heat.
+    """
+    heat, zero = temperature or {}, np.zeros_like(time)
+    return RunHistory(
+        time=time,
+        v=np.full_like(time, v0),
+        z=zero,
+        p_mc=p_mc,
+        temperature_f=heat.get("f"),
+        temperature_r=heat.get("r"),
+        angle_f=zero,
+        angle_r=zero,
+        energy_f=zero,
+        energy_r=zero,
+        source=source,
+    )
