@@ -42,6 +42,7 @@ from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
+from calib.statistics.intervals import Z95
 
 Array = NDArray[np.float64]
 
@@ -281,7 +282,7 @@ def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, .
         parameters = {}
         for p in effect_named(name).card.parameters:
             value = best.effects[name][p.name]
-            spread = 1.96 * float(np.hypot(sigma[i] * p.spread, SYSTEMATIC * value))
+            spread = Z95 * float(np.hypot(sigma[i] * p.spread, SYSTEMATIC * value))
             parameters[p.name] = ParameterEstimate(value, p.unit, (value - spread, value + spread))
             i += 1
         others = sorted({n for c in like for n in c.names} - set(best.names))
@@ -388,7 +389,7 @@ def base_estimates(candidate: Candidate) -> dict[str, ParameterEstimate]:
     }
     out = {}
     for i, (name, value) in enumerate(values.items()):
-        factor = float(np.exp(1.96 * np.hypot(sigma[i], 0.005)))
+        factor = float(np.exp(Z95 * np.hypot(sigma[i], 0.005)))
         out[name] = ParameterEstimate(value, "1", (value / factor, value * factor))
     return out
 

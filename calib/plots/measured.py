@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.estimation.estimator import known_resistance
+from calib.estimation.plan import known_resistance
 from calib.fitting import identify
 from calib.fitting.known_effects import remove_known_effects
 from calib.logs.log import Log

@@ -11,7 +11,8 @@ import numpy as np
 from calib.checks.check import problems_for
 from calib.checks.gates import bitten, eta_rise, require_same_wheels
 from calib.errors import LogError, VehicleError
-from calib.estimation.estimator import Estimate, as_used, estimate
+from calib.estimation.estimator import Estimate, estimate
+from calib.estimation.plan import as_used
 from calib.logs.log import Log
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
