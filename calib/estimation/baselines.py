@@ -2,7 +2,8 @@
 
 `nominal` trusts the file. `mean_gain` puts all of the deceleration into one common factor.
 `gradient_*` is the paper's law (23)-(28) and `rls_*` recursive least squares, each on the three
-look-ups of the table.
+look-ups of the table. A law that is unstable on a run is left out, with a note; no baseline stops
+an estimate.
 """
 
 from typing import NamedTuple
@@ -10,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.errors import InputError
 from calib.estimation import adaptive
 from calib.estimation.balance import BrakeBalance, smoothed
 from calib.estimation.lookup import LOOKUPS, LookupReading
@@ -25,10 +27,14 @@ Pair = tuple[Array, Array]
 
 
 class Baselines(NamedTuple):
-    """Pad friction (front, rear) [1] by method name, and where the tyre look-up covers the run."""
+    """Pad friction (front, rear) [1] by method name, and where the tyre look-up covers the run.
+
+    ``notes`` name the methods that are left out, and say why.
+    """
 
     pads: dict[str, Pair]
     covered: Mask
+    notes: tuple[str, ...]
 
 
 def baselines(
@@ -54,13 +60,18 @@ def baselines(
         "mean_gain": (car.front.pad_friction * level.value, car.rear.pad_friction * level.value),
     }
     covered = np.ones(eta.size, bool)
+    left_out: dict[str, list[str]] = {}
     for name in LOOKUPS if laws else ("tyre",):
         reading = read(table, car, s, b, eta, name, priors)
         for law in ("gradient", "rls") if laws else ():
-            pads[f"{law}_{name}"] = adapt(car, s, b, reading, law, priors)
+            try:
+                pads[f"{law}_{name}"] = adapt(car, s, b, reading, law, priors)
+            except InputError as error:
+                left_out.setdefault(error.what, []).append(f"{law}_{name}")
         if name == "tyre":
             covered = reading.inside
-    return Baselines(pads, covered)
+    notes = tuple(f"{', '.join(names)} left out: {why}" for why, names in left_out.items())
+    return Baselines(pads, covered, notes)
 
 
 def read(
@@ -80,7 +91,10 @@ def read(
 def adapt(
     car: Vehicle, s: Signals, b: BrakeBalance, reading: LookupReading, law: str, priors: Priors
 ) -> Pair:
-    """Pad friction of both axles by an adaptive law, "gradient" or "rls"."""
+    """Pad friction of both axles by an adaptive law, "gradient" or "rls".
+
+    Raises InputError if the gradient law is unstable: too high a pressure for the rate of the log.
+    """
     road = b.balance
 
     def adapted(axle: Axle, force: Array, load: Array, moment: Array, pressure: Array) -> Array:

@@ -46,7 +46,8 @@ class Estimate:
     ``eta`` zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the sample; ``braked``
     pads bite; ``baselines`` pad friction (front, rear) by method name; ``split`` and ``blocks`` the
     filter's own record; ``eta_zero`` what was zeroed [1]; ``factor_f``, ``factor_r`` what known
-    effects did to the pad friction, which is given without them [1].
+    effects did to the pad friction, which is given without them [1]; ``notes`` name the
+    baselines left out.
     """
 
     time: Array
@@ -125,6 +126,7 @@ def estimate(
         slip_r=slips[1] if slips else None,
         factor_f=ran.factor_f,
         factor_r=ran.factor_r,
+        notes=others.notes,
     )
 
 

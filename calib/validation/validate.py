@@ -202,6 +202,7 @@ def to_dict(table_id: str, results: list[Validation]) -> dict[str, object]:
                     name: {"front": _finite(f), "rear": _finite(b)}
                     for name, (f, b) in r.baselines.items()
                 },
+                **({"notes": list(r.estimate.notes)} if r.estimate.notes else {}),
             }
             for r in results
         ],
