@@ -121,6 +121,8 @@ def _report(results: "list[Validation]") -> None:
             emit(f"{result.log}: the table was fitted on this log; it proves nothing")
         for time in result.estimate.split.changes:
             emit(f"{result.log}: the surface changed at {time:.2f} s")
+        for note in result.estimate.notes:
+            emit(f"{result.log}: {note}")
     together = agreement(results)
     if together is not None:
         emit(

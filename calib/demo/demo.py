@@ -155,7 +155,7 @@ def section_four(outcome: StudyOutcome) -> list[SectionFour]:
     assert truth is not None
     braked = e.braked & (e.speed > 3.0) & np.isfinite(e.front.pad_friction)
     last = int(np.flatnonzero(braked)[-1])
-    pads = {name: e.baselines[name] for name in METHODS}
+    pads = {name: e.baselines[name] for name in METHODS if name in e.baselines}
     pads["kalman"] = (e.front.pad_friction, e.rear.pad_friction)
     rows = []
     for name, (front, rear) in pads.items():

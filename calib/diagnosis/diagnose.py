@@ -43,6 +43,7 @@ from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
+from calib.statistics.intervals import Z95
 
 Array = NDArray[np.float64]
 
@@ -312,8 +313,8 @@ def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, .
     for name in best.names:
         parameters = {}
         for p in effect_named(name).card.parameters:
-            value = best.effects.parameters[name][p.name]
-            spread = 1.96 * float(np.hypot(sigma[i] * p.spread, SYSTEMATIC * value))
+            value = best.effects[name][p.name]
+            spread = Z95 * float(np.hypot(sigma[i] * p.spread, SYSTEMATIC * value))
             parameters[p.name] = ParameterEstimate(value, p.unit, (value - spread, value + spread))
             i += 1
         others = sorted({n for c in like for n in c.names} - set(best.names))
@@ -419,7 +420,7 @@ def base_estimates(candidate: Candidate) -> dict[str, ParameterEstimate]:
     }
     out = {}
     for i, (name, value) in enumerate(values.items()):
-        factor = float(np.exp(1.96 * np.hypot(sigma[i], 0.005)))
+        factor = float(np.exp(Z95 * np.hypot(sigma[i], 0.005)))
         out[name] = ParameterEstimate(value, "1", (value / factor, value * factor))
     return out
 

@@ -16,15 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import InputError
+from calib.estimation.priors import Priors
 from calib.physics.vehicle import Axle
 
 Array = NDArray[np.float64]
-
-RATE = 8.0
-"""Speed of adaptation at the reference pressure [1/s]: 90 % of a step of zeta in 0.3 s."""
-
-REFERENCE_PRESSURE = 20e5
-"""Pressure [Pa] at which RATE holds; the rate grows with the square of the pressure."""
 
 
 def measured_output(
@@ -48,7 +43,7 @@ def regressor(axle: Axle, pressure: Array) -> Array:
     return -axle.torque_gain * pressure  # (24)
 
 
-def gain(axle: Axle, rate: float = RATE, pressure: float = REFERENCE_PRESSURE) -> float:
+def gain(axle: Axle, rate: float = Priors.law_rate, pressure: float = Priors.law_pressure) -> float:
     """gamma [1/(N^2 m^2 s)] that adapts at ``rate`` [1/s] at ``pressure`` [Pa] on this axle."""
     return rate / (axle.torque_gain * pressure) ** 2
 

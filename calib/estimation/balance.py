@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.estimation.priors import Priors
 from calib.physics.balance import ForceBalance, brake_forces, force_balance
 from calib.physics.braking import BITE
 from calib.physics.effects.effects import Effects
@@ -14,9 +15,6 @@ from calib.signals.filters import low_pass
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-LOW_PASS = 0.1
-"""Time constant of the causal filter on z, loads and eta in front of a look-up [s]."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +42,9 @@ def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
     )
 
 
-def smoothed(s: Signals, x: Array) -> Array:
+def smoothed(s: Signals, x: Array, priors: Priors) -> Array:
     """A signal (n,) of a run as it goes into a look-up."""
-    return low_pass(x, s.sample_time, LOW_PASS)
+    return low_pass(x, s.sample_time, priors.low_pass)
 
 
 def _began(s: Signals) -> Mask:

@@ -2,7 +2,8 @@
 
 `nominal` trusts the file. `mean_gain` puts all of the deceleration into one common factor.
 `gradient_*` is the paper's law (23)-(28) and `rls_*` recursive least squares, each on the three
-look-ups of the table.
+look-ups of the table. A law that is unstable on a run is left out, with a note; no baseline stops
+an estimate.
 """
 
 from typing import NamedTuple
@@ -10,10 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.errors import InputError
 from calib.estimation import adaptive
 from calib.estimation.balance import BrakeBalance, smoothed
 from calib.estimation.lookup import LOOKUPS, LookupReading
 from calib.estimation.pad_level import PadLevel
+from calib.estimation.priors import Priors
 from calib.physics.vehicle import Axle, Vehicle
 from calib.signals.axle_signals import Signals
 from calib.table.table import Table
@@ -22,15 +25,16 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Pair = tuple[Array, Array]
 
-RLS_MEMORY = 1.0
-"""Forgetting of the recursive least squares [s]."""
-
 
 class Baselines(NamedTuple):
-    """Pad friction (front, rear) [1] by method name, and where the tyre look-up covers the run."""
+    """Pad friction (front, rear) [1] by method name, and where the tyre look-up covers the run.
+
+    ``notes`` name the methods that are left out, and say why.
+    """
 
     pads: dict[str, Pair]
     covered: Mask
+    notes: tuple[str, ...]
 
 
 def baselines(
@@ -40,6 +44,7 @@ def baselines(
     b: BrakeBalance,
     eta: Array,
     level: PadLevel,
+    priors: Priors,
     *,
     laws: bool = True,
 ) -> Baselines:
@@ -55,51 +60,58 @@ def baselines(
         "mean_gain": (car.front.pad_friction * level.value, car.rear.pad_friction * level.value),
     }
     covered = np.ones(eta.size, bool)
+    left_out: dict[str, list[str]] = {}
     for name in LOOKUPS if laws else ("tyre",):
-        reading = read(table, car, s, b, eta, name)
+        reading = read(table, car, s, b, eta, name, priors)
         for law in ("gradient", "rls") if laws else ():
-            pads[f"{law}_{name}"] = adapt(car, s, b, reading, law)
+            try:
+                pads[f"{law}_{name}"] = adapt(car, s, b, reading, law, priors)
+            except InputError as error:
+                left_out.setdefault(error.what, []).append(f"{law}_{name}")
         if name == "tyre":
             covered = reading.inside
-    return Baselines(pads, covered)
+    notes = tuple(f"{', '.join(names)} left out: {why}" for why, names in left_out.items())
+    return Baselines(pads, covered, notes)
 
 
 def read(
-    table: Table, car: Vehicle, s: Signals, b: BrakeBalance, eta: Array, name: str
+    table: Table,
+    car: Vehicle,
+    s: Signals,
+    b: BrakeBalance,
+    eta: Array,
+    name: str,
+    priors: Priors,
 ) -> LookupReading:
     """Normalised forces by one look-up from filtered z and eta."""
-    z, smooth = smoothed(s, s.z), smoothed(s, eta)
+    z, smooth = smoothed(s, s.z, priors), smoothed(s, eta, priors)
     return LOOKUPS[name](table, z, smooth, z - b.balance.body / car.weight)
 
 
-def adapt(car: Vehicle, s: Signals, b: BrakeBalance, reading: LookupReading, law: str) -> Pair:
-    """Pad friction of both axles by an adaptive law, "gradient" or "rls"."""
+def adapt(
+    car: Vehicle, s: Signals, b: BrakeBalance, reading: LookupReading, law: str, priors: Priors
+) -> Pair:
+    """Pad friction of both axles by an adaptive law, "gradient" or "rls".
+
+    Raises InputError if the gradient law is unstable: too high a pressure for the rate of the log.
+    """
     road = b.balance
+
+    def adapted(axle: Axle, force: Array, load: Array, moment: Array, pressure: Array) -> Array:
+        """mu_n + zeta of one axle [1]; the inertia is already in the moment at the road."""
+        half_load = 0.5 * smoothed(s, load, priors)
+        half_moment = 0.5 * moment * axle.rolling_radius
+        spin = np.zeros_like(force)
+        y = adaptive.measured_output(axle, force, half_load, spin, pressure, half_moment)
+        u = np.where(b.active, adaptive.regressor(axle, pressure), 0.0)
+        if law == "rls":
+            zeta = adaptive.least_squares(y, u, priors.rls_memory, s.sample_time)
+        else:
+            gamma = adaptive.gain(axle, priors.law_rate, priors.law_pressure)
+            zeta = adaptive.gradient(y, u, gamma, s.sample_time)
+        return axle.pad_friction + zeta
+
     return (
-        _adapt_axle(car.front, s, reading.F_f, road.load_f, road.moment_f, s.p_f, b.active, law),
-        _adapt_axle(car.rear, s, reading.F_r, road.load_r, road.moment_r, s.p_r, b.active, law),
+        adapted(car.front, reading.F_f, road.load_f, road.moment_f, s.p_f),
+        adapted(car.rear, reading.F_r, road.load_r, road.moment_r, s.p_r),
     )
-
-
-def _adapt_axle(
-    axle: Axle,
-    s: Signals,
-    force: Array,
-    load: Array,
-    moment: Array,
-    pressure: Array,
-    active: Mask,
-    law: str,
-) -> Array:
-    """mu_n + zeta of one axle [1], per wheel; the inertia is already in the moment at the road."""
-    half_load = 0.5 * smoothed(s, load)
-    half_moment = 0.5 * moment * axle.rolling_radius
-    y = adaptive.measured_output(
-        axle, force, half_load, np.zeros_like(force), pressure, half_moment
-    )
-    u = np.where(active, adaptive.regressor(axle, pressure), 0.0)
-    if law == "gradient":
-        zeta = adaptive.gradient(y, u, adaptive.gain(axle), s.sample_time)
-    else:
-        zeta = adaptive.least_squares(y, u, RLS_MEMORY, s.sample_time)
-    return axle.pad_friction + zeta

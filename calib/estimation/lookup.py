@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.physics.forces import axle_loads, split
-from calib.physics.tyre import Tyre
 from calib.table.table import Table
 
 Array = NDArray[np.float64]
@@ -60,7 +59,7 @@ def tyre(table: Table, z: Array, eta: Array, level: Array) -> LookupReading:
     settled: they may not on a curve that turns over.
     """
     vehicle = table.vehicle
-    curve = Tyre(*table.posterior.mean[:4])
+    curve = table.posterior.tyre
     load_f, load_r = axle_loads(vehicle, z)
     half = 0.5 * vehicle.weight
     gain_f, gain_r = curve.gain(load_f / half), curve.gain(load_r / half)

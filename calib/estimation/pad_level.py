@@ -2,8 +2,8 @@
 
     brake force demanded by z  =  (level + trend * (t - now)) * brake force of nominal pads
 
-Recursive least squares with exponential forgetting over the last ``MEMORY``. The trend makes it
-follow pads that fade or dry without lag; its prior keeps it quiet where the force is small. All
+Recursive least squares with exponential forgetting (``level_memory`` of `Priors`). The trend makes
+it follow pads that fade or dry without lag; its prior keeps it quiet where the force is small. All
 sums are first-order recursions, so the whole run is a few passes of `scipy.signal.lfilter`.
 """
 
@@ -12,14 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.estimation.priors import Priors
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-MEMORY = 0.5
-"""Time constant of forgetting [s]: short against a stop, long against road noise (0.1 s)."""
-
-TREND = 0.1
-"""Usual relative drift of a pad [1/s]: fading from 0.35 to 0.22 in 5 s is 0.09."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +24,7 @@ class PadLevel:
 
     ``value`` is NaN until the first braked sample, is held after the last and NaN again when that
     is forgotten. ``sigma`` counts noise and the price of following a trend, not mass or drag; pads
-    that drift by ``TREND`` add up to a third on a faint braking
+    that drift by ``level_trend`` add up to a third on a faint braking
     (tests/estimation/test_pad_level.py).
     """
 
@@ -42,7 +38,7 @@ def estimate_pad_level(
     nominal: Array,
     active: Mask,
     density: float,
-    memory: float = MEMORY,
+    priors: Priors,
 ) -> PadLevel:
     """Level over a run.
 
@@ -52,12 +48,12 @@ def estimate_pad_level(
     """
     u = np.where(active, nominal, 0.0)
     y = np.where(active, demanded, 0.0)
-    forget = float(np.exp(-time_step / memory))
+    forget = float(np.exp(-time_step / priors.level_memory))
     s = _moments(u * u, forget, time_step, 2)
     r = _moments(u * y, forget, time_step, 1)
-    # prior on the trend: what the drift TREND would explain over the memory
+    # prior on the trend: what the usual drift would explain over the memory
     scale = np.maximum(np.maximum.accumulate(u * u), 1e-9)
-    weight = (density**2 / time_step) / TREND**2
+    weight = (density**2 / time_step) / priors.level_trend**2
     s2 = s[2] + weight
     determinant = s[0] * s2 - s[1] ** 2
     usable = s[0] > 1e-3 * scale

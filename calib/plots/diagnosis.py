@@ -18,6 +18,7 @@ from calib.logs.log import Log
 from calib.physics.effects.empirical import DRIVERS
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DOTTED, FRONT, REAR, SHADE, Stroke, smooth, view
+from calib.statistics.intervals import Z95
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,7 +62,7 @@ class Replay:
 
     def band(self, weights: dict[str, float]) -> float:
         """Half width of the 95 % band of the sensors' noise in a weighted sum."""
-        return 1.96 * float(np.sqrt(sum((w * self.noise[c]) ** 2 for c, w in weights.items())))
+        return Z95 * float(np.sqrt(sum((w * self.noise[c]) ** 2 for c, w in weights.items())))
 
 
 def sheet(found: Diagnosis, name: str) -> Sheet:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from calib.physics.forces import axle_loads, front_biased_up_to
 from calib.physics.vehicle import Vehicle
 from calib.plots.style import BODY, IDENTIFIED, NOMINAL, band
+from calib.statistics.intervals import Z95
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def distribution(ax: "Axes", table: Table) -> None:
     Torques are per axle. As (9) has it, the inertia of the wheels is left out.
     """
     vehicle, pads = table.vehicle, table.calibration
-    half = 1.96 * pads.pad_log_ratio.sigma
+    half = Z95 * pads.pad_log_ratio.sigma
     nominal = rear_per_front(vehicle, vehicle.front.pad_friction, vehicle.rear.pad_friction)
     found = rear_per_front(vehicle, pads.pad_friction_f.value, pads.pad_friction_r.value)
     top = beta_point(vehicle, min(nominal, found), DECELERATIONS[-1])[0] * 1.08

@@ -5,9 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.estimation.estimator import known_resistance
-from calib.fitting import identify
+from calib.estimation.plan import known_resistance
 from calib.fitting.known_effects import remove_known_effects
+from calib.fitting.parameters import parameters_of
+from calib.fitting.ramp import normalised_forces, predict, prepare
+from calib.fitting.settings import SETTINGS
 from calib.logs.log import Log
 from calib.names import G
 from calib.physics.braking import BITE
@@ -60,11 +62,11 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     vehicle = ran.vehicle
     b = blocks(signals(ran.log, vehicle))
     effects = known_resistance(replace(table, vehicle=vehicle)).effects
-    run = identify.prepare(vehicle, log.name, b, sensor_noise(ran.log, b), effects)
-    parameters = np.asarray(table.posterior.mean)
-    F_f, F_r, _ = identify.normalised_forces(vehicle, run, parameters[5])
+    run = prepare(vehicle, log.name, b, sensor_noise(ran.log, b), effects)
+    parameters = parameters_of(table.posterior)
+    F_f, F_r, _ = normalised_forces(vehicle, run, parameters.log_pad_ratio)
     f1, f2 = paper_curves(vehicle, b.z, F_f - F_r)
-    eta_model, _ = identify.predict(vehicle, run, parameters, 0.0, 0.0)
+    eta_model, _ = predict(vehicle, run, parameters, 0.0, 0.0)
     free = b.lead_in
     # the unbraked axles already differ a little: drag is carried by both, rolling by each its own
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
@@ -91,13 +93,13 @@ def _slips(table: Table, b: Blocks, load_f: Array, load_r: Array) -> tuple[Array
     """Slips (19), (20) of the axles, at the load of the tyre curve, as in `calib.physics.tyre`."""
     if b.v is None or not b.lead_in.any():
         return None
-    found = dict(zip(table.posterior.names, table.posterior.mean, strict=True))
-    lag = G * b.z * found["clock_offset"] / np.maximum(b.speed, identify.MIN_SPEED)
+    posterior = table.posterior
+    lag = G * b.z * posterior.value("clock_offset") / np.maximum(b.speed, SETTINGS.min_speed)
     out = []
     for omega, load in ((b.omega_f, load_f), (b.omega_r, load_r)):
         radius = np.mean(b.v[b.lead_in]) / np.mean(omega[b.lead_in])
-        softer = (2.0 * load / table.vehicle.weight) ** found["load_exponent"]
-        slip = 1.0 - radius * omega / np.maximum(b.v, identify.MIN_SPEED)
+        softer = (2.0 * load / table.vehicle.weight) ** posterior.value("load_exponent")
+        slip = 1.0 - radius * omega / np.maximum(b.v, SETTINGS.min_speed)
         out.append((slip - lag) / softer)
     return out[0], out[1]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.curves import MIN_COUNT
+from calib.fitting.settings import SETTINGS
 from calib.plots import ramp as ramp_figures
 from calib.plots.distribution import distribution
 from calib.plots.measured import MeasuredRamp, grouped
@@ -194,8 +194,8 @@ def coverage(ax: "Axes", table: Table) -> None:
     x = 100.0 * (curve.eta - 1.0)
     ax.fill_between(x, 0.0, curve.count, step="mid", color=IDENTIFIED["color"], alpha=0.5, lw=0.0)
     ax.step(x, curve.count, where="mid", color=IDENTIFIED["color"], label="blocks in the cell")
-    ax.axhline(MIN_COUNT, label="least for a measured cell", **NOMINAL)
+    ax.axhline(SETTINGS.min_count, label="least for a measured cell", **NOMINAL)
     ax.set(xlabel=ETA, ylabel="blocks [1]")
     ax.yaxis.set_major_locator(MaxNLocator("auto", integer=True))
     _reach(ax, x)
-    ax.set_ylim(0.0, 1.1 * max(float(curve.count.max()), 2.0 * MIN_COUNT))
+    ax.set_ylim(0.0, 1.1 * max(float(curve.count.max()), 2.0 * SETTINGS.min_count))

@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.estimation.estimator import AxleEstimate, Estimate, calibrated, known_resistance
+from calib.estimation.axle_estimate import AxleEstimate
+from calib.estimation.estimator import Estimate
+from calib.estimation.plan import calibrated, known_resistance
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics import forces

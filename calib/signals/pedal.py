@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.signals.filters import centred_mean
+from calib.statistics.intervals import QUARTILE
 
 Array = NDArray[np.float64]
 
@@ -31,7 +32,7 @@ def as_pressed(p: Array, step: float) -> Array:
     width = max(1, round(HOLD / step))
     if width < 3 or p.size < 2 * width:
         return p
-    sigma = float(np.median(np.abs(np.diff(p, 3)))) / 0.6745 / np.sqrt(20.0)
+    sigma = float(np.median(np.abs(np.diff(p, 3)))) / QUARTILE / np.sqrt(20.0)
     mean = centred_mean(p, width, held_ends=True)
     swing = maximum_filter1d(p, 2 * width) - minimum_filter1d(p, 2 * width)
     held = swing < 8.0 * sigma

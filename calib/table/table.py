@@ -10,6 +10,7 @@ not depend on how a file format packs it.
 """
 
 import json
+import math
 from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
@@ -17,8 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.digest import content_digest
-from calib.physics.effects.effects import Effects, EmpiricalTerm
+from calib.physics.effects.empirical import Empirical
+from calib.physics.tyre import PARAMETERS as TYRE
+from calib.physics.tyre import Tyre
 from calib.physics.vehicle import Axle, Vehicle
+from calib.statistics.intervals import Z95
 
 Array = NDArray[np.float64]
 SCHEMA = 1
@@ -97,7 +101,7 @@ class Value:
     @property
     def ci95(self) -> tuple[float, float]:
         """95 % interval, taking the figure as normally distributed."""
-        return self.value - 1.96 * self.sigma, self.value + 1.96 * self.sigma
+        return self.value - Z95 * self.sigma, self.value + Z95 * self.sigma
 
     def __str__(self) -> str:
         return f"{self.value:.4g} +- {self.ci95[1] - self.value:.2g}"
@@ -120,14 +124,33 @@ class Calibration:
 
 @dataclass(frozen=True)
 class TyrePosterior:
-    """Tyre parameters of `calib.physics.tyre` as a Gaussian.
+    """What the ramps said of tyre and pads, as a Gaussian over named parameters.
 
-    ``mean`` (k,), ``covariance`` (k, k).
+    ``names`` those of `calib.fitting.parameters.RampParameters`; ``mean`` (k,), ``covariance``
+    (k, k).
     """
 
     names: tuple[str, ...]
     mean: tuple[float, ...]
     covariance: tuple[tuple[float, ...], ...]
+
+    def value(self, name: str) -> float:
+        """Mean of a parameter. Raises ValueError if there is none of this name."""
+        return self.mean[self.names.index(name)]
+
+    def variance(self, name: str) -> float:
+        """Variance of a parameter. Raises ValueError if there is none of this name."""
+        at = self.names.index(name)
+        return self.covariance[at][at]
+
+    def sigma(self, name: str) -> float:
+        """Standard deviation of a parameter. Raises ValueError if there is none of this name."""
+        return math.sqrt(self.variance(name))
+
+    @property
+    def tyre(self) -> Tyre:
+        """The tyre at the mean."""
+        return Tyre(**{name: self.value(name) for name in TYRE})
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.estimation.estimator import AxleEstimate, Estimate
+from calib.estimation.axle_estimate import AxleEstimate
+from calib.estimation.estimator import Estimate
 from calib.logs.log import Log
 from calib.physics.vehicle import Axle, Vehicle
 

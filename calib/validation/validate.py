@@ -11,7 +11,8 @@ import numpy as np
 from calib.checks.check import problems_for
 from calib.checks.gates import bitten, eta_rise, require_same_wheels
 from calib.errors import LogError, VehicleError
-from calib.estimation.estimator import Estimate, as_used, estimate
+from calib.estimation.estimator import Estimate, estimate
+from calib.estimation.plan import as_used
 from calib.logs.log import Log
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
@@ -229,6 +230,7 @@ def to_dict(table_id: str, results: list[Validation]) -> dict[str, object]:
                     name: {"front": _finite(f), "rear": _finite(b)}
                     for name, (f, b) in r.baselines.items()
                 },
+                **({"notes": list(r.estimate.notes)} if r.estimate.notes else {}),
             }
             for r in results
         ],

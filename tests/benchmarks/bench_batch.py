@@ -22,6 +22,8 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from calib.estimation import adaptive, estimator  # noqa: E402
+from calib.estimation.balance import brake_balance  # noqa: E402
+from calib.estimation.plan import plan_for  # noqa: E402
 from calib.fleet.job import Job  # noqa: E402
 from calib.fleet.pool import Pool  # noqa: E402
 from calib.fleet.run import run_batch  # noqa: E402
@@ -117,8 +119,8 @@ def filter_each_sample(table: Table, path: Path) -> None:
     log = read_log(path)  # the same rows, as the filter wants them
     s = signals(log, table.vehicle)
     each = blocks(s, s.sample_time)
-    plan = estimator.plan_for(table, log, s)
-    forces = estimator.balance(plan.nominal, plan.known.effects, s)
+    plan = plan_for(table, log, s)
+    forces = brake_balance(plan.nominal, plan.known.effects, s)
     estimator.split_of(plan, s, each, estimator.level_of(plan, s, forces))
 
 

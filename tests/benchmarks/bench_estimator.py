@@ -18,7 +18,8 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from calib.estimation import adaptive, baselines, estimator  # noqa: E402
-from calib.estimation.balance import balance  # noqa: E402
+from calib.estimation.balance import brake_balance  # noqa: E402
+from calib.estimation.plan import plan_for  # noqa: E402
 from calib.fitting.fit import fit  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.physics.vehicle import read_vehicle  # noqa: E402
@@ -89,16 +90,16 @@ def chain() -> None:
     n = stop.time.size
     s = signals(stop, car)
     b = blocks(s)
-    plan = estimator.plan_for(table, stop, s)
-    forces = balance(plan.nominal, plan.known.effects, s)
+    plan = plan_for(table, stop, s)
+    forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = estimator.level_of(plan, s, forces)
 
     def paper_chain() -> None:
         zero = np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])
         eta = s.omega_r / s.omega_f / zero
-        now = balance(plan.nominal, plan.known.effects, s)
-        reading = baselines.read(table, plan.nominal, s, now, eta, "difference")
-        baselines.adapt(plan.nominal, s, now, reading, "gradient")
+        now = brake_balance(plan.nominal, plan.known.effects, s)
+        reading = baselines.read(table, plan.nominal, s, now, eta, "difference", plan.priors)
+        baselines.adapt(plan.nominal, s, now, reading, "gradient", plan.priors)
 
     split = best(lambda: estimator.split_of(plan, s, b, level), REPEAT)
     parts = [

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from calib.errors import LogError
-from calib.estimation.estimator import Gates, calibrated, estimate, known_resistance, merged_noise
+from calib.estimation.estimator import estimate
+from calib.estimation.gates import Gates
+from calib.estimation.plan import calibrated, known_resistance, merged_noise
 from calib.fitting.fit import fit
 from calib.names import WHEELS
 from calib.physics.balance import brake_forces

@@ -1,12 +1,17 @@
 """The common level against a direct weighted least squares, without lag, with an honest sigma."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from calib.estimation.pad_level import MEMORY, TREND, estimate_pad_level
+from calib.estimation.pad_level import estimate_pad_level
+from calib.estimation.priors import Priors
 
+PRIORS = Priors()
+MEMORY, TREND = PRIORS.level_memory, PRIORS.level_trend
 DT, DENSITY = 0.005, 30.0
 
 
@@ -34,13 +39,15 @@ def direct(demanded, nominal, active, k, memory=MEMORY):
 def test_is_the_direct_solve_at_every_instant(k, memory):
     demanded, nominal, active = braking()
     active[700:720] = False
-    found = estimate_pad_level(DT, demanded, nominal, active, DENSITY, memory)
+    found = estimate_pad_level(
+        DT, demanded, nominal, active, DENSITY, replace(PRIORS, level_memory=memory)
+    )
     level, _ = direct(demanded, nominal, active, k, memory)
     assert found.value[k] == pytest.approx(level, rel=1e-9)
 
 
 def test_nothing_is_known_before_the_brake():
-    found = estimate_pad_level(DT, *braking(start=200), DENSITY)
+    found = estimate_pad_level(DT, *braking(start=200), DENSITY, PRIORS)
     assert np.all(np.isnan(found.value[:200]))
     assert np.all(np.isnan(found.sigma[:200]))
     assert np.all(np.isfinite(found.value[200:]))
@@ -50,7 +57,7 @@ def test_a_drifting_level_is_followed_without_lag():
     t = DT * np.arange(1200)
     level = 0.9 - 0.09 * t
     demanded, nominal, active = braking(level=level, noise=0.0)
-    found = estimate_pad_level(DT, demanded, nominal, active, 0.01 * DENSITY)
+    found = estimate_pad_level(DT, demanded, nominal, active, 0.01 * DENSITY, PRIORS)
     assert found.value[400:] == pytest.approx(level[400:], abs=1e-4)
     # a mean with this memory and no trend would be late by 0.09/s x 0.5 s
     weights = np.exp(-t[::-1] / MEMORY)
@@ -59,7 +66,7 @@ def test_a_drifting_level_is_followed_without_lag():
 
 @pytest.mark.parametrize("at", [210, 300, 1199])
 def test_sigma_is_the_spread_of_200_runs_with_a_steady_level(at):
-    runs = [estimate_pad_level(DT, *braking(seed=seed), DENSITY) for seed in range(200)]
+    runs = [estimate_pad_level(DT, *braking(seed=seed), DENSITY, PRIORS) for seed in range(200)]
     spread = np.std([run.value[at] for run in runs])
     assert runs[0].sigma[at] == pytest.approx(spread, rel=0.2)  # 4 sd of a spread of 200
     assert np.mean([run.value[at] for run in runs]) == pytest.approx(0.8, abs=4 * spread / 200**0.5)
@@ -74,7 +81,7 @@ def test_usual_drift_adds_little_to_sigma(z, density):
     for drift in TREND * rng.normal(size=200):
         level = 0.8 + drift * (t - t[-1])
         demanded = z * level + density / np.sqrt(DT) * rng.normal(size=t.size)
-        found = estimate_pad_level(DT, demanded, np.full(t.size, z), t > 1.0, density)
+        found = estimate_pad_level(DT, demanded, np.full(t.size, z), t > 1.0, density, PRIORS)
         off.append(
             (found.value[[240, 300, -1]] - level[[240, 300, -1]]) / found.sigma[[240, 300, -1]]
         )
@@ -84,14 +91,14 @@ def test_usual_drift_adds_little_to_sigma(z, density):
 def test_the_level_is_held_after_the_brake():
     demanded, nominal, active = braking(noise=0.0)
     active[600:] = False
-    found = estimate_pad_level(DT, demanded, nominal, active, DENSITY)
+    found = estimate_pad_level(DT, demanded, nominal, active, DENSITY, PRIORS)
     assert found.value[600:1000] == pytest.approx(np.full(400, 0.8), abs=1e-9)
 
 
 def test_a_brake_that_is_forgotten_is_not_vouched_for():
     demanded, nominal, active = braking(n=4000)
     active[600:] = False
-    found = estimate_pad_level(DT, demanded, nominal, active, DENSITY)
+    found = estimate_pad_level(DT, demanded, nominal, active, DENSITY, PRIORS)
     assert np.isnan(found.value[-1])  # 17 s later
 
 
@@ -107,7 +114,8 @@ def test_knows_nothing_of_the_future(cut, seed):
         np.where(later, other.random(later.size) < 0.5, active),
     )
     before, after = (
-        estimate_pad_level(DT, *run, DENSITY) for run in ((demanded, nominal, active), changed)
+        estimate_pad_level(DT, *run, DENSITY, PRIORS)
+        for run in ((demanded, nominal, active), changed)
     )
     assert np.array_equal(before.value[:cut], after.value[:cut], equal_nan=True)
     assert np.array_equal(before.sigma[:cut], after.sigma[:cut], equal_nan=True)
@@ -116,7 +124,7 @@ def test_knows_nothing_of_the_future(cut, seed):
 @given(st.floats(0.3, 1.5), st.floats(0.1, 10.0))
 def test_scales_with_the_pads_and_not_with_the_unit(level, unit):
     demanded, nominal, active = braking(level=level, noise=0.0)
-    one = estimate_pad_level(DT, demanded, nominal, active, DENSITY)
-    other = estimate_pad_level(DT, unit * demanded, unit * nominal, active, unit * DENSITY)
+    one = estimate_pad_level(DT, demanded, nominal, active, DENSITY, PRIORS)
+    other = estimate_pad_level(DT, unit * demanded, unit * nominal, active, unit * DENSITY, PRIORS)
     assert one.value[200:] == pytest.approx(np.full(1000, level), rel=1e-9)
     assert other.sigma[200:] == pytest.approx(one.sigma[200:], rel=1e-6)

@@ -7,12 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.fitting.curves import delta_sigma, find_peak, path
 from calib.fitting.fit import fit
-from calib.fitting.identify import PRIOR_MEAN, Identified
+from calib.fitting.identify import Identified
+from calib.fitting.parameters import PRIORS, RampParameters
+from calib.fitting.path import delta_sigma, find_peak, path
 from calib.names import G
 from calib.physics.tyre import Tyre
-from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED
+from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, TyrePosterior
 from tests.support.plant import brush, magic
 from tests.support.reference_car import (
     CAR,
@@ -165,11 +166,17 @@ def test_short_of_the_peak_there_is_none(gentle):
         assert not any("eta peaks" in remark for remark in table.remarks)
 
 
+def identified(mean, covariance):
+    rows = tuple(tuple(row) for row in covariance)
+    posterior = TyrePosterior(RampParameters._fields, tuple(mean), rows)
+    return Identified(posterior, (0.0,), (0.0,), (1.0,), (), 1.0, 0.9)
+
+
 def test_a_fall_within_the_noise_is_no_peak():
     """A sure model that falls after its peak, and the same with a covariance that drowns it."""
-    mean = PRIOR_MEAN.copy()
-    sure = Identified(mean, 1e-12 * np.eye(6), (0.0,), (0.0,), (1.0,), (), 1.0, 0.9)
-    vague = replace(sure, covariance=np.diag([0.5, 0.5, 0.5, 0.5, 0.01, 0.5]) ** 2)
+    mean = [prior.mean for prior in PRIORS]
+    sure = identified(mean, 1e-12 * np.eye(6))
+    vague = identified(mean, np.diag([0.5, 0.5, 0.5, 0.5, 0.01, 0.5]) ** 2)
     assert find_peak(CAR, sure, 0.6).real
     assert not find_peak(CAR, vague, 0.6).real
     assert find_peak(CAR, vague, 0.6).z == find_peak(CAR, sure, 0.6).z
@@ -225,7 +232,7 @@ def test_without_v_the_bands_are_wider(clean, tables):
 )
 def test_forces_along_the_path_balance(z, c, q, log_ratio):
     """(17), and (9) with what stops the wheels themselves."""
-    p = path(CAR, np.array([c, 0.05, 0.4, q, 0.0, log_ratio]), np.array([z]))
+    p = path(CAR, RampParameters(c, 0.05, 0.4, q, 0.0, log_ratio), np.array([z]))
     share = CAR.mass * G / (L_F + L_R)
     forces = p.F_f * share * (L_R + z * H), p.F_r * share * (L_F - z * H)
     assert sum(forces)[0] == pytest.approx(CAR.mass * G * z)
@@ -244,6 +251,6 @@ def test_delta_method_is_exact_for_a_straight_function():
     rng = np.random.default_rng(3)
     A, root = rng.normal(size=(4, 6)), rng.normal(size=(6, 6))
     covariance = root @ root.T
-    known = Identified(rng.normal(size=6), covariance, (), (), (), (), 1.0, 0.5)
+    known = identified(rng.normal(size=6), covariance).posterior
     exact = np.sqrt(np.diag(A @ covariance @ A.T))
     assert delta_sigma(lambda x: A @ x, known) == pytest.approx(exact)

@@ -12,8 +12,10 @@ import pytest
 
 from calib.checks.gates import eta_rise
 from calib.errors import LogError
-from calib.fitting.fit import calibration, fit, worst_noise
-from calib.fitting.identify import identify, prepare
+from calib.fitting.calibration import calibration
+from calib.fitting.fit import fit, worst_noise
+from calib.fitting.identify import identify
+from calib.fitting.ramp import prepare
 from calib.fitting.resistance import Resistance
 from calib.logs.read import read_log
 from calib.logs.write import write_csv, write_parquet

@@ -7,21 +7,15 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from calib.fitting.identify import (
-    identify,
-    identify_once,
-    predict,
-    prepare,
-    sigma_eta,
-    sigma_slip,
-)
+from calib.fitting.identify import identify, identify_once
+from calib.fitting.parameters import RampParameters
+from calib.fitting.ramp import predict, prepare, sigma_eta, sigma_slip
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
 from calib.signals.noise import SensorNoise, sensor_noise
 from tests.support.plant import magic
 from tests.support.reference_car import CAR, IDEAL, noisy, ramp, with_pads, with_ratio, without
 
-C, B2, B3, Q, LAG, RATIO = range(6)
 SEEDS = range(5)
 PLANTS = {
     "as nominal": IDEAL,
@@ -40,7 +34,13 @@ def found(*logs):
 
 
 def sigmas(answer):
-    return np.sqrt(np.diag(answer.covariance))
+    """Standard deviation of each parameter, by name."""
+    return RampParameters(*(answer.posterior.sigma(name) for name in RampParameters._fields))
+
+
+def off(answer, before):
+    """How far the parameters moved, over their sigma before."""
+    return np.abs(np.subtract(answer.mean, before.mean)) / sigmas(before)
 
 
 @pytest.fixture(scope="module")
@@ -66,17 +66,19 @@ def three(clean):
 def test_compliance_and_pads_are_found_within_their_sigmas(clean, name, log_ratio, v):
     dropped = ("v",) if v == "without v" else ()
     answers = [found(without(noisy(clean[name], seed), *dropped)) for seed in SEEDS]
+    truth = {"log_compliance": math.log(1.0 / 25.0), "log_pad_ratio": log_ratio}
     z = np.array(
         [
-            (a.mean[[C, RATIO]] - [math.log(1.0 / 25.0), log_ratio]) / sigmas(a)[[C, RATIO]]
+            (a.posterior.value(name) - value) / a.posterior.sigma(name)
             for a in answers
+            for name, value in truth.items()
         ]
     )
     assert np.max(np.abs(z)) < 3.0
     assert np.sqrt(np.mean(z**2)) < 1.5
     # (2) is exact in the plant: the sum of forces fixes the level, at any ratio, to its weight
     for a in answers:
-        off = 0.5 * abs(a.mean[RATIO] - log_ratio)
+        off = 0.5 * abs(a.mean.log_pad_ratio - log_ratio)
         assert a.pad_scale[0] == pytest.approx(1.0, abs=0.005 + off)
 
 
@@ -88,7 +90,7 @@ def test_a_ratio_that_clearly_differs_is_not_called_nominal(clean):
 
 def test_without_v_the_ratio_stays_open(clean):
     log = noisy(clean["front 15 % better"], 0)
-    assert sigmas(found(without(log, "v")))[RATIO] > 2.0 * sigmas(found(log))[RATIO]
+    assert sigmas(found(without(log, "v"))).log_pad_ratio > 2.0 * sigmas(found(log)).log_pad_ratio
 
 
 @pytest.mark.parametrize("scale", [0.7, 1.2])
@@ -104,7 +106,7 @@ def test_curvature_has_the_sign_of_the_tyre(clean):
     for seed in SEEDS:
         growth = []
         for log in (clean["as nominal"], straight):
-            t = found(noisy(log, seed)).tyre
+            t = found(noisy(log, seed)).posterior.tyre
             slip = t.slip(np.array([0.1, 0.5]), 1.0)
             growth.append(slip[1] / (5.0 * slip[0]) - 1.0)
         assert growth[0] > 0.05  # the plant's own: 0.13
@@ -116,7 +118,8 @@ def test_slip_at_a_force_is_that_of_the_plant(clean):
     for force in (0.1, 0.3, 0.5):
         truth = scipy.optimize.brentq(lambda s, F=force: tyre(s, 1.0, 1.0, 1.0) - F, 0.0, 0.05)
         slips = [
-            found(noisy(clean["as nominal"], s)).tyre.slip(np.asarray(force), 1.0) for s in SEEDS
+            found(noisy(clean["as nominal"], s)).posterior.tyre.slip(np.asarray(force), 1.0)
+            for s in SEEDS
         ]
         assert np.mean(slips) == pytest.approx(truth, rel=0.05)
 
@@ -135,10 +138,11 @@ def test_zeros_are_the_radii(clean):
 
 def test_more_ramps_tighten_every_sigma(three):
     one, two, all_three = (sigmas(identify_once(CAR, three[:n])) for n in (1, 2, 3))
-    assert np.all(two < one)
-    assert np.all(all_three < two)
+    assert np.all(np.less(two, one))
+    assert np.all(np.less(all_three, two))
     # noise and model error are independent between blocks: 1/sqrt(3), less what the prior held
-    assert np.all(all_three[[C, B2, B3]] < 0.75 * one[[C, B2, B3]])
+    for name in ("log_compliance", "curvature_2", "curvature_3"):
+        assert getattr(all_three, name) < 0.75 * getattr(one, name)
 
 
 def test_each_run_has_its_own_zeros_and_level(clean):
@@ -151,8 +155,8 @@ def test_each_run_has_its_own_zeros_and_level(clean):
 def test_order_of_the_runs_does_not_matter(three):
     there, _ = identify(CAR, three)
     back, _ = identify(CAR, three[::-1])
-    assert np.allclose(there.mean, back.mean, rtol=0.0, atol=1e-3 * sigmas(there))
-    assert np.allclose(there.covariance, back.covariance, rtol=1e-3, atol=1e-8)
+    assert np.allclose(there.mean, back.mean, rtol=0.0, atol=1e-3 * np.array(sigmas(there)))
+    assert np.allclose(there.posterior.covariance, back.posterior.covariance, rtol=1e-3, atol=1e-8)
     assert there.eta_zero == pytest.approx(back.eta_zero[::-1], abs=1e-7)
     assert there.pad_scale == pytest.approx(back.pad_scale[::-1], rel=1e-4)
 
@@ -163,7 +167,7 @@ def test_huber_resists_a_burst_that_plain_squares_do_not(clean, monkeypatch):
     hit = {f"omega_r{side}": log[f"omega_r{side}"] * burst for side in "lr"}
     runs = [prepared(log)], [prepared(replace(log, channels={**log.channels, **hit}))]
     before = identify_once(CAR, runs[0])
-    robust = np.abs(identify_once(CAR, runs[1]).mean - before.mean) / sigmas(before)
+    robust = off(identify_once(CAR, runs[1]), before)
     assert np.max(robust) < 1.5
 
     real = scipy.optimize.least_squares
@@ -172,7 +176,7 @@ def test_huber_resists_a_burst_that_plain_squares_do_not(clean, monkeypatch):
         return real(*arguments, **{**keywords, "loss": "linear"})
 
     monkeypatch.setattr(scipy.optimize, "least_squares", plain)
-    squares = np.abs(identify_once(CAR, runs[1]).mean - before.mean) / sigmas(before)
+    squares = off(identify_once(CAR, runs[1]), before)
     assert np.max(squares) > 5.0 * np.max(robust)
 
 
@@ -189,8 +193,9 @@ def test_noise_that_the_sensors_did_not_show_widens_the_sigmas(clean):
     shaken = {f"omega_r{side}": log[f"omega_r{side}"] * rough for side in "lr"}
     answer, louder = identify(CAR, [prepared(replace(log, channels={**log.channels, **shaken}))])
     assert louder[0].noise.omega > 2.0 * prepared(log).noise.omega
-    assert abs(answer.mean[C] - math.log(1 / 25)) < 3.0 * sigmas(answer)[C]
-    assert sigmas(answer)[C] > 1.5 * sigmas(found(log))[C]
+    sigma = sigmas(answer).log_compliance
+    assert abs(answer.mean.log_compliance - math.log(1 / 25)) < 3.0 * sigma
+    assert sigma > 1.5 * sigmas(found(log)).log_compliance
 
 
 def test_sigmas_of_a_block_without_slip_are_those_of_its_sensors(clean):
@@ -207,7 +212,7 @@ def test_sigmas_of_a_block_without_slip_are_those_of_its_sensors(clean):
 
 def test_prediction_on_the_lead_in_is_the_zero(clean):
     run = prepared(clean["as nominal"])
-    parameters = np.array([math.log(0.04), 0.0, 0.4, 0.0, 0.0, 0.0])
+    parameters = RampParameters(math.log(0.04), 0.0, 0.4, 0.0, 0.0, 0.0)
     eta, slip = predict(CAR, run, parameters, 0.003, -0.002)
     free = run.blocks.end < 1.45  # the ramp itself is not felt before it reaches the pads' bite
     assert eta[free] == pytest.approx(1.003, abs=1e-7)

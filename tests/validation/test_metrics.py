@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.estimation.estimator import AxleEstimate, Estimate
+from calib.estimation.axle_estimate import AxleEstimate
+from calib.estimation.estimator import Estimate
 from calib.estimation.pad_level import PadLevel
-from calib.estimation.split_filter import PadRatio
+from calib.estimation.pad_ratio import PadRatio
 from calib.logs.log import Log
 from calib.names import G
 from calib.signals.blocks import Blocks

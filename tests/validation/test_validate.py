@@ -107,10 +107,10 @@ def test_a_limit_that_cannot_be_held_fails(table, wet):
 
 def test_a_table_of_another_stiffness_shows(table, wet):
     """A tyre that is believed twice as soft gives other pads than the true ones."""
-    mean = list(table.posterior.mean)
-    mean[0] += 0.7
-    mean[5] -= 0.5
-    off = replace(table, posterior=replace(table.posterior, mean=tuple(mean)))
+    known = table.posterior
+    shift = {"log_compliance": 0.7, "log_pad_ratio": -0.5}
+    mean = tuple(known.value(name) + shift.get(name, 0.0) for name in known.names)
+    off = replace(table, posterior=replace(known, mean=mean))
     result = validate(off, [wet])[0]
     assert not result.passed
 

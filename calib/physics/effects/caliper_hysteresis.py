@@ -15,8 +15,16 @@ speed of the pedal. With the lines L = p and U = p/(1 - w) of each sample it is
 
 import numpy as np
 
-from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
-from calib.physics.history import RunHistory
+from calib.physics.effects.effect import (
+    Array,
+    Card,
+    Effect,
+    Pair,
+    Parameter,
+    Parameters,
+    RunHistory,
+)
+from calib.statistics.intervals import QUARTILE
 
 WOBBLE = 0.1e5
 """Most that a pressure sensor is taken to add to a held pressure [Pa]: three sigma of a usual one
@@ -41,7 +49,7 @@ def held(p: Array, width: float) -> Array:
     the pressure less its wobble. Without noise it is exact; with it the clamp is low by twice the
     wobble at most while it goes from one line to the other.
     """
-    rough = np.median(np.abs(np.diff(p, 3))) / 0.6745 if p.size > 3 else 0.0
+    rough = np.median(np.abs(np.diff(p, 3))) / QUARTILE if p.size > 3 else 0.0
     wobble = min(3.0 * float(rough), WOBBLE)
     foot = between(p - wobble, p + wobble, p[0])
     return np.asarray(p + (clamp(foot, width) - foot))

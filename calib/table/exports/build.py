@@ -120,10 +120,8 @@ def _scalars(table: Table, version: int, first: str) -> list[Scalar]:
         scalar("mu_f", "front pad friction of the calibration", "1", mu_f.value, mu_f.sigma),
         scalar("mu_r", "rear pad friction of the calibration", "1", mu_r.value, mu_r.sigma),
         *(
-            scalar(name, f"{name} of the tyre", "1", mean, float(np.sqrt(row[i])))
-            for i, (name, mean, row) in enumerate(
-                zip(tyre.names, tyre.mean, tyre.covariance, strict=True)
-            )
+            scalar(name, f"{name} of the tyre", "1", tyre.value(name), tyre.sigma(name))
+            for name in tyre.names
         ),
         *(
             scalar(

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from calib.statistics.intervals import Z95
 from calib.table.exports.dataset import Curve, Dataset
 
 COLUMNS = (
@@ -22,7 +23,7 @@ def rows(data: Dataset) -> Iterator[Row]:
     for curve in data.curves:
         yield from _points(curve, data.axis(curve.axis).values.tolist())
     for s in data.scalars:
-        half = None if s.sigma is None else 1.96 * s.sigma
+        half = None if s.sigma is None else Z95 * s.sigma
         lower, upper = (None, None) if half is None else (s.value - half, s.value + half)
         yield (s.label, None, None, s.value, s.unit, lower, upper, None, None, s.meaning)
 

@@ -1,0 +1,23 @@
+"""What the estimator says of one axle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class AxleEstimate:
+    """One axle: pad friction mu with 95 % interval [1], brake torque of one wheel [N m], (n,).
+
+    ``normalised_force`` F_x/F_z [1] over the quasi-static load (6), (7). Nominal, with a wide
+    interval, before the pads first bite.
+    """
+
+    pad_friction: Array
+    lower: Array
+    upper: Array
+    torque: Array
+    normalised_force: Array

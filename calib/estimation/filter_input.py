@@ -1,0 +1,131 @@
+"""What the split filter reads of each block, as plain numbers: inputs, measurements and noise."""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.estimation.measurement import Given
+from calib.estimation.priors import Priors
+from calib.estimation.states import AT, state_list
+from calib.names import G
+from calib.physics.braking import MOVING
+from calib.physics.vehicle import Vehicle
+from calib.signals.blocks import Blocks
+from calib.signals.filters import low_pass
+from calib.signals.noise import SensorNoise
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class SplitInput:
+    """What the filter is given of each block besides the sensors, shapes (k,).
+
+    ``nominal_f``, ``nominal_r`` brake forces of nominal pads [N]; ``level`` common factor on them
+    (NaN: not braked); ``moment_f``, ``moment_r`` other forces at the road [N]; ``load_f``,
+    ``load_r`` [N]; ``tyre_sum`` all tyre forces [N]; ``slip`` measured mean slip [1] or None;
+    ``pitch_deficit`` load that the pitch mode has not yet moved, over the weight [1].
+    """
+
+    nominal_f: Array
+    nominal_r: Array
+    level: Array
+    moment_f: Array
+    moment_r: Array
+    load_f: Array
+    load_r: Array
+    tyre_sum: Array
+    slip: Array | None
+    pitch_deficit: Array
+
+
+class Measured(NamedTuple):
+    """What the sensors say of one block, and how well. Flags are 1.0 or 0.0.
+
+    ``eta``, ``slip`` [1], NaN where not measured; ``variance_eta``, ``variance_slip`` from the
+    sensors; ``relative`` error of both in proportion to the slip; ``rolling`` the car moves and all
+    wheels roll; ``calm`` the body is at rest on its springs.
+    """
+
+    eta: float
+    slip: float
+    variance_eta: float
+    variance_slip: float
+    relative: float
+    rolling: float
+    calm: float
+
+
+def given(vehicle: Vehicle, b: Blocks, d: SplitInput) -> list[list[float]]:
+    """Inputs of the measurement equations, for each block in the order of `Given`."""
+    columns = Given[Array](
+        brake_f=d.nominal_f,
+        brake_r=d.nominal_r,
+        level=np.nan_to_num(d.level),
+        moment_f=d.moment_f,
+        moment_r=d.moment_r,
+        load_f=d.load_f,
+        load_r=d.load_r,
+        coasting_force=d.tyre_sum / vehicle.weight,
+        weight=np.full(b.end.size, vehicle.weight),
+        pitch_deficit=d.pitch_deficit,
+        lag_gain=G * b.z / np.maximum(b.speed, 1.0),
+    )
+    rows: list[list[float]] = np.column_stack(columns).tolist()
+    return rows
+
+
+def measured(b: Blocks, d: SplitInput, noise: SensorNoise, priors: Priors) -> list[Measured]:
+    """Measurements and their noise, block by block; T is the length of a block.
+
+    ::
+
+        variance    of the sensors                        in proportion to the slip
+        eta         2 omega^2/(w^2 T)                     (relative (eta - 1 - eta_zero))^2
+        slip        omega^2/(w^2 T) + v^2/(V^2 T)         (relative (slip - slip_zero))^2
+        relative    model error + pressure and wheels apart in time while the pressure moves
+    """
+    omega, speed = np.maximum(b.omega_f, 1.0), np.maximum(b.speed, 1.0)
+    axle = noise.omega**2 / omega**2 / b.length
+    p = np.maximum(b.p_f, b.p_r)
+    moving = np.abs(np.diff(p, prepend=p[0])) / b.length / np.maximum(p, 3e5)
+    columns = {
+        "eta": b.eta,
+        "slip": np.full(b.end.size, np.nan) if d.slip is None else d.slip,
+        "variance_eta": 2.0 * axle,
+        "variance_slip": axle + noise.v**2 / speed**2 / b.length,
+        "relative": priors.model + np.where(np.isfinite(d.level), priors.sync * moving, 0.0),
+        "rolling": (b.speed > MOVING) & _all_roll(b, d.slip, priors.rolling),
+        "calm": _held_back(b, priors) < priors.change_calm,
+    }
+    rows = np.column_stack([columns[name] for name in Measured._fields])
+    return [Measured(*row) for row in rows.tolist()]
+
+
+def process_noise(vehicle: Vehicle, b: Blocks, priors: Priors) -> Array:
+    """What every block adds to the variance of each state, shape (k, COUNT).
+
+    The random walk of its row in `state_list`; to ``load_shift`` what a first-order process with
+    ``pitch_memory`` takes in afresh.
+    """
+    drift = np.array([row.drift for row in state_list(priors)])
+    out = np.tile(drift**2 * b.length, (b.end.size, 1))
+    fresh = 1.0 - math.exp(-2.0 * b.length / priors.pitch_memory)
+    transfer = vehicle.cg_height / vehicle.wheelbase
+    out[:, AT.load_shift] = fresh * (priors.pitch * _held_back(b, priors) * transfer) ** 2
+    return out
+
+
+def _held_back(b: Blocks, priors: Priors) -> Array:
+    """Deceleration [1] that a first-order filter of ``pitch_time`` has not followed yet."""
+    return np.asarray(np.abs(b.z - low_pass(b.z, b.length, priors.pitch_time)))
+
+
+def _all_roll(b: Blocks, slip: Array | None, most: float) -> Mask:
+    """Blocks in which all wheels roll on the rising branch of their tyres."""
+    ok = np.abs(b.eta - 1.0) < most
+    return np.asarray(ok if slip is None else ok & (np.abs(slip) < most))

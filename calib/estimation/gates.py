@@ -1,0 +1,75 @@
+"""When the estimator stands behind a sample."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.estimation.axle_estimate import AxleEstimate
+from calib.logs.log import Log
+from calib.names import WHEELS
+from calib.physics.braking import MOVING
+from calib.signals.axle_signals import Signals
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Gates:
+    """Limits within which the estimator stands behind a sample; each with its reason."""
+
+    pressure: float = 2e5
+    """Pressure [Pa] below which a pad level means little."""
+    speed: float = MOVING
+    """Speed [m/s] below which slip is noise."""
+    settle: float = 0.3
+    """Time of braking [s] before the level is trusted: it has seen half its memory by then."""
+    interval_f: float = 0.12
+    """Relative half width of the front's 95 % interval beyond which the number is no use."""
+    interval_r: float = 0.25
+    """The same of the rear, which eta shows more faintly."""
+    steering: float = np.deg2rad(5.0)
+    """Angle at the driver's wheel [rad] whose effect on eta is as large as the signal."""
+    lock: float = 0.15
+    """Relative departure of a wheel from the others that only ABS or a locked wheel shows."""
+    recover: float = 1.0
+    """Time after such a departure [s]: the filters behind the signals have forgotten it."""
+
+
+def valid(
+    gates: Gates,
+    log: Log,
+    s: Signals,
+    axles: tuple[AxleEstimate, AxleEstimate],
+    active: Mask,
+    greatest: float,
+) -> Mask:
+    """Where the estimator stands behind its answer (n,), see `Gates`.
+
+    ``axles`` the estimates, front and rear; ``active`` where the pads bite (n,); ``greatest``
+    normalised force that the table knows [1].
+    """
+    ok = active & (np.maximum(s.p_f, s.p_r) > gates.pressure) & (s.speed > gates.speed)
+    ok &= _since(s.time, ~active) > gates.settle
+    ok &= _since(s.time, _locked(log, s, gates)) > gates.recover
+    with np.errstate(invalid="ignore"):
+        for axle, width in zip(axles, (gates.interval_f, gates.interval_r), strict=True):
+            ok &= axle.upper - axle.lower < 2.0 * width * axle.pad_friction
+            ok &= axle.normalised_force < greatest
+    if "steering" in log:
+        ok &= np.abs(log["steering"]) < gates.steering
+    return np.asarray(ok & np.isfinite(axles[0].pad_friction))
+
+
+def _since(time: Array, event: Mask) -> Array:
+    """Time since the event last held [s]; infinite before its first."""
+    return time - np.maximum.accumulate(np.where(event, time, -np.inf))
+
+
+def _locked(log: Log, s: Signals, gates: Gates) -> Mask:
+    """Where a wheel departs from the fastest one as only ABS or a locked wheel does."""
+    wheels = np.stack([log[f"omega_{w}"] for w in WHEELS])
+    fastest = wheels.max(axis=0)
+    apart = fastest - wheels.min(axis=0) > gates.lock * np.maximum(fastest, 1.0)
+    return np.asarray(apart & (s.speed > gates.speed))

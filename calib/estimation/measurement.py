@@ -1,0 +1,125 @@
+"""What the sensors show of a block, given the states: the equations of the split filter, once.
+
+    load that pitch delays:  P = (xi + kappa psi) W
+    loads                    L_f = F_zf - P,  L_r = F_zr + P
+    brakes, (2)              phi = B_f e^(rho/2)/(B_f e^(rho/2) + B_r e^(-rho/2))
+    forces, (1)              F_f = (phi B + M_f)/L_f,  F_r = ((1 - phi) B + M_r)/L_r
+    tyre                     lambda = e^(c - s) (2 L/W)^q F (1 + b2 F w + b3 (F w)^2)
+    seen, (22)               eta = (1 + eta0) (1 - lambda_r)/(1 - lambda_f)
+    seen, (19), (20)         slip = x lambda_f + (1 - x) lambda_r + sl0 + g z/V lag,  x = F_zf/W
+
+B_f, B_r are the brake forces of nominal pads, B = level (B_f + B_r), M other moments as a force at
+the road. Where the brakes do not act, the normalised force is that of the coasting car, on both
+axles. Symbols are those of `calib.estimation.states`.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Generic, NamedTuple, TypeVar
+
+from calib.estimation.expression import Expression, Trace, compiled, exp, python
+from calib.estimation.states import States
+
+T = TypeVar("T")
+
+
+class Given(NamedTuple, Generic[T]):
+    """What the equations are given of a block, besides the states. SI.
+
+    ``brake_f``, ``brake_r`` brake forces of nominal pads [N]; ``level`` common factor on them, 0 if
+    not braked [1]; ``moment_f``, ``moment_r`` what slows the wheels otherwise, as a force at the
+    road [N]; ``load_f``, ``load_r`` [N]; ``coasting_force`` tyre forces over the weight [1], read
+    where not braked; ``weight`` [N]; ``pitch_deficit`` load over W that the pitch mode has not yet
+    moved [1]; ``lag_gain`` g z/V, slip per second of clock offset [1/s].
+    """
+
+    brake_f: T
+    brake_r: T
+    level: T
+    moment_f: T
+    moment_r: T
+    load_f: T
+    load_r: T
+    coasting_force: T
+    weight: T
+    pitch_deficit: T
+    lag_gain: T
+
+
+Pair = tuple[Expression, Expression]
+
+
+def braked(x: States[Expression], g: Given[Expression]) -> Pair:
+    """Return eta and the mean slip [1] of a block in which the brakes act."""
+    load_f, load_r = loads(x, g)
+    half = exp(0.5 * x.log_pad_ratio)
+    front, rear = g.brake_f * half, g.brake_r / half
+    share = front / (front + rear)  # (2)
+    total = g.level * (g.brake_f + g.brake_r)
+    force_f = (share * total + g.moment_f) / load_f  # (1)
+    force_r = ((1.0 - share) * total + g.moment_r) / load_r
+    return sensed(x, g, slip(x, g, force_f, load_f), slip(x, g, force_r, load_r))
+
+
+def coasting(x: States[Expression], g: Given[Expression]) -> Pair:
+    """Return eta and the mean slip [1] of a block in which the brakes do not act."""
+    slip_f, slip_r = (slip(x, g, g.coasting_force, load) for load in loads(x, g))
+    return sensed(x, g, slip_f, slip_r)
+
+
+def loads(x: States[Expression], g: Given[Expression]) -> Pair:
+    """Axle loads [N] less what the body has not moved yet."""
+    late = (x.load_shift + x.elastic_share * g.pitch_deficit) * g.weight
+    return g.load_f - late, g.load_r + late
+
+
+def slip(
+    x: States[Expression], g: Given[Expression], force: Expression, load: Expression
+) -> Expression:
+    """Slip [1] that carries a normalised force: the compliance of `calib.physics.tyre`."""
+    gain = exp(x.log_compliance - x.log_stiffness) * (2.0 * load / g.weight) ** x.load_exponent
+    u = force * x.peak_ratio
+    return gain * force * (1.0 + x.curvature_2 * u + x.curvature_3 * u * u)
+
+
+def sensed(
+    x: States[Expression], g: Given[Expression], slip_f: Expression, slip_r: Expression
+) -> Pair:
+    """Eta (22) and the load-weighted mean slip (19), (20) [1], with zeros and clock offset."""
+    share = g.load_f / g.weight
+    eta = (1.0 + x.eta_zero) * ((1.0 - slip_r) / (1.0 - slip_f))
+    mean = share * slip_f + (1.0 - share) * slip_r
+    return eta, mean + x.slip_zero + g.lag_gain * x.clock_offset
+
+
+Numbers = Sequence[float]
+Measurement = Callable[[Numbers, Numbers], tuple[tuple[float, float], Numbers]]
+Loads = Callable[[Numbers, Numbers], tuple[tuple[float, float]]]
+
+
+@cache
+def measurement(equations: Callable[[States[Expression], Given[Expression]], Pair]) -> Measurement:
+    """Compile `braked` or `coasting`: states and given numbers in; (eta, slip), gradients out.
+
+    Arguments and gradients are in the order of `States` and `Given`. The gradients come in one
+    tuple, first that of eta.
+    """
+    trace, x, g = _inputs()
+    eta, mean = equations(x, g)
+    gradients = (*trace.gradient(eta, x), *trace.gradient(mean, x))
+    return compiled(python(trace, ARGUMENTS, [(eta, mean), gradients]))
+
+
+@cache
+def axle_loads_now() -> Loads:
+    """Compile `loads`: states and given numbers in; ((load_f, load_r),) [N] out."""
+    trace, x, g = _inputs()
+    return compiled(python(trace, ARGUMENTS, [loads(x, g)]))
+
+
+ARGUMENTS = {"x": States._fields, "g": Given._fields}
+
+
+def _inputs() -> tuple[Trace, States[Expression], Given[Expression]]:
+    trace = Trace()
+    return trace, States(*map(trace.input, States._fields)), Given(*map(trace.input, Given._fields))

@@ -1,0 +1,82 @@
+"""The answer of the split filter: the pads' ratio, weighed against that of the table."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.estimation.priors import Priors
+from calib.estimation.states import AT, COUNT
+from calib.statistics.mixture_posterior import mixture_posterior
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PadRatio:
+    """The filter's answer per block, shapes (k,), [1].
+
+    ``log_pad_ratio`` with ``sigma``; ``nominal_weight`` that the pads have the table's ratio;
+    ``log_stiffness`` of the surface with its sigma; ``load_shift``, ``elastic_share`` of the load
+    transfer; ``innovation_eta``, ``innovation_slip`` over their sigma (NaN where not measured);
+    ``changes`` times of surface changes [s].
+    """
+
+    log_pad_ratio: Array
+    sigma: Array
+    nominal_weight: Array
+    log_stiffness: Array
+    log_stiffness_sigma: Array
+    load_shift: Array
+    elastic_share: Array
+    innovation_eta: Array
+    innovation_slip: Array
+    changes: tuple[float, ...]
+
+
+KEPT = np.array(
+    [
+        one * COUNT + other
+        for one, other in (
+            (AT.log_pad_ratio, AT.log_pad_ratio),
+            (AT.table_log_pad_ratio, AT.table_log_pad_ratio),
+            (AT.log_pad_ratio, AT.table_log_pad_ratio),
+            (AT.log_stiffness, AT.log_stiffness),
+        )
+    ]
+)
+"""The entries of the covariance that the answer needs, as places in the flat matrix."""
+
+
+def weigh(
+    x: Array, kept: Array, innovation: Array, changes: tuple[float, ...], priors: Priors
+) -> PadRatio:
+    """Weigh the ratio against the table's and add what a strange surface leaves open.
+
+    ``x`` states (k, COUNT); ``kept`` the entries `KEPT` of their covariance (k, 4); ``innovation``
+    (k, 2) of eta and slip. A ratio that cannot be told from the table's is given back as the
+    table's (`calib.statistics.mixture_posterior`).
+    """
+    today, then, between, stiffness = kept.T
+    log_ratio, log_stiffness = x[:, AT.log_pad_ratio], x[:, AT.log_stiffness]
+    foreign = (priors.foreign * log_stiffness) ** 2
+    deviation = log_ratio - x[:, AT.table_log_pad_ratio]
+    variance = np.maximum(today + then - 2.0 * between, 1e-12) + foreign
+    posterior = mixture_posterior(
+        deviation, np.sqrt(variance), priors.ratio, priors.ratio_odds, priors.ratio_alike
+    )
+    # the ratio given the deviation: the rest moves along its correlation with the deviation
+    along = (today - between + foreign) / variance
+    rest = np.maximum(today + foreign - along**2 * variance, 0.0)
+    return PadRatio(
+        log_pad_ratio=log_ratio + along * (posterior.mean - deviation),
+        sigma=np.sqrt(rest + along**2 * posterior.sigma**2),
+        nominal_weight=posterior.nominal_weight,
+        log_stiffness=log_stiffness,
+        log_stiffness_sigma=np.sqrt(np.maximum(stiffness, 0.0)),
+        load_shift=x[:, AT.load_shift],
+        elastic_share=x[:, AT.elastic_share],
+        innovation_eta=innovation[:, 0],
+        innovation_slip=innovation[:, 1],
+        changes=changes,
+    )

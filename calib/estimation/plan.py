@@ -1,0 +1,110 @@
+"""What an estimate starts from: nominal pads, known resistance, noise of the sensors."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.estimation.gates import Gates
+from calib.estimation.priors import Priors
+from calib.fitting.resistance import Resistance, other_known_effects
+from calib.logs.log import Log
+from calib.physics.balance import brake_forces
+from calib.physics.effects.catalogue import as_driven
+from calib.physics.vehicle import Vehicle
+from calib.signals.axle_signals import Signals
+from calib.signals.noise import SensorNoise, lead_in_noise
+from calib.table.table import Table
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What stays the same over a log.
+
+    ``nominal`` the car with the pads that the estimate starts from; ``known`` the resistance;
+    ``noise`` of the sensors.
+    """
+
+    table: Table
+    nominal: Vehicle
+    known: Resistance
+    noise: SensorNoise
+    priors: Priors
+    gates: Gates
+
+
+def plan_for(
+    table: Table,
+    log: Log,
+    s: Signals,
+    vehicle: Vehicle | None = None,
+    priors: Priors | None = None,
+    gates: Gates | None = None,
+) -> Plan:
+    """The plan of a log: nominal pads of ``vehicle``, or those of the calibration."""
+    return Plan(
+        table=table,
+        nominal=vehicle or calibrated(table),
+        known=known_resistance(table),
+        noise=merged_noise(table, lead_in_noise(log, s)),
+        priors=priors or Priors(),
+        gates=gates or Gates(),
+    )
+
+
+def calibrated(table: Table) -> Vehicle:
+    """The table's vehicle with the pads of its calibration, in the nominal ratio.
+
+    Scaled so that both axles together brake as they did on the ramp; the ratio is the filter's.
+    """
+    car, cal = table.vehicle, table.calibration
+    B_f, B_r = brake_forces(car, np.ones(()), np.ones(()))
+    as_fitted = brake_forces(car, np.ones(()), np.ones(()), cal.pad_log_ratio.value)
+    scale = cal.pad_scale.value * float(sum(as_fitted) / (B_f + B_r))
+    front = replace(car.front, pad_friction=scale * car.front.pad_friction)
+    return replace(
+        car, front=front, rear=replace(car.rear, pad_friction=scale * car.rear.pad_friction)
+    )
+
+
+def as_used(table: Table, vehicle: Vehicle | None) -> Vehicle:
+    """The car of an estimate as it is driven: mass, radii and inertias with their known errors."""
+    car = with_effects(table, vehicle)
+    return with_pads(as_driven(car, car.effects), vehicle or table.vehicle)
+
+
+def with_effects(table: Table, vehicle: Vehicle | None) -> Vehicle:
+    """The table's car with its known effects and those of ``vehicle``, which go before."""
+    own = vehicle.effects if vehicle else {}
+    return replace(table.vehicle, effects={**table.vehicle.effects, **own})
+
+
+def with_pads(car: Vehicle, pads: Vehicle) -> Vehicle:
+    """``car`` with the nominal pad frictions of the vehicle ``pads``."""
+    front = replace(car.front, pad_friction=pads.front.pad_friction)
+    return replace(car, front=front, rear=replace(car.rear, pad_friction=pads.rear.pad_friction))
+
+
+def known_resistance(table: Table) -> Resistance:
+    """The resistance the table was fitted with; its parameters' errors taken as independent.
+
+    What the vehicle knows of drag or rolling resistance itself goes before it.
+    """
+    mean, variance = [], []
+    for effect, parameter in (
+        ("aerodynamic_drag", "drag_area"),
+        ("rolling_resistance", "coefficient"),
+    ):
+        fitted = table.effects[effect][parameter]
+        mean.append(table.vehicle.effects.get(effect, {}).get(parameter, fitted.value))
+        variance.append(fitted.sigma**2)
+    return Resistance(
+        (mean[0], mean[1]),
+        ((variance[0], 0.0), (0.0, variance[1])),
+        known=True,
+        others=other_known_effects(table.vehicle, table.empirical),
+    )
+
+
+def merged_noise(table: Table, own: SensorNoise) -> SensorNoise:
+    """The larger of the table's noise and this log's: a quiet ramp does not make a quiet sensor."""
+    return SensorNoise(**{key: max(value, getattr(own, key)) for key, value in table.noise.items()})

@@ -1,0 +1,100 @@
+"""What the estimator takes as known before a run, in one record; each number with its reason.
+
+Studies that try them: tests/studies/coverage.py (filter), tests/estimation/test_pad_level.py
+(level), tests/estimation/test_adaptive.py (laws).
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Priors:
+    """Priors and tuned numbers of the room; the states are named in `calib.estimation.states`."""
+
+    # The pads' ratio.
+    ratio: float = 0.25
+    """Sigma of log_pad_ratio when the pads do not change alike: a wet front and a dry rear pad
+    differ by a quarter."""
+    ratio_odds: float = 1.0
+    """Odds that the pads do change alike."""
+    ratio_alike: float = 0.02
+    """How exactly pads that change alike keep the table's ratio (standard deviation)."""
+    drift_ratio: float = 0.01
+    """Random walk of log_pad_ratio [1/sqrt(s)]: one pad warms up faster than the other."""
+    foreign: float = 0.25
+    """Error of log_pad_ratio per unit of log_stiffness: on a strange surface the two axles need not
+    share one curve."""
+
+    # The surface.
+    stiffness: float = 0.35
+    """Sigma of log_stiffness: tile to dry asphalt spans factors of 0.6 to 1.1."""
+    peak_per_stiffness: float = -5.0
+    """Mean of peak_ratio - 1 per unit of log_stiffness: a softer surface also peaks earlier."""
+    peak: float = 1.0
+    """Sigma of peak_ratio around that mean."""
+    drift_road: float = 0.02
+    """Random walk of log_stiffness and of peak_ratio [1/sqrt(s)]: no road is the same all along."""
+
+    # A sudden change of the surface.
+    change_gate: float = 12.0
+    """Mean squared innovation that says the road has changed: 3.5 sigma of both sensors at once."""
+    change_stiffness: float = 0.15
+    """What log_stiffness is opened by then: a patch differs less than a surface does."""
+    change_peak: float = 0.5
+    """What peak_ratio is opened by then, likewise."""
+    change_calm: float = 0.03
+    """Deceleration [1] still on its way (see ``pitch_time``) below which a change is looked for: a
+    surprise while the body moves is the body's."""
+    change_pause: int = 4
+    """Blocks after a change in which no other is looked for: both axles must cross the edge."""
+
+    # Load that moves late.
+    pitch_frequency: float = 1.3
+    """Natural frequency of the pitch mode of a usual body [Hz] (Gillespie, ch. 5)."""
+    pitch_damping: float = 0.3
+    """Its damping ratio [1], there."""
+    elastic_share: float = 0.4
+    """Share of the load transfer that goes through the mode: none on a stiff car, nearly all
+    without anti-dive."""
+    elastic_sigma: float = 0.4
+    """Sigma of it, for the same reason."""
+    pitch: float = 0.25
+    """Sigma of load_shift per unit of what a filter of ``pitch_time`` holds back: what is late or
+    too far otherwise."""
+    pitch_time: float = 0.6
+    """Time constant of that filter [s]: about half a period of the mode."""
+    pitch_memory: float = 0.3
+    """How long load_shift lasts [s]: the mode has turned by then."""
+
+    # Sensors and model.
+    zero: float = 0.01
+    """Sigma of eta_zero and slip_zero: radii agree within 1 %."""
+    sync: float = 0.02
+    """Misalignment of pressure and wheels [s] while the pressure moves: one frame of a slow bus."""
+    model: float = 0.02
+    """Relative error of a predicted slip: no tyre curve is exact."""
+    rolling: float = 0.08
+    """Slip or eta - 1 [1] past which a tyre is beyond its peak or a wheel locks: no curve holds."""
+
+    # The common level of the pads.
+    level_free: float = 0.4
+    """Spread of a pad level that is not nominal, relative: wet pads lose half."""
+    level_alike: float = 0.005
+    """How exactly unchanged pads keep their level, relative."""
+    level_odds: float = 1.0
+    """Odds that the pads have the level of the calibration."""
+    level_memory: float = 0.5
+    """Time constant of forgetting [s]: short against a stop, long against road noise (0.1 s)."""
+    level_trend: float = 0.1
+    """Usual relative drift of a pad [1/s]: fading from 0.35 to 0.22 in 5 s is 0.09."""
+
+    # The baselines.
+    low_pass: float = 0.1
+    """Time constant of the causal filter on z, loads and eta in front of a look-up [s]: takes road
+    noise out and is short against the level's memory."""
+    rls_memory: float = 1.0
+    """Forgetting of the recursive least squares [s]: shorter, and eta's noise shows in the pads."""
+    law_rate: float = 8.0
+    """Rate of the gradient law at ``law_pressure`` [1/s]: 90 % of a step of zeta in 0.3 s."""
+    law_pressure: float = 20e5
+    """Pressure [Pa] at which it holds: a usual braking. The rate grows with its square."""

@@ -1,0 +1,128 @@
+"""The states of the split filter by name: what each is, how it starts, how it may drift.
+
+The level says what both axles brake together; the states say how it is split, and hold all that
+could be mistaken for a change of the split.
+"""
+
+from collections.abc import Sequence
+from typing import Generic, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.estimation.priors import Priors
+from calib.table.table import TyrePosterior
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+
+
+class States(NamedTuple, Generic[T]):
+    """One thing for each state, by the state's name, in the filter's order."""
+
+    log_pad_ratio: T  # ln of the pads' ratio front over rear, relative to nominal
+    log_stiffness: T  # ln of the surface's stiffness relative to the table's
+    peak_ratio: T  # the table's peak relative to the surface's
+    load_shift: T  # load moved otherwise than by the pitch mode, over the weight
+    elastic_share: T  # share of the load transfer that follows the body's pitch mode
+    eta_zero: T  # zero of eta: radii of this day
+    slip_zero: T  # zero of the mean slip, likewise
+    clock_offset: T  # clock offset between v and the wheels
+    load_exponent: T  # the table's tyre, `calib.physics.tyre`
+    log_compliance: T
+    curvature_2: T
+    curvature_3: T
+    table_log_pad_ratio: T  # the ratio of the pads on the day of the ramp
+
+
+class State(NamedTuple):
+    """How a state starts and moves.
+
+    ``symbol`` in the equations; ``start`` its mean, None where the table's posterior gives it;
+    ``sigma`` around it, what the posterior says not counted; ``drift`` random walk, per sqrt(s).
+    """
+
+    symbol: str
+    unit: str
+    start: float | None
+    sigma: float
+    drift: float
+
+
+def state_list(p: Priors) -> States[State]:
+    """Every state with its numbers.
+
+    Two states hang on others. ``peak_ratio`` also moves with the stiffness, by
+    ``peak_per_stiffness``. ``load_shift`` is a Gauss-Markov process: it decays with
+    ``pitch_memory`` and is fed by what `calib.estimation.filter_input` says of each block.
+    """
+    # fmt: off
+    return States(
+        #                           symbol   unit start            sigma            drift/sqrt(s)
+        log_pad_ratio       = State("rho",   "1", None,            p.ratio,         p.drift_ratio),
+        log_stiffness       = State("s",     "1", 0.0,             p.stiffness,     p.drift_road),
+        peak_ratio          = State("w",     "1", 1.0,             p.peak,          p.drift_road),
+        load_shift          = State("xi",    "1", 0.0,             0.0,             0.0),
+        elastic_share       = State("kappa", "1", p.elastic_share, p.elastic_sigma, 0.0),
+        eta_zero            = State("eta0",  "1", 0.0,             p.zero,          0.0),
+        slip_zero           = State("sl0",   "1", 0.0,             p.zero,          0.0),
+        clock_offset        = State("lag",   "s", None,            0.0,             0.0),
+        load_exponent       = State("q",     "1", None,            0.0,             0.0),
+        log_compliance      = State("c",     "1", None,            0.0,             0.0),
+        curvature_2         = State("b2",    "1", None,            0.0,             0.0),
+        curvature_3         = State("b3",    "1", None,            0.0,             0.0),
+        table_log_pad_ratio = State("rho0",  "1", None,            0.0,             0.0),
+    )
+    # fmt: on
+
+
+COUNT = len(States._fields)
+
+AT = States[int](*range(COUNT))
+"""The place of each state in vectors and matrices."""
+
+
+def places(names: Sequence[str]) -> list[int]:
+    """Return the places of the states that the parameters of a table's posterior are.
+
+    The ratio of the posterior is that of the ramp's pads, not of today's.
+    """
+    own = {"log_pad_ratio": "table_log_pad_ratio"}
+    return [States._fields.index(own.get(name, name)) for name in names]
+
+
+def first_state(posterior: TyrePosterior, priors: Priors) -> tuple[Array, Array]:
+    """State (COUNT,) and covariance (COUNT, COUNT) before the stop, from the table's posterior."""
+    rows = state_list(priors)
+    x = np.array([row.start or 0.0 for row in rows])
+    P = np.zeros((COUNT, COUNT))
+    table = places(posterior.names)
+    x[table], P[np.ix_(table, table)] = posterior.mean, posterior.covariance
+    # the pads of today: the table's ratio, and free around it
+    today, then = AT.log_pad_ratio, AT.table_log_pad_ratio
+    x[today] = x[then]
+    P[today, :] = P[then, :]
+    P[:, today] = P[:, then]
+    P[today, today] = P[then, then]
+    P[np.diag_indices(COUNT)] += np.array([row.sigma for row in rows]) ** 2
+    couple_surface(P, priors.peak_per_stiffness, priors.stiffness)
+    return x, P
+
+
+def open_surface(P: Array, priors: Priors) -> None:
+    """Add to a covariance, in place, what a sudden change of the road leaves open."""
+    P[AT.log_stiffness, AT.log_stiffness] += priors.change_stiffness**2
+    P[AT.peak_ratio, AT.peak_ratio] += priors.change_peak**2
+    couple_surface(P, priors.peak_per_stiffness, priors.change_stiffness)
+
+
+def couple_surface(P: Array, slope: float, stiffness: float) -> None:
+    """Add to a covariance, in place, that the peak moves with the stiffness.
+
+    ``slope`` d peak_ratio/d log_stiffness; ``stiffness`` the part of the sigma of log_stiffness
+    that it moves with, which P already holds.
+    """
+    s, w, variance = AT.log_stiffness, AT.peak_ratio, stiffness**2
+    P[s, w] += slope * variance
+    P[w, s] += slope * variance
+    P[w, w] += slope**2 * variance

@@ -1,0 +1,117 @@
+"""The ramp as the identified model has it, over z: forces, slips, and where eta turns."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import LogError
+from calib.fitting.identify import Identified
+from calib.fitting.parameters import RampParameters, tyre_of
+from calib.fitting.settings import SETTINGS
+from calib.names import G
+from calib.physics.balance import brake_forces
+from calib.physics.forces import axle_loads, speed_ratio
+from calib.physics.vehicle import Vehicle
+from calib.table.table import TyrePosterior
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Path:
+    """The ramp as the identified model has it, over z. Shapes (n,), all [1]."""
+
+    z: Array
+    F_f: Array
+    F_r: Array
+    slip_f: Array
+    slip_r: Array
+
+    @property
+    def eta(self) -> Array:
+        """(22)."""
+        return speed_ratio(self.slip_f, self.slip_r)
+
+    @property
+    def D(self) -> Array:
+        """F_f - F_r."""
+        return self.F_f - self.F_r
+
+
+def path(vehicle: Vehicle, parameters: RampParameters[float], z: Array) -> Path:
+    """Forces and slips over z [1], quasi-steady: no drag, wheels slowed with the car.
+
+    The tyres carry W z; the brakes also stop the wheels themselves, J d omega/dt with
+    d omega/dt = -g z/R. One master-cylinder pressure for both axles.
+    """
+    load_f, load_r = axle_loads(vehicle, z)
+    B_f, B_r = brake_forces(vehicle, np.ones(()), np.ones(()), parameters.log_pad_ratio)
+    share = B_f / (B_f + B_r)
+    inertia_f, inertia_r = (
+        2.0 * a.wheel_inertia * G * z / a.rolling_radius**2 for a in (vehicle.front, vehicle.rear)
+    )
+    brakes = vehicle.weight * z + inertia_f + inertia_r
+    F_f = (share * brakes - inertia_f) / load_f
+    F_r = ((1.0 - share) * brakes - inertia_r) / load_r
+    tyre = tyre_of(parameters)
+    half = 0.5 * vehicle.weight
+    return Path(z, F_f, F_r, tyre.slip(F_f, load_f / half), tyre.slip(F_r, load_r / half))
+
+
+@dataclass(frozen=True)
+class Peak:
+    """Where eta turns on the ramp: ``z``, ``eta`` [1]; ``real`` if it falls by 3 sigma after it."""
+
+    z: float
+    eta: float
+    real: bool
+
+
+def find_peak(vehicle: Vehicle, found: Identified, z_max: float) -> Peak:
+    """Test whether eta peaks inside the measured range: its fall after the peak over its sigma."""
+    z = np.linspace(0.0, z_max, 201)
+    eta = path(vehicle, found.mean, z).eta
+    top = int(np.argmax(eta))
+
+    def fall(parameters: RampParameters[float]) -> Array:
+        e = path(vehicle, parameters, z).eta
+        return np.asarray([e[top] - e[-1]])
+
+    sigma = delta_sigma(fall, found.posterior)[0]
+    return Peak(float(z[top]), float(eta[top]), bool(eta[top] - eta[-1] > 3.0 * sigma))
+
+
+def readable_up_to(vehicle: Vehicle, found: Identified, z_max: float) -> float:
+    """Greatest z [1] up to which eta rises steeply enough that f1 and f2 can be read from it."""
+    z = np.linspace(0.0, z_max, 201)
+    slope = np.diff(path(vehicle, found.mean, z).eta)
+    flat = np.flatnonzero(slope < SETTINGS.flat * slope[0])
+    return float(z[flat[0]] if flat.size else z_max)
+
+
+def delta_sigma(f: Callable[[RampParameters[float]], Array], posterior: TyrePosterior) -> Array:
+    """Standard deviation of f(parameters) by the delta method, central differences."""
+    mean, covariance = np.asarray(posterior.mean), np.asarray(posterior.covariance)
+    columns = []
+    for i, sigma in enumerate(np.sqrt(np.diag(covariance))):
+        step = np.zeros_like(mean)
+        step[i] = 0.1 * sigma
+        above, below = (f(RampParameters(*x)) for x in (mean + step, mean - step))
+        columns.append((above - below) / (0.2 * sigma))
+    J = np.stack(columns, axis=-1)
+    return np.asarray(np.sqrt(np.einsum("...i,ij,...j->...", J, covariance, J)))
+
+
+def require_tyre(vehicle: Vehicle, found: Identified, z_max: float, sources: str) -> None:
+    """Refuse ramps whose noise bends the compliance back: no tyre has less slip at more force."""
+    top = path(vehicle, found.mean, np.asarray([z_max]))
+    force = np.linspace(0.0, 1.1 * float(max(top.F_f[0], top.F_r[0])), 100)
+    if np.any(found.posterior.tyre.slope(force, 1.0) <= 0.0):
+        raise LogError(
+            "no tyre curve fits: slip would fall while force grows",
+            where=sources,
+            expected="wheel speeds fine and even enough to show a slip of 0.1 %",
+            do="look at the wheel speeds with `brake-cal check`, or add a second ramp",
+        )

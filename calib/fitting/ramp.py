@@ -1,0 +1,133 @@
+r"""A ramp ready to fit, and what its sensors would show with given parameters.
+
+The pads' pressure gives the forces of both axles up to a common scale and the pads' ratio; the
+scale follows from the sum of forces. The forces give the slips through the compliance of
+`calib.physics.tyre`, and the slips give what the sensors see:
+
+    p --(2)--> F_f, F_r --tyre--> slip_f, slip_r --(22)--> eta            always
+                                              \----------> mean slip     where v is known
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.fitting.parameters import RampParameters, tyre_of
+from calib.fitting.settings import SETTINGS
+from calib.names import G
+from calib.physics.balance import brake_forces, force_balance
+from calib.physics.braking import BITE
+from calib.physics.effects.catalogue import Effects
+from calib.physics.forces import mean_slip, speed_ratio
+from calib.physics.vehicle import Vehicle
+from calib.signals.blocks import Blocks
+from calib.signals.noise import SensorNoise
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RampRun:
+    """One ramp, ready to fit: blocks, what they say, and what is known beforehand. SI, shapes (k,).
+
+    ``load_f``, ``load_r`` axle loads [N]; ``moment_f``, ``moment_r`` what slows the wheels besides
+    the brake, inertia included, as a force at the road [N]; ``brake_sum`` brake force of both axles
+    that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
+    blocks that take part.
+    """
+
+    name: str
+    blocks: Blocks
+    noise: SensorNoise
+    load_f: Array
+    load_r: Array
+    moment_f: Array
+    moment_r: Array
+    brake_sum: Array
+    slip: Array | None
+    use: NDArray[np.bool_]
+
+
+def prepare(
+    vehicle: Vehicle, name: str, b: Blocks, noise: SensorNoise, effects: Effects
+) -> RampRun:
+    """Loads, resistances and the demanded brake force of each block.
+
+    A block in which an axle would lift holds a glitch of a_x: it has no loads and no part.
+    """
+    forces = force_balance(vehicle, effects, b.end, b.speed, b.z, b.p_f, (b.spin_f, b.spin_r))
+    stands = np.minimum(forces.load_f, forces.load_r) > 0.0
+    # the last blocks of a stop hold the jerk at standstill
+    use = (b.speed > SETTINGS.min_speed) & (b.end < b.end[-1] - 0.1) & stands
+    load_f = np.where(stands, forces.load_f, np.nan)
+    return RampRun(
+        name=name,
+        blocks=b,
+        noise=noise,
+        load_f=load_f,
+        load_r=np.where(stands, forces.load_r, np.nan),
+        moment_f=forces.moment_f,
+        moment_r=forces.moment_r,
+        brake_sum=forces.demanded,
+        slip=None if b.v is None else mean_slip(vehicle, load_f, b.omega_f, b.omega_r, b.v),
+        use=np.asarray(use),
+    )
+
+
+def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
+    """Common factor on the brake forces that makes their sum the demanded one, least squares."""
+    braked = run.use & (np.maximum(run.blocks.p_f, run.blocks.p_r) > BITE)
+    total = (B_f + B_r)[braked]
+    return float(total @ run.brake_sum[braked] / (total @ total))
+
+
+def normalised_forces(
+    vehicle: Vehicle, run: RampRun, log_ratio: float
+) -> tuple[Array, Array, float]:
+    """F_f, F_r [1] of the blocks from pressure, and the pad scale, at a pad ratio."""
+    b = run.blocks
+    biting = np.maximum(b.p_f, b.p_r) > 0.5 * BITE
+    B_f, B_r = brake_forces(vehicle, b.p_f * biting, b.p_r * biting, log_ratio)
+    scale = pad_scale(run, B_f, B_r)
+    F_f = (scale * B_f + run.moment_f) / run.load_f
+    F_r = (scale * B_r + run.moment_r) / run.load_r
+    return F_f, F_r, scale
+
+
+def predict(
+    vehicle: Vehicle,
+    run: RampRun,
+    parameters: RampParameters[float],
+    eta_zero: float,
+    slip_zero: float,
+) -> tuple[Array, Array]:
+    """Eta and the load-weighted mean slip [1] that the sensors would show, without noise."""
+    tyre = tyre_of(parameters)
+    F_f, F_r, _ = normalised_forces(vehicle, run, parameters.log_pad_ratio)
+    half_weight = 0.5 * vehicle.weight
+    slip_f = tyre.slip(F_f, run.load_f / half_weight)
+    slip_r = tyre.slip(F_r, run.load_r / half_weight)
+    share = run.load_f / vehicle.weight
+    mean = share * slip_f + (1.0 - share) * slip_r
+    b = run.blocks
+    lag = G * b.z * parameters.clock_offset / np.maximum(b.speed, SETTINGS.min_speed)
+    return speed_ratio(slip_f, slip_r) * (1.0 + eta_zero), mean + slip_zero + lag
+
+
+def sigma_eta(noise: SensorNoise, b: Blocks, signal: Array) -> Array:
+    """Standard deviation of eta of a block [1]: two axle means, and the model error."""
+    sensor = np.sqrt(2.0 / b.length) * noise.omega / _turning(b)
+    return np.asarray(np.hypot(sensor, SETTINGS.model_error * signal))
+
+
+def _turning(b: Blocks) -> Array:
+    """Front wheel speed [rad/s], at least 1: what turns slower takes no part."""
+    return np.maximum(b.omega_f, 1.0)
+
+
+def sigma_slip(noise: SensorNoise, b: Blocks, signal: Array) -> Array:
+    """Standard deviation of the mean slip of a block [1]: v, the wheels, and the model error."""
+    speed = np.maximum(b.speed, SETTINGS.min_speed)  # slower blocks take no part
+    sensor = np.hypot(noise.v / speed, noise.omega / _turning(b)) / np.sqrt(b.length)
+    return np.asarray(np.hypot(sensor, SETTINGS.model_error * signal))

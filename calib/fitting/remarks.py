@@ -1,0 +1,61 @@
+"""What the user must know of a table, in words."""
+
+import numpy as np
+
+from calib.fitting.identify import Identified
+from calib.fitting.metrics import outliers
+from calib.fitting.path import Peak
+from calib.fitting.ramp import RampRun
+from calib.fitting.resistance import Resistance
+from calib.physics.effects.empirical import Empirical
+from calib.physics.vehicle import Vehicle
+from calib.statistics.intervals import Z95
+
+
+def remarks(
+    vehicle: Vehicle,
+    found: Identified,
+    runs: list[RampRun],
+    known: Resistance,
+    peak: Peak,
+    coasts: int,
+) -> tuple[str, ...]:
+    """What the user must know of this table, in words."""
+    said = []
+    for i, (run, zero) in enumerate(zip(runs, found.eta_zero, strict=True)):
+        said.append(f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)")
+        times = outliers(run, found, i)
+        if times:
+            listed = ", ".join(f"{t:.2f}" for t in times[:5])
+            said.append(f"{run.name}: {len(times)} outlying blocks of eta, at {listed} s")
+    if not known.known and not coasts:
+        said.append(
+            "drag and rolling resistance share one lead-in: their sum is measured, their parts "
+            "are usual values; add a coast log, or give them in the vehicle file"
+        )
+    if all(run.blocks.v is None for run in runs):
+        said.append(
+            "no reference speed: slip stiffness and pad ratio cannot be told apart, the ratio "
+            "rests on the vehicle file"
+        )
+    if peak.real:
+        said.append(
+            f"eta peaks at {peak.z:.2f} g: f1, f2 of eta end before it; beyond, use the tyre curve"
+        )
+    posterior = found.posterior
+    rho, sigma = posterior.value("log_pad_ratio"), posterior.sigma("log_pad_ratio")
+    if found.nominal_weight < 0.5:
+        low, high = np.exp(rho - Z95 * sigma), np.exp(rho + Z95 * sigma)
+        said.append(
+            f"the pads were not in the ratio of the vehicle file: front/rear {np.exp(rho):.2f} "
+            f"times nominal, 95 % {low:.2f} to {high:.2f}"
+        )
+    return tuple(said)
+
+
+def taken_out(vehicle: Vehicle, empirical: Empirical | None) -> tuple[str, ...]:
+    """What was known of the car and is not in the table's pads."""
+    names = list(vehicle.effects)
+    if empirical is not None:
+        names.append(f"an empirical term on {empirical.place} over {empirical.driver}")
+    return (f"known effects taken out of the logs: {', '.join(names)}",) if names else ()

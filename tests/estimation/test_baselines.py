@@ -1,0 +1,61 @@
+"""The methods beside the estimate: shown, or left out with a note; none of them stops a run."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.estimation.estimator import estimate
+from calib.fitting.fit import fit
+from calib.validation.limits import DEFAULTS
+from calib.validation.validate import to_dict, validate_one
+from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, with_pads
+
+LAWS = {f"{law}_{name}" for law in ("gradient", "rls") for name in ("paper", "difference", "tyre")}
+UNSTABLE = {name for name in LAWS if name.startswith("gradient")}
+
+
+def every(log, step):
+    """Each ``step``-th sample of a log: a slower recorder."""
+    return replace(
+        log,
+        channels={name: x[::step] for name, x in log.channels.items()},
+        truth={name: x[::step] for name, x in log.truth.items()},
+    )
+
+
+@pytest.fixture(scope="module")
+def table():
+    return fit(CAR, [noisy(ramp(REAL), 1)])
+
+
+@pytest.fixture(scope="module", params=[(70e5, 0.2, 40.0), (110e5, 0.13, 100.0)])
+def hard(request):
+    """A stop at half a g on faded pads, so that no wheel locks: pressure, pads, rate."""
+    pressure, pad, rate = request.param
+    log = stop(with_pads(REAL, pad, pad), pressure, duration=6.0)
+    return every(noisy(log, 2), round(1.0 / (rate * log.sample_time)))
+
+
+def test_a_law_that_is_unstable_is_left_out_with_a_note(table, hard):
+    """gamma u^2 dt = 8/s (p/20 bar)^2 dt is 2.45 at 70 bar, 40 Hz and 2.42 at 110 bar, 100 Hz."""
+    e = estimate(table, hard)
+    assert set(e.baselines) == {"nominal", "mean_gain", *LAWS - UNSTABLE}
+    (note,) = e.notes
+    assert "gradient_paper, gradient_difference, gradient_tyre left out" in note
+    assert "unstable" in note
+    assert np.mean(e.valid[e.braked & (e.speed > 5.0)]) > 0.5
+
+
+def test_it_does_not_stop_a_validation(table, hard):
+    result = validate_one(table, hard, None, DEFAULTS)
+    assert set(result.baselines) == {"kalman", "nominal", "mean_gain", *LAWS - UNSTABLE}
+    (log,) = to_dict("car@1", [result])["logs"]
+    assert log["notes"] == list(result.estimate.notes)
+    assert "gradient_paper" not in log["rms_error_by_method"]
+
+
+def test_a_usual_stop_shows_all_methods_and_has_no_note(table):
+    e = estimate(table, noisy(stop(), 3))
+    assert set(e.baselines) == {"nominal", "mean_gain", *LAWS}
+    assert e.notes == ()

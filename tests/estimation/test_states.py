@@ -1,0 +1,93 @@
+"""The states before a stop: what the table gives, and what is opened around it."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from calib.estimation.priors import Priors
+from calib.estimation.states import AT, States, first_state, open_surface, places, state_list
+from calib.table.table import TyrePosterior
+
+PRIORS = Priors()
+NAMES = (
+    *("log_compliance", "curvature_2", "curvature_3", "load_exponent"),
+    *("clock_offset", "log_pad_ratio"),
+)
+MEAN = (math.log(0.04), 0.05, 0.4, 0.03, 0.001, 0.02)
+
+
+def posterior(covariance, names=NAMES, mean=MEAN):
+    return TyrePosterior(names, mean, tuple(tuple(row) for row in covariance))
+
+
+@given(
+    st.lists(st.floats(-1.0, 1.0), min_size=36, max_size=36),
+    st.lists(st.floats(0.001, 0.3), min_size=6, max_size=6),
+)
+def test_first_covariance_is_symmetric_and_positive(entries, sigmas):
+    root = np.array(entries).reshape(6, 6) + 1.5 * np.eye(6)
+    correlated = root @ root.T
+    scale = np.array(sigmas) / np.sqrt(np.diag(correlated))
+    covariance = correlated * np.outer(scale, scale) + 1e-10 * np.eye(6)
+    known = posterior(covariance)
+    x, P = first_state(known, PRIORS)
+    assert np.array_equal(P, P.T)
+    # load_shift starts with no variance: it gets its own with the first block
+    rest = np.delete(np.delete(P, AT.load_shift, 0), AT.load_shift, 1)
+    scaled = rest / np.sqrt(np.outer(np.diag(rest), np.diag(rest)))
+    assert np.min(np.linalg.eigvalsh(scaled)) > 0.0
+    assert P[AT.load_shift, AT.load_shift] == 0.0
+    # what the ramp left open of the ratio is open today as well, and the pads' own change
+    ramp = known.variance("log_pad_ratio")
+    assert P[AT.log_pad_ratio, AT.log_pad_ratio] == pytest.approx(ramp + PRIORS.ratio**2)
+    assert P[AT.log_pad_ratio, AT.table_log_pad_ratio] == ramp
+    assert x[AT.log_pad_ratio] == x[AT.table_log_pad_ratio] == known.value("log_pad_ratio")
+
+
+def test_parameters_of_the_table_go_to_the_states_of_their_names():
+    """The order in which a table names its parameters does not matter."""
+    root = np.random.default_rng(0).normal(size=(6, 6))
+    covariance = root @ root.T
+    x, P = first_state(posterior(covariance), PRIORS)
+    back = tuple(reversed(range(6)))
+    other = posterior(
+        covariance[np.ix_(back, back)],
+        tuple(NAMES[i] for i in back),
+        tuple(MEAN[i] for i in back),
+    )
+    assert np.array_equal(first_state(other, PRIORS)[0], x)
+    assert np.array_equal(first_state(other, PRIORS)[1], P)
+    assert x[AT.curvature_3] == 0.4
+    assert x[AT.clock_offset] == 0.001
+    assert P[AT.load_exponent, AT.clock_offset] == covariance[3, 4]
+    assert places(("log_pad_ratio",)) == [States._fields.index("table_log_pad_ratio")]
+
+
+def test_the_peak_moves_with_the_stiffness():
+    """Var of w = slope s + own; s and own independent."""
+    _, P = first_state(posterior(np.eye(6)), PRIORS)
+    s, w = AT.log_stiffness, AT.peak_ratio
+    slope = PRIORS.peak_per_stiffness
+    assert P[s, s] == pytest.approx(PRIORS.stiffness**2)
+    assert P[s, w] == pytest.approx(slope * PRIORS.stiffness**2)
+    assert P[w, w] == pytest.approx(PRIORS.peak**2 + slope**2 * PRIORS.stiffness**2)
+    before = P.copy()
+    open_surface(P, PRIORS)
+    opened = P - before
+    assert opened[s, s] == pytest.approx(PRIORS.change_stiffness**2)
+    assert opened[s, w] == opened[w, s] == pytest.approx(slope * PRIORS.change_stiffness**2)
+    extra = slope**2 * PRIORS.change_stiffness**2
+    assert opened[w, w] == pytest.approx(PRIORS.change_peak**2 + extra)
+    opened[np.ix_([s, w], [s, w])] = 0.0
+    assert not opened.any()
+
+
+def test_every_state_has_a_symbol_of_its_own_and_a_start():
+    rows = state_list(PRIORS)
+    assert len({row.symbol for row in rows}) == len(rows)
+    without = {name for name, row in rows._asdict().items() if row.start is None}
+    assert without == {*NAMES, "table_log_pad_ratio"}
+    assert rows.elastic_share.start == PRIORS.elastic_share

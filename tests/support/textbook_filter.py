@@ -1,0 +1,177 @@
+"""An extended Kalman filter of the pads' ratio as a book writes it, to compare the product's with.
+
+Written from the equations in the docstrings of `calib.estimation.measurement` and
+`calib.estimation.states`, and from their numbers in `Priors`; no code of theirs runs here. Dense
+matrices, numerical gradients, both measurements at once (Simon, Optimal State Estimation, ch. 13):
+
+    x = F x,  P = F P F' + Q
+    nu = y - h(x),  S = H P H' + R,  K = P H' S^-1
+    x = x + K nu,  P = (I - K H) P (I - K H)' + K R K'
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.names import G
+
+STATES = (
+    *("rho", "s", "w", "xi", "kappa", "eta0", "sl0", "lag"),
+    *("q", "c", "b2", "b3", "rho0"),
+)
+PLACE = {name: i for i, name in enumerate(STATES)}
+FROM_TABLE = {
+    "log_compliance": "c",
+    "curvature_2": "b2",
+    "curvature_3": "b3",
+    "load_exponent": "q",
+    "clock_offset": "lag",
+    "log_pad_ratio": "rho0",
+}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """States (k, 13), covariances (k, 13, 13), normalised innovations (k, 2), times of changes."""
+
+    x: np.ndarray
+    P: np.ndarray
+    innovation: np.ndarray
+    changes: tuple[float, ...]
+
+    def state(self, symbol: str) -> np.ndarray:
+        return self.x[:, PLACE[symbol]]
+
+    def variance(self, one: str, other: str) -> np.ndarray:
+        return self.P[:, PLACE[one], PLACE[other]]
+
+
+def sensed(x, demand, block):
+    """Eta and the mean slip of one block: what the sensors show without noise."""
+    a = dict(zip(STATES, x, strict=True))
+    W = block["weight"]
+    late = (a["xi"] + a["kappa"] * demand["pitch_deficit"]) * W
+    loads = demand["load_f"] - late, demand["load_r"] + late
+    if math.isfinite(demand["level"]):
+        front = demand["nominal_f"] * math.exp(0.5 * a["rho"])
+        rear = demand["nominal_r"] * math.exp(-0.5 * a["rho"])
+        total = demand["level"] * (demand["nominal_f"] + demand["nominal_r"])
+        F_f = (front / (front + rear) * total + demand["moment_f"]) / loads[0]
+        F_r = (rear / (front + rear) * total + demand["moment_r"]) / loads[1]
+    else:
+        F_f = F_r = demand["tyre_sum"] / W
+    slips = []
+    for F, load in zip((F_f, F_r), loads, strict=True):
+        u = F * a["w"]
+        curve = F + a["b2"] * F * u + a["b3"] * F * u**2
+        slips.append(math.exp(a["c"] - a["s"]) * (2.0 * load / W) ** a["q"] * curve)
+    eta = (1.0 + a["eta0"]) * (1.0 - slips[1]) / (1.0 - slips[0])
+    share = demand["load_f"] / W
+    mean = share * slips[0] + (1.0 - share) * slips[1]
+    return np.array([eta, mean + a["sl0"] + G * block["z"] / block["speed"] * a["lag"]])
+
+
+def gradients(h, x):
+    """Central differences of h over x; the third-order error is taken out (Richardson)."""
+    columns = []
+    for i in range(x.size):
+        slopes = []
+        for step in (1e-4, 5e-5):
+            e = np.zeros_like(x)
+            e[i] = step
+            slopes.append((h(x + e) - h(x - e)) / (2.0 * step))
+        columns.append((4.0 * slopes[1] - slopes[0]) / 3.0)
+    return np.column_stack(columns)
+
+
+def first(posterior, p):
+    """Mean and covariance before the first block."""
+    x, P = np.zeros(13), np.zeros((13, 13))
+    at = [PLACE[FROM_TABLE[name]] for name in posterior.names]
+    x[at], P[np.ix_(at, at)] = posterior.mean, np.asarray(posterior.covariance)
+    x[PLACE["w"]], x[PLACE["kappa"]] = 1.0, p.elastic_share
+    # rho = rho0 + an own part; w - 1 = slope * s + an own part
+    T = np.eye(13)
+    T[PLACE["rho"], PLACE["rho0"]] = 1.0
+    T[PLACE["w"], PLACE["s"]] = p.peak_per_stiffness
+    x[PLACE["rho"]] = x[PLACE["rho0"]]
+    for name, sigma in (
+        ("rho", p.ratio), ("s", p.stiffness), ("w", p.peak),
+        ("kappa", p.elastic_sigma), ("eta0", p.zero), ("sl0", p.zero),
+    ):  # fmt: skip
+        P[PLACE[name], PLACE[name]] = sigma**2
+    return x, T @ P @ T.T
+
+
+def textbook(car, blocks, demand, noise, posterior, p):
+    """Run the filter; the arguments are those of `filter_pad_ratio`."""
+    x, P = first(posterior, p)
+    T = blocks.length
+    decay = math.exp(-T / p.pitch_memory)
+    F = np.eye(13)
+    F[PLACE["xi"], PLACE["xi"]] = decay
+    followed, pause = blocks.z[0], 0
+    out = []
+    changes = []
+    pressure = np.maximum(blocks.p_f, blocks.p_r)
+    for k in range(blocks.end.size):
+        now = {n: np.nan if v is None else v[k] for n, v in vars(demand).items()}
+        speed = max(blocks.speed[k], 1.0)
+        block = {"weight": car.mass * G, "z": blocks.z[k], "speed": speed}
+        followed += (1.0 - math.exp(-T / p.pitch_time)) * (blocks.z[k] - followed)
+        held = abs(blocks.z[k] - followed)
+        L = car.cg_to_front_axle + car.cg_to_rear_axle
+        fed = p.pitch * held * car.cg_height / L
+        Q = np.zeros(13)
+        Q[[PLACE["rho"], PLACE["s"], PLACE["w"]]] = p.drift_ratio, p.drift_road, p.drift_road
+        Q = np.diag(Q**2 * T)
+        Q[PLACE["xi"], PLACE["xi"]] = (1.0 - decay**2) * fed**2
+        x, P = F @ x, F @ P @ F.T + Q
+        nu = np.full(2, np.nan)
+        late = (x[PLACE["xi"]] + x[PLACE["kappa"]] * now["pitch_deficit"]) * block["weight"]
+        seen = np.array([blocks.omega_r[k] / blocks.omega_f[k], now["slip"]])
+        off = np.array([abs(seen[0] - 1.0), abs(seen[1])])
+        stands = now["load_f"] > late > -now["load_r"]
+        if blocks.speed[k] > 3.0 and not np.any(off >= p.rolling) and stands:
+            before = np.diff(pressure, prepend=pressure[0])[k]
+            sync = p.sync * abs(before) / T / max(pressure[k], 3e5)
+            relative = p.model + (sync if math.isfinite(now["level"]) else 0.0)
+            wheel = (noise.omega / max(blocks.omega_f[k], 1.0)) ** 2 / T
+            sensors = np.array([2.0 * wheel, wheel + (noise.v / speed) ** 2 / T])
+
+            def h(x, now=now, block=block):
+                return sensed(x, now, block)
+
+            pause = max(pause - 1, 0)
+            new = update(x, P, h, seen, sensors, relative)
+            squares = new[2][np.isfinite(new[2])] ** 2
+            if pause == 0 and held < p.change_calm and np.mean(squares) > p.change_gate:
+                P = P.copy()
+                s, w = PLACE["s"], PLACE["w"]
+                slope = np.array([1.0, p.peak_per_stiffness]) * p.change_stiffness
+                P[np.ix_([s, w], [s, w])] += np.outer(slope, slope)
+                P[w, w] += p.change_peak**2
+                new = update(x, P, h, seen, sensors, relative)
+                changes.append(float(blocks.end[k]))
+                pause = p.change_pause
+            x, P, nu = new
+        out.append((x, P, nu))
+    xs, Ps, nus = (np.array(part) for part in zip(*out, strict=True))
+    return Answer(xs, Ps, nus, tuple(changes))
+
+
+def update(x, P, h, seen, sensors, relative):
+    """One measurement update in Joseph's form; the innovations whitened one after the other."""
+    use = np.isfinite(seen)
+    expected = h(x)
+    slips = np.array([expected[0] - 1.0 - x[PLACE["eta0"]], expected[1] - x[PLACE["sl0"]]])
+    H = gradients(h, x)[use]
+    R = np.diag(sensors + (relative * slips) ** 2)[np.ix_(use, use)]
+    nu = (seen - expected)[use]
+    S = H @ P @ H.T + R
+    K = np.linalg.solve(S, H @ P).T
+    I_KH = np.eye(x.size) - K @ H
+    white = np.full(2, np.nan)
+    white[use] = np.linalg.solve(np.linalg.cholesky(S), nu)
+    return x + K @ nu, I_KH @ P @ I_KH.T + K @ R @ K.T, white
