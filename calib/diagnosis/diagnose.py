@@ -313,7 +313,7 @@ def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, .
     for name in best.names:
         parameters = {}
         for p in effect_named(name).card.parameters:
-            value = best.effects[name][p.name]
+            value = best.effects.parameters[name][p.name]
             spread = Z95 * float(np.hypot(sigma[i] * p.spread, SYSTEMATIC * value))
             parameters[p.name] = ParameterEstimate(value, p.unit, (value - spread, value + spread))
             i += 1

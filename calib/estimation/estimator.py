@@ -43,6 +43,27 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
+COLUMNS = {
+    "time": "s",
+    "z": "1",
+    "eta": "1",
+    "normalised_force_f": "1",
+    "normalised_force_r": "1",
+    "pad_friction_f": "1",
+    "pad_friction_r": "1",
+    "pad_friction_f_lower": "1",
+    "pad_friction_f_upper": "1",
+    "pad_friction_r_lower": "1",
+    "pad_friction_r_upper": "1",
+    "brake_torque_fl": "N*m",
+    "brake_torque_fr": "N*m",
+    "brake_torque_rl": "N*m",
+    "brake_torque_rr": "N*m",
+    "valid": "1",
+}
+"""Columns of an estimate as a table and as a file, in their order, with their units."""
+
+
 @dataclass(frozen=True)
 class Estimate:
     """The estimator's answer on one log, at its rate.
@@ -158,7 +179,7 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
-    ran = remove_known_effects(with_effects(table, vehicle), log, table.empirical)
+    ran = remove_known_effects(with_effects(table, vehicle), log)
     used = replace(table, vehicle=ran.vehicle)
     nominal = None if vehicle is None else with_pads(ran.vehicle, vehicle)
     s = signals(ran.log, nominal or ran.vehicle)

@@ -6,10 +6,11 @@ import numpy as np
 
 from calib.estimation.gates import Gates
 from calib.estimation.priors import Priors
-from calib.fitting.resistance import Resistance, other_known_effects
+from calib.fitting.resistance import DRAG, ROLLING, Resistance
 from calib.logs.log import Log
 from calib.physics.balance import brake_forces
-from calib.physics.effects.catalogue import as_driven
+from calib.physics.effects.combined import as_driven
+from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals
 from calib.signals.noise import SensorNoise, lead_in_noise
@@ -74,8 +75,8 @@ def as_used(table: Table, vehicle: Vehicle | None) -> Vehicle:
 
 def with_effects(table: Table, vehicle: Vehicle | None) -> Vehicle:
     """The table's car with its known effects and those of ``vehicle``, which go before."""
-    own = vehicle.effects if vehicle else {}
-    return replace(table.vehicle, effects={**table.vehicle.effects, **own})
+    own = vehicle.effects if vehicle else Effects()
+    return replace(table.vehicle, effects=table.vehicle.effects.with_(own))
 
 
 def with_pads(car: Vehicle, pads: Vehicle) -> Vehicle:
@@ -89,20 +90,9 @@ def known_resistance(table: Table) -> Resistance:
 
     What the vehicle knows of drag or rolling resistance itself goes before it.
     """
-    mean, variance = [], []
-    for effect, parameter in (
-        ("aerodynamic_drag", "drag_area"),
-        ("rolling_resistance", "coefficient"),
-    ):
-        fitted = table.effects[effect][parameter]
-        mean.append(table.vehicle.effects.get(effect, {}).get(parameter, fitted.value))
-        variance.append(fitted.sigma**2)
-    return Resistance(
-        (mean[0], mean[1]),
-        ((variance[0], 0.0), (0.0, variance[1])),
-        known=True,
-        others=other_known_effects(table.vehicle, table.empirical),
-    )
+    effects = table.effects.with_(table.vehicle.effects)
+    drag, rolling = (table.effects.sigma[effect][name] for effect, name in (DRAG, ROLLING))
+    return Resistance(effects, ((drag**2, 0.0), (0.0, rolling**2)), known=True)
 
 
 def merged_noise(table: Table, own: SensorNoise) -> SensorNoise:

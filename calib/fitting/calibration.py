@@ -1,4 +1,4 @@
-"""The pads and the resistance of a calibration, each with its sigma."""
+"""The pads of a calibration, each with its sigma."""
 
 import numpy as np
 
@@ -44,12 +44,3 @@ def _sigma_level(vehicle: Vehicle, run: RampRun, known: Resistance) -> float:
     noise = run.noise.z / np.sqrt(run.blocks.length * float(z @ z))
     resist = known.sigma_z(vehicle, run.blocks.speed[braked])
     return float(np.hypot(noise, (resist @ z) / (z @ z)))
-
-
-def resistance_values(known: Resistance) -> dict[str, dict[str, Value]]:
-    """The resistance as named effects with sigma."""
-    sigma = np.sqrt(np.diag(np.asarray(known.covariance)))
-    return {
-        effect: {name: Value(float(value), float(s)) for name, value in parameters.items()}
-        for (effect, parameters), s in zip(known.found.items(), sigma, strict=True)
-    }

@@ -9,7 +9,7 @@ import numpy as np
 
 from calib.errors import LogError
 from calib.fitting import curves
-from calib.fitting.calibration import calibration, resistance_values
+from calib.fitting.calibration import calibration
 from calib.fitting.identify import identify
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.metrics import metrics
@@ -17,10 +17,10 @@ from calib.fitting.path import find_peak, readable_up_to, require_tyre
 from calib.fitting.provenance import provenance
 from calib.fitting.ramp import prepare
 from calib.fitting.remarks import remarks, taken_out
+from calib.fitting.resistance import RESISTANCE
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sort_logs import sort_logs
 from calib.logs.log import Log
-from calib.physics.effects.empirical import Empirical
 from calib.physics.forces import front_biased_up_to
 from calib.physics.vehicle import Vehicle
 from calib.signals.noise import SensorNoise
@@ -50,10 +50,10 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     0.4 is what the simulation had [1].
     """
     notes = {(log.name, log.digest): log.notes for log in logs}
-    accounted = [remove_known_effects(vehicle, log, empirical) for log in logs]
-    car = accounted[0].vehicle if accounted else vehicle
-    ramps, coasts = sort_logs(car, [run.log for run in accounted])
-    known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts], empirical)
+    corrected = [remove_known_effects(vehicle, log) for log in logs]
+    car = corrected[0].vehicle if corrected else vehicle
+    ramps, coasts = sort_logs(car, [run.log for run in corrected])
+    known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
     runs = [prepare(car, log.name, b, noise, known.effects) for log, b, noise in ramps]
     found, runs = identify(car, runs)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))

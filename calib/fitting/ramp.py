@@ -18,7 +18,7 @@ from calib.fitting.settings import SETTINGS
 from calib.names import G
 from calib.physics.balance import brake_forces, force_balance
 from calib.physics.braking import BITE
-from calib.physics.effects.catalogue import Effects
+from calib.physics.effects.effects import Effects
 from calib.physics.forces import mean_slip, speed_ratio
 from calib.physics.vehicle import Vehicle
 from calib.signals.blocks import Blocks

@@ -7,7 +7,6 @@ from calib.fitting.metrics import outliers
 from calib.fitting.path import Peak
 from calib.fitting.ramp import RampRun
 from calib.fitting.resistance import Resistance
-from calib.physics.effects.empirical import Empirical
 from calib.physics.vehicle import Vehicle
 from calib.statistics.intervals import Z95
 
@@ -53,9 +52,7 @@ def remarks(
     return tuple(said)
 
 
-def taken_out(vehicle: Vehicle, empirical: Empirical | None) -> tuple[str, ...]:
+def taken_out(vehicle: Vehicle) -> tuple[str, ...]:
     """What was known of the car and is not in the table's pads."""
-    names = list(vehicle.effects)
-    if empirical is not None:
-        names.append(f"an empirical term on {empirical.place} over {empirical.driver}")
+    names = vehicle.effects.described
     return (f"known effects taken out of the logs: {', '.join(names)}",) if names else ()

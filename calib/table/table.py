@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.digest import content_digest
-from calib.physics.effects.empirical import Empirical
+from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.tyre import PARAMETERS as TYRE
 from calib.physics.tyre import Tyre
 from calib.physics.vehicle import Axle, Vehicle

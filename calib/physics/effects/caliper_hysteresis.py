@@ -15,15 +15,8 @@ speed of the pedal. With the lines L = p and U = p/(1 - w) of each sample it is
 
 import numpy as np
 
-from calib.physics.effects.effect import (
-    Array,
-    Card,
-    Effect,
-    Pair,
-    Parameter,
-    Parameters,
-    RunHistory,
-)
+from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import RunHistory
 from calib.statistics.intervals import QUARTILE
 
 WOBBLE = 0.1e5
