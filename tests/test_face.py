@@ -68,3 +68,12 @@ def test_the_lines_of_the_readme_make_a_table(tmp_path):
     )
     assert run.stderr == ""
     assert calib.Store(tmp_path / "tables").load("sedan-2up").version == 1
+
+
+def test_a_table_prints_its_name_range_pads_and_logs(stored):
+    first, *lines = repr(stored).splitlines()
+    assert first == f"sedan@1 in {stored.path}"
+    assert lines[0] == f"Table sedan, {stored.table.provenance.program}"
+    assert lines[1] == "  f1, f2  21 rows, eta - 1 up to 0.500 %, z 0.00 to 0.30 g"
+    assert lines[2] == "  pads    front 0.4 +- 0.02, rear 0.39 +- 0.039 (95 %)"
+    assert lines[3] == "  logs    ramp.csv (ramp), coast.csv (coast)"

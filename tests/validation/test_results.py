@@ -116,3 +116,14 @@ def test_a_failure_leaves_nothing(tmp_path, monkeypatch, there_before, what):
     assert out.exists() == there_before
     assert not any(tmp_path.rglob("*.parquet"))
     assert not there_before or os.listdir(out) == []
+
+
+def test_a_frame_has_the_columns_of_the_file_and_their_units(tmp_path):
+    e = made_estimate(0.41, 0.35, valid=np.arange(N) % 3 == 0)
+    write_result(e, tmp_path / "a.parquet")
+    frame = e.to_frame()
+    assert list(frame.columns) == list(CONTRACT)
+    assert frame.attrs["units"] == CONTRACT
+    read = pq.read_table(tmp_path / "a.parquet")
+    for name in CONTRACT:
+        assert np.array_equal(frame[name], read[name], equal_nan=name != "valid")
