@@ -26,7 +26,7 @@ def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
     Exit code 1 if a log is usable for nothing, 3 if one cannot be read.
     """
     from calib.checks.check import to_dict
-    from calib.logs.channel_map import read_channel_map
+    from calib.logs.channel_map_file import read_channel_map
     from cli.console import complain, emit, emit_json
 
     mapping = read_channel_map(channel_map) if channel_map else None

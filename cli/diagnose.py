@@ -57,9 +57,9 @@ def diagnose(
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.document import text_of, to_dict
     from calib.diagnosis.folder import write_folder
-    from calib.logs.channel_map import read_channel_map
+    from calib.logs.channel_map_file import read_channel_map
     from calib.logs.read import read_log
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
     from calib.reports.diagnosis import report_html
 
     kept = holdout or []

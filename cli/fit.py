@@ -33,10 +33,11 @@ def fit(
     as a new version; the same logs give the same version again.
     """
     from calib.fitting.fit import fit as fit_table
-    from calib.logs.channel_map import read_channel_map
+    from calib.logs.channel_map_file import read_channel_map
     from calib.logs.read import read_log
-    from calib.physics.model import read_model, with_model
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.model import with_model
+    from calib.physics.model_file import read_model
+    from calib.physics.vehicle_file import read_vehicle
     from calib.table.store import save
 
     car = read_vehicle(vehicle)

@@ -71,8 +71,8 @@ def job_of(
     """Read once what every log needs. Refuse what is missing, and what would be left unused."""
     _check_usage(command, out, table, vehicle, limits)
     from calib.fleet.job import Job
-    from calib.logs.channel_map import read_channel_map
-    from calib.physics.vehicle import read_vehicle
+    from calib.logs.channel_map_file import read_channel_map
+    from calib.physics.vehicle_file import read_vehicle
     from calib.table.store import load
     from calib.validation.validate import require_same_vehicle
 
@@ -93,7 +93,8 @@ def limits_of_stops(path: Path | None) -> "tuple[Limit, ...]":
     """The limits of a file that hold for single stops; by default where there is no file."""
     from calib.errors import LimitsError
     from calib.station.metrics import METRICS as OF_CAR
-    from calib.validation.limits import DEFAULTS, read_limits
+    from calib.validation.limits import DEFAULTS
+    from calib.validation.limits_file import read_limits
     from calib.validation.metrics import METRICS
 
     if path is None:

@@ -56,7 +56,7 @@ def suggest(
     Prints the map on stdout and the reasons on stderr. Where something is ambiguous it lists the
     candidates, writes no map and ends with 3. Of --map only what it says of the format is used.
     """
-    from calib.logs.channel_map import read_channel_map
+    from calib.logs.channel_map_file import read_channel_map
     from calib.logs.read import open_log
     from calib.suggest.propose import suggest as propose
     from calib.suggest.written import to_toml

@@ -95,10 +95,10 @@ def _check_out(out: Path | None) -> None:
 
 def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path | None) -> "Given":
     """Read everything; whatever is no log and no result is a table."""
-    from calib.logs.channel_map import read_channel_map
+    from calib.logs.channel_map_file import read_channel_map
     from calib.logs.read import FORMATS, REQUIRED, read_log
     from calib.logs.tables import ending_of
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
     from calib.plots.choose import Given
     from calib.plots.result import is_result, read_result
     from calib.table.store import load

@@ -61,8 +61,8 @@ def repeatability(
     repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
     """
     from calib.gauge.study import DEFAULTS, QUANTITIES, known_limits, study
-    from calib.logs.channel_map import read_channel_map
-    from calib.validation.limits import read_limits
+    from calib.logs.channel_map_file import read_channel_map
+    from calib.validation.limits_file import read_limits
 
     _check_names(quantity or [], list(QUANTITIES))
     _check_out(out)
@@ -144,7 +144,7 @@ def _readings(
 
 
 def _vehicles(places: "tuple[Place, ...]", vehicle: Path | None) -> "dict[Path | None, Vehicle]":
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
 
     files = {place.vehicle or vehicle for place in places}
     if None in files:

@@ -74,9 +74,9 @@ def station(
     """
     from calib.checks.gates import refuse_twice
     from calib.files import workshop
-    from calib.logs.channel_map import read_channel_map
+    from calib.logs.channel_map_file import read_channel_map
     from calib.logs.read import read_log
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
     from calib.station.folder import publish
     from calib.station.metrics import Car
     from calib.station.station import outcome, table_of, validated
@@ -196,7 +196,7 @@ def _check_out(inputs: list[Path], holdouts: list[Path], forms: list[str], out: 
 def _limits(path: Path | None) -> "tuple[Limit, ...]":
     from calib.station.advice import LIMITS
     from calib.station.metrics import METRICS as OF_CAR
-    from calib.validation.limits import read_limits
+    from calib.validation.limits_file import read_limits
     from calib.validation.metrics import METRICS as OF_STOPS
 
     return read_limits(path, {*OF_STOPS, *OF_CAR}) if path else LIMITS

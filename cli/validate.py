@@ -45,9 +45,9 @@ def validate(
 
     Exit code 0 if every log holds its limits, 1 if one does not.
     """
-    from calib.logs.channel_map import read_channel_map
+    from calib.logs.channel_map_file import read_channel_map
     from calib.logs.read import read_log
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
     from calib.table.store import load
     from calib.validation.validate import require_same_vehicle, to_dict, validate_one
 
@@ -79,7 +79,8 @@ def _with_known(table: "Table", path: Path) -> "Table":
     """The table with the effects of a model known beside its own; its pads stay the table's."""
     from dataclasses import replace
 
-    from calib.physics.model import read_model, with_effects
+    from calib.physics.model import with_effects
+    from calib.physics.model_file import read_model
 
     model = read_model(path, table.vehicle)
     car = with_effects(table.vehicle, model)

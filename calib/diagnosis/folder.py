@@ -13,7 +13,7 @@ from calib.files import workshop, write_whole
 from calib.logs.log import Log
 from calib.logs.write import write_csv
 from calib.names import WHEELS
-from calib.physics.model import write_model
+from calib.physics.model_file import write_model
 
 DOCUMENT, MODEL, REPORT = "diagnosis.json", "model.toml", "report.html"
 COLUMNS = ("time", "a_x", *(f"omega_{w}" for w in WHEELS), "v")

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from calib.errors import ChannelMapError, LogError
 from calib.logs.assign import TRUTH, Assigned, assign
-from calib.logs.channel_map import ChannelMap, read_channel_map
+from calib.logs.channel_map import ChannelMap
+from calib.logs.channel_map_file import read_channel_map
 from calib.logs.log import Array, Log, Origin
 from calib.logs.recording import ChannelTrace
 from calib.logs.recordings import RECORDINGS, as_source

@@ -9,7 +9,7 @@ import pytest
 
 from calib.fitting.fit import fit
 from calib.logs.write import write_csv, write_parquet
-from calib.physics.vehicle import write_vehicle
+from calib.physics.vehicle_file import write_vehicle
 from calib.table.store import save
 from calib.validation.metrics import METRICS
 from cli.validate import EPILOG

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from calib.errors import ChannelMapError, LogError
-from calib.logs.channel_map import Mapping, read_channel_map
+from calib.logs.channel_map import Mapping
+from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import read_log
 
 HEADER = "Zeit [ms],Brake pressure,Decel [g],FL [rpm],FR [rpm],RL [rpm],RR [rpm],p_mc [bar]"

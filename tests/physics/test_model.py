@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from calib.errors import ModelError
 from calib.physics.magic_formula import MagicFormula
-from calib.physics.model import WET_ASPHALT, Model, Surface, default_model, read_model, write_model
-from calib.physics.vehicle import read_vehicle
+from calib.physics.model import WET_ASPHALT, Model, Surface, default_model
+from calib.physics.model_file import read_model, write_model
+from calib.physics.vehicle_file import read_vehicle
 
 SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
 KNOWN = replace(SEDAN, effects={"rolling_resistance": {"coefficient": 0.012}})

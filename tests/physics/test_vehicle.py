@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import VehicleError
-from calib.physics.vehicle import AXLE, CHASSIS, Axle, Vehicle, checked, read_vehicle, write_vehicle
+from calib.physics.vehicle import AXLE, CHASSIS, Axle, Vehicle, checked
+from calib.physics.vehicle_file import read_vehicle, write_vehicle
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
 TEXT = SEDAN.read_text()

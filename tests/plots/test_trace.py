@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.estimation.estimator import estimate
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.plots.result import COLUMNS, StoredResult, read_result
 from calib.plots.trace import from_estimate, from_result
 from calib.validation.results import write_result

@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import LimitsError
-from calib.validation.limits import DEFAULTS, Judgement, Limit, judge, read_limits
+from calib.validation.limits import DEFAULTS, Judgement, Limit, judge
+from calib.validation.limits_file import read_limits
 from calib.validation.metrics import METRICS
 
 KNOWN = set(METRICS)
