@@ -17,10 +17,11 @@ from collections.abc import Collection, ItemsView, Iterator, Mapping
 from dataclasses import dataclass, is_dataclass
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -48,11 +49,26 @@ class Section(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
+    written_as: ClassVar[str] = ""
+    """What a message says is expected in place of a value that is no table; its name by default."""
+
+
+def wrong(what: str, expected: str = "", do: str = "") -> PydanticCustomError:
+    """Return what a validator raises: what came, what was expected, what to do."""
+    return PydanticCustomError("wrong", "{what}", {"what": what, "expected": expected, "do": do})
+
+
+def _number(version: object) -> object:
+    """The version of a schema; true is not one, though Python takes it as 1."""
+    if isinstance(version, bool):
+        raise wrong(f"{version}", "a number")
+    return version
+
 
 class FileSchema(Section):
     """A whole file, with the version of its schema."""
 
-    schema_version: Literal[1] = Field(alias="schema")
+    schema_version: Annotated[Literal[1], BeforeValidator(_number)] = Field(alias="schema")
 
 
 class ByName(Section):
@@ -76,11 +92,6 @@ def by_name(title: str, entries: Mapping[str, Any], about: str) -> type[ByName]:
     """Return the schema of a table from the type of each possible entry."""
     fields: dict[str, Any] = {name: (kind | None, None) for name, kind in entries.items()}
     return create_model(title, __base__=ByName, __doc__=about, **fields)
-
-
-def wrong(what: str, expected: str = "", do: str = "") -> PydanticCustomError:
-    """Return what a validator raises: what came, what was expected, what to do."""
-    return PydanticCustomError("wrong", "{what}", {"what": what, "expected": expected, "do": do})
 
 
 @dataclass(frozen=True)
@@ -213,10 +224,6 @@ def validated_json(
 ) -> S:
     """Check a JSON document. Raises ``error`` for what is not JSON, or with all that is wrong."""
     try:
-        json.loads(data)
-    except ValueError as cause:
-        raise error(f"not JSON ({cause})", where=where) from cause
-    try:
         return schema.model_validate_json(data)
     except ValidationError as cause:
         raise _as_one(cause, schema, where, error) from cause
@@ -273,8 +280,8 @@ def _as_one(
     ]
     if len(parts) == 1:
         place, what, expected, do = parts[0]
-        at = f"{where}: {place}" if place else where
-        return error(what, where=at, expected=expected, do=do)
+        at = ": ".join(str(part) for part in (where, place) if part)
+        return error(what, where=at or None, expected=expected, do=do)
     lines = [str(error(w, where=place or None, expected=e, do=d)) for place, w, e, d in parts]
     return error("\n  ".join([f"{len(lines)} errors", *lines]), where=where)
 
@@ -283,13 +290,17 @@ def _parts(detail: ErrorDetails, schema: type[Section]) -> tuple[str, str, str, 
     """Key path, what came, what was expected, what to do."""
     kind, loc, given = detail["type"], detail["loc"], detail["input"]
     here, above = _path(loc), _path(loc[:-1])
-    if kind == "wrong":
-        context = detail["ctx"]
-        return here, context["what"], context["expected"], context["do"]
     if loc and loc[-1] == "schema":
         if kind in _MISSING:
             return above, "no schema", "a line 'schema = 1' at the top", ""
         return above, f"schema {_shown(given)}", "schema = 1", ""
+    if kind == "wrong":
+        context = detail["ctx"]
+        return here, context["what"], context["expected"], context["do"]
+    if kind == "json_invalid":
+        return "", f"not JSON ({detail['ctx']['error']})", "", ""
+    if kind == "literal_error":
+        return here, _shown(given), detail["ctx"]["expected"], ""
     if kind in _MISSING:
         return above, f"key {loc[-1]!r} is missing", f"a value for {loc[-1]!r}", ""
     if kind in _UNKNOWN:
@@ -297,7 +308,8 @@ def _parts(detail: ErrorDetails, schema: type[Section]) -> tuple[str, str, str, 
         hint = did_you_mean(str(loc[-1]), known)
         return above, f"unknown key {loc[-1]!r}", "" if hint else f"one of {', '.join(known)}", hint
     if kind in _NO_TABLE:
-        return here, f"{_shown(given)} is not a table", f"[{here}]" if here else "", ""
+        written_as = getattr(_kind_at(schema, loc), "written_as", "") or (here and f"[{here}]")
+        return here, f"{_shown(given)} is not a table", written_as, ""
     if kind == "list_type" and _is_section(_inner(_kind_at(schema, loc))):
         return here, _shown(given), f"[[{here}]] with double brackets", ""
     return here, _shown(given), _EXPECTED.get(kind, detail["msg"]), ""

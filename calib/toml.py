@@ -32,10 +32,21 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
 
 
 def toml_bytes(document: Mapping[str, Any]) -> bytes:
-    """Return a document of plain values as TOML in UTF-8; every number reads back exactly."""
+    """Return a document of plain values as TOML in UTF-8; every number reads back exactly.
+
+    Each table of the document has its own header, also where it holds tables only.
+    """
     import tomlkit
 
-    return tomlkit.dumps(document).encode()
+    whole = tomlkit.document()
+    for key, value in document.items():
+        if isinstance(value, Mapping):
+            table = tomlkit.table(is_super_table=False)
+            table.update(value)
+            whole.add(key, table)
+        else:
+            whole.add(key, value)
+    return tomlkit.dumps(whole).encode()
 
 
 def nearest(word: str, known: Collection[str]) -> str | None:

@@ -39,8 +39,8 @@ from calib.schema import FileSchema, OneOf, Quantity, Section, by_name, read_tom
 from calib.units import UnknownUnit, spellings, unit_of
 
 
-def _source(name: str) -> str:
-    if not name.strip():
+def _source(name: object) -> str:
+    if not isinstance(name, str) or not name.strip():
         raise wrong(f"{name!r}", "the name of a column of the log")
     if name.startswith("true_"):
         raise wrong(
@@ -64,7 +64,7 @@ def _scale(factor: float) -> float:
 class MappingSection(Section):
     """Where a channel comes from; as `Mapping`."""
 
-    source: Annotated[str, AfterValidator(_source)]
+    source: Annotated[str, BeforeValidator(_source)]
     unit: str | None = None
     sign: Annotated[Literal[1, -1], BeforeValidator(_sign)] = 1
     scale: Annotated[float, Quantity("1"), AfterValidator(_scale)] = 1.0

@@ -6,7 +6,7 @@ to a heavy coach, and a mass that is 10 % wrong passes.
 
 from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
@@ -16,13 +16,19 @@ from calib.physics.vehicle import Axle, Vehicle
 from calib.schema import FileSchema, Quantity, Section, quantities, read_toml, validated, wrong
 from calib.toml import toml_bytes, written_quantity
 
+if TYPE_CHECKING:
+    from tomlkit.items import Table
+
 _FORBIDDEN_IN_NAME = frozenset('@/\\:*?"<>|')
 
 
 def _name(name: str) -> str:
     """A table is named after its vehicle, so the name must do as a folder and before an ``@``."""
     bad = not name.strip() or name.startswith(".") or name != name.strip()
-    if bad or not name.isprintable() or _FORBIDDEN_IN_NAME & set(name):
+    if bad or not name.isprintable() or if TYPE_CHECKING:
+    from tomlkit.items import Table
+
+_FORBIDDEN_IN_NAME & set(name):
         raise wrong(f"{name!r} cannot name a table", 'letters, digits, "-", "_" or "."')
     return name
 
@@ -112,18 +118,26 @@ def write_vehicle(vehicle: Vehicle, path: Path) -> None:
 
     Raises VehicleError for a value that is not believable, OSError if ``path`` cannot be written.
     """
-    document = {
+    document: dict[str, Any] = {
         "schema": 1,
         "name": vehicle.name,
         "chassis": _written(vehicle, ChassisSection),
         "front": _written(vehicle.front, AxleSection),
         "rear": _written(vehicle.rear, AxleSection),
-        "effects": {name: dict(effect) for name, effect in vehicle.effects.items()},
     }
-    if not vehicle.effects:
-        del document["effects"]
+    if vehicle.effects:
+        document["effects"] = {name: _in_si(values) for name, values in vehicle.effects.items()}
     validated(document, VehicleFile, vehicle.name, VehicleError)
     write_whole(Path(path), toml_bytes(document))
+
+
+def _in_si(values: dict[str, float]) -> "Table":
+    import tomlkit
+
+    table = tomlkit.table()
+    table.comment("SI")
+    table.update(values)
+    return table
 
 
 def _written(part: Vehicle | Axle, section: type[Section]) -> dict[str, Any]:

@@ -10,7 +10,6 @@ or nothing, and of two writers one takes the next number.
 
 import contextlib
 import errno
-import json
 import os
 import re
 import secrets
@@ -19,7 +18,6 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
-from calib.digest import canonical_json
 from calib.errors import StoreError, TableNotFound
 from calib.table.invariants import violations
 from calib.table.table import Table
@@ -92,6 +90,8 @@ def foreseen(table: Table, store: Path) -> Stored:
 
     Raises StoreError when the name is no name, the table is not sound or the store cannot be read.
     """
+    from calib.table.record_file import from_content
+
     home = _home(table, store)
     try:
         versions = _versions(home)
@@ -99,7 +99,7 @@ def foreseen(table: Table, store: Path) -> Stored:
         raise StoreError(f"cannot be read ({error.strerror})", where=store) from error
     version = _identical(home, versions, table.digest) or max(versions, default=0) + 1
     record, curves = table.content()
-    read = Table.from_content(json.loads(canonical_json(record)), curves)
+    read = from_content(record, curves)
     return Stored(read, table.name, version, table.digest, home / _folder(version))
 
 

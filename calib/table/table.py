@@ -1,8 +1,8 @@
 """The look-up table as a value: three look-ups, what they rest on, and how far to trust them.
 
 A table is plain data. ``content`` gives it as one JSON-able record and named float columns;
-``from_content`` builds the same table again. The digest is over that canonical content, so it does
-not depend on how a file format packs it.
+`calib.table.record_file.from_content` builds the same table again. The digest is over that canonical
+content, so it does not depend on how a file format packs it.
 
     record  {schema, name, vehicle, calibration, tyre, effects, noise, quality, provenance}
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
@@ -11,14 +11,14 @@ not depend on how a file format packs it.
 
 import json
 from dataclasses import asdict, dataclass, field
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.digest import content_digest
 from calib.physics.effects.empirical import Empirical
-from calib.physics.vehicle import Axle, Vehicle
+from calib.physics.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 SCHEMA = 1
@@ -191,58 +191,7 @@ class Table:
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
         return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
 
-    @classmethod
-    def from_content(cls, record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> Self:
-        """Build the table that `content` described. Raises KeyError, TypeError on missing parts."""
-        r = dict(record)
-        if r.pop("schema") != SCHEMA:
-            raise KeyError("schema")
-        vehicle = dict(r.pop("vehicle"))
-        provenance = r.pop("provenance")
-        posterior = r.pop("posterior")
-        term = r.pop("empirical", None)
-        return cls(
-            vehicle=Vehicle(
-                **{
-                    **vehicle,
-                    "front": Axle(**vehicle["front"]),
-                    "rear": Axle(**vehicle["rear"]),
-                }
-            ),
-            difference=DifferenceCurve(**curves["difference"]),
-            paper=PaperCurves(**curves["paper"]),
-            tyre=TyreCurve(**curves["tyre"]),
-            posterior=TyrePosterior(
-                names=tuple(posterior["names"]),
-                mean=tuple(posterior["mean"]),
-                covariance=tuple(tuple(row) for row in posterior["covariance"]),
-            ),
-            calibration=Calibration(**{k: Value(**v) for k, v in r.pop("calibration").items()}),
-            effects={
-                e: {p: Value(**v) for p, v in ps.items()} for e, ps in r.pop("effects").items()
-            },
-            provenance=Provenance(
-                logs=tuple(
-                    LogReference(**{**x, "notes": tuple(x.get("notes", ()))})
-                    for x in provenance["logs"]
-                ),
-                settings=provenance["settings"],
-                program=provenance["program"],
-                identity=dict(provenance.get("identity", {})),
-            ),
-            remarks=tuple(r.pop("remarks")),
-            empirical=_term(term),
-            **r,
-        )
-
     @property
     def digest(self) -> str:
         """SHA-256 of the canonical content [hex]."""
         return content_digest(*self.content())
-
-
-def _term(record: dict[str, Any] | None) -> Empirical | None:
-    if record is None:
-        return None
-    knots, values = tuple(record["knots"]), tuple(record["values"])
-    return Empirical(record["place"], record["driver"], knots, values)

@@ -14,7 +14,7 @@ cannot give fails.
 import math
 from collections.abc import Collection
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
 
@@ -59,6 +59,11 @@ class LimitSection(Section):
     warn: Ends | None = None
     required: bool = False
 
+    written_as: ClassVar[str] = (
+        "{ min = NUMBER } and/or { max = NUMBER }, or { fail = [LOW, HIGH] } and/or "
+        "{ warn = [LOW, HIGH] }; with required = true it must be known"
+    )
+
     @property
     def ends(self) -> Range:
         """Outside of which it fails."""
@@ -67,11 +72,7 @@ class LimitSection(Section):
     @model_validator(mode="after")
     def _says_one_thing(self) -> Self:
         if self.model_fields_set <= {"required"}:
-            raise wrong(
-                "no limit in it",
-                "{ min = NUMBER } and/or { max = NUMBER }, or { fail = [LOW, HIGH] } and/or "
-                "{ warn = [LOW, HIGH] }; with required = true it must be known",
-            )
+            raise wrong("no limit in it", self.written_as)
         if self.fail is not None and (self.min is not None or self.max is not None):
             other = "max" if self.min is None else "min"
             raise wrong(f"has both fail and {other}", "one of them: they say the same")

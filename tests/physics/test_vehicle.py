@@ -8,9 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import VehicleError
-from calib.physics.vehicle import AXLE, CHASSIS, Axle, Vehicle, checked
-from calib.physics.vehicle_file import read_vehicle, write_vehicle
+from calib.physics.vehicle import Axle, Vehicle
+from calib.physics.vehicle_file import AxleSection, ChassisSection, read_vehicle, write_vehicle
+from calib.schema import quantities
 
+CHASSIS, AXLE = quantities(ChassisSection), quantities(AxleSection)
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
 TEXT = SEDAN.read_text()
 
@@ -93,10 +95,10 @@ def test_known_effects_and_tolerance_come_in_si(tmp_path):
         ('"0.615 m"', '"2.9 m"', ("cg_height", "wheelbase")),
         ('"0.615 m"', '"61.5 m"', ("cg_height", "0.1 to 3 m")),
         ("pad_friction = 0.38", "pad_friction = 3.8", ("front.pad_friction", "0.05 to 1")),
-        ("friction_faces = 2", "friction_faces = 2.5", ("front", "friction_faces 2.5", "whole")),
+        ("friction_faces = 2", "friction_faces = 2.5", ("front", "friction_faces: 2.5", "whole")),
         ('"130.9 mm"', '"330.9 mm"', ("front", "fits into the wheel")),
         ('name = "sedan-2up"', 'name = "a/b"', ("'a/b'", "name")),
-        ('name = "sedan-2up"', "name = 5", ("name 5",)),
+        ('name = "sedan-2up"', "name = 5", ("name: 5", "text")),
         ('name = "sedan-2up"', "", ("'name' is missing",)),
         ("[rear]", "[raer]", ("'raer'", "did you mean 'rear'?")),
         ("schema = 1", "schema = 2", ("schema 2", "schema = 1")),
@@ -118,13 +120,38 @@ def test_no_file_and_no_text(tmp_path):
     assert "not TOML" in refusal(binary)
 
 
-def test_a_replaced_value_is_checked_too():
-    car = read_vehicle(SEDAN)
-    assert checked(car) is car
+def test_a_replaced_value_is_checked_before_it_is_written(tmp_path):
+    car, path = read_vehicle(SEDAN), tmp_path / "car.toml"
     with pytest.raises(VehicleError, match=r"sedan-2up: chassis\.mass"):
-        checked(replace(car, mass=-1.0))
+        write_vehicle(replace(car, mass=-1.0), path)
     with pytest.raises(VehicleError, match=r"effects\.aerodynamic_drag\.drag_area"):
-        checked(replace(car, effects={"aerodynamic_drag": {"drag_area": float("nan")}}))
+        write_vehicle(replace(car, effects={"aerodynamic_drag": {"drag_area": float("nan")}}), path)
+
+
+def test_all_slips_of_a_file_come_in_one_message(tmp_path):
+    path = write(
+        tmp_path,
+        ('mass = "1744 kg"', 'mas = "1744 kg"'),
+        ('"0.615 m"', '"61.5 m"'),
+        ("pad_friction = 0.38", 'pad_friction = "good"'),
+        ('"124.0 mm"', '"924.0 kg"'),
+        ('track_width = "1.55 m"\n', ""),
+    )
+    head, *lines = refusal(path).splitlines()
+    assert head == f"{path}: 5 errors"
+    assert lines == [
+        "  chassis.cg_height: 61.5 m is not believable; expected 0.1 to 3 m; "
+        "check the sign, the unit and the decimal point",
+        "  chassis: key 'track_width' is missing; expected a value for 'track_width'",
+        "  chassis: unknown key 'mas'; did you mean 'mass'?",
+        "  front.pad_friction: 'good' is not a quantity; expected a number",
+        "  rear.effective_radius: unit 'kg' is a unit of mass, not of length; known: m, cm, mm, in",
+    ]
+
+
+def test_another_schema_hides_what_else_is_wrong(tmp_path):
+    path = write(tmp_path, ("schema = 1", "schema = 2"), ('"0.615 m"', '"61.5 m"'))
+    assert refusal(path) == f"{path}: schema 2; expected schema = 1"
 
 
 inside = {key: st.floats(bound.low, bound.high) for key, bound in {**CHASSIS, **AXLE}.items()}

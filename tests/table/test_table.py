@@ -8,14 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.digest import canonical_json, content_digest
-from calib.table.table import Table, Value
+from calib.errors import StoreError
+from calib.table.record_file import from_content
+from calib.table.table import Value
 from tests.support.tables import C, K, made_table
 
 CURVES = ("difference", "paper", "tyre")
 
 
 def test_content_and_back_is_the_same_table(table):
-    again = Table.from_content(*table.content())
+    again = from_content(*table.content())
     assert again.digest == table.digest
     assert again.vehicle == table.vehicle
     assert again.posterior == table.posterior
@@ -86,15 +88,16 @@ def test_canonical_json_has_no_place_for_nan():
 
 def test_another_schema_is_refused(table):
     record, curves = table.content()
-    with pytest.raises(KeyError, match="schema"):
-        Table.from_content({**record, "schema": 2}, curves)
+    with pytest.raises(StoreError, match="schema 2; expected schema = 1"):
+        from_content({**record, "schema": 2}, curves)
 
 
 def test_a_missing_part_is_refused(table):
     record, curves = table.content()
     del record["quality"]
-    with pytest.raises(TypeError, match="quality"):
-        Table.from_content(record, curves)
+    record["vehicle"]["mass"] = "heavy"
+    with pytest.raises(StoreError, match="vehicle.mass: 'heavy'; .*\n.* key 'quality' is missing"):
+        from_content(record, curves)
 
 
 def test_peak_and_decelerations_are_those_of_the_closed_form(table):

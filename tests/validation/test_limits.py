@@ -40,10 +40,10 @@ def test_read_in_the_order_of_the_file(tmp_path):
 
 
 def test_the_example_of_the_docstring_is_valid(tmp_path):
-    from calib.validation import limits
+    from calib.validation import limits_file
 
     text = "\n".join(
-        line[4:] for line in str(limits.__doc__).splitlines() if line.startswith("    ")
+        line[4:] for line in str(limits_file.__doc__).splitlines() if line.startswith("    ")
     )
     assert len(read_limits(write(tmp_path, text), KNOWN)) == 2
 
@@ -54,11 +54,11 @@ def test_defaults_are_known_figures():
 
 def test_unknown_figure_is_suggested(tmp_path):
     path = write(tmp_path, "schema = 1\n[limits]\ntorque_eror_f = { max = 0.05 }\n")
-    assert "unknown figure 'torque_eror_f'; did you mean 'torque_error_f'?" in refusal(path)
+    assert "limits: unknown key 'torque_eror_f'; did you mean 'torque_error_f'?" in refusal(path)
 
 
 def test_figure_like_no_other_gets_the_list(tmp_path):
-    assert "known: covered_share, " in refusal(
+    assert "expected one of covered_share, " in refusal(
         write(tmp_path, "schema = 1\n[limits]\nzzz = { max = 1 }\n")
     )
 
@@ -74,16 +74,16 @@ def test_min_above_max(tmp_path):
         ("", "no schema"),
         ("schema = 2\n[limits]\nvalid_share = { min = 0.7 }\n", "schema 2"),
         ("schema = true\n[limits]\nvalid_share = { min = 0.7 }\n", "schema True"),
-        ("schema = 1\n", "no limits in it"),
+        ("schema = 1\n", "key 'limits' is missing"),
         ("schema = 1\n[limits]\n", "no limits in it"),
-        ("schema = 1\nlimits = 3\n", "no limits in it"),
+        ("schema = 1\nlimits = 3\n", "limits: 3 is not a table; expected [limits]"),
         ("schema = 1\n[limit]\nvalid_share = { min = 0.7 }\n", "unknown key 'limit'"),
         ("schema = 1\n[limits\n", "not TOML"),
         ("schema = 1\n[limits]\nvalid_share = 0.7\n", "expected { min = NUMBER }"),
         ("schema = 1\n[limits]\nvalid_share = {}\n", "expected { min = NUMBER }"),
-        ("schema = 1\n[limits]\nvalid_share = { mn = 0.7 }\n", "expected { min = NUMBER }"),
-        ("schema = 1\n[limits]\nvalid_share = { min = '0.7' }\n", "valid_share.min = '0.7'"),
-        ("schema = 1\n[limits]\nvalid_share = { min = true }\n", "valid_share.min = True"),
+        ("schema = 1\n[limits]\nvalid_share = { mn = 0.7 }\n", "did you mean 'min'?"),
+        ("schema = 1\n[limits]\nvalid_share = { min = '0.7' }\n", "valid_share.min: '0.7'; expected a number"),
+        ("schema = 1\n[limits]\nvalid_share = { min = true }\n", "valid_share.min: True; expected a number"),
         ("schema = 1\n[limits]\nvalid_share = { max = nan }\n", "a finite number"),
         ("schema = 1\n[limits]\nvalid_share = { min = -inf }\n", "a finite number"),
     ],
@@ -159,7 +159,7 @@ def test_a_wider_range_never_judges_harder(value, fail, warn, required):
         ("{ warn = [inf, inf] }", "is no range"),
         ("{ fail = [0, 1], warn = [-1, 1] }", "warn -1 lies beyond fail 0"),
         ("{ fail = [0, 1], warn = [0, 2] }", "warn 2 lies beyond fail 1"),
-        ("{ required = true }", "valid_share ="),
+        ("{ required = true }", "valid_share: no limit in it; expected { min = NUMBER }"),
         ("{ min = 0, required = 1 }", "expected true or false"),
     ],
 )
