@@ -10,14 +10,23 @@ pydantic is loaded with this module. Only the ``..._file.py`` of a room imports 
 computes imports neither.
 """
 
-import json
 import math
 import re
 from collections.abc import Collection, ItemsView, Iterator, Mapping
 from dataclasses import dataclass, is_dataclass
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, ClassVar, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import (
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 from pydantic import (
     BaseModel,
@@ -156,11 +165,7 @@ def quantity_pattern(*si: str | None) -> str:
 
 def _unit_pattern(unit: str) -> str:
     """A unit as a regular expression: raised and multiplied in all the ways that are read."""
-    signs = {"^2": r"(?:\^|\*\*)?2|²", "*": "[*·⋅×.]"}
-    text = re.escape(unit)
-    for sign, ways in signs.items():
-        text = text.replace(re.escape(sign), f"(?:{ways})")
-    return text
+    return re.escape(unit).replace(r"\*", "[*·⋅×]").replace(r"\^2", r"(?:\^2|\*\*2|²)")
 
 
 @dataclass(frozen=True)
@@ -209,9 +214,7 @@ def read_toml(path: Path, schema: type[S], error: type[InputError]) -> S:
     return validated(load_toml(path, error), schema, path, error)
 
 
-def validated(
-    document: object, schema: type[S], where: object, error: type[BrakeCalError]
-) -> S:
+def validated(document: object, schema: type[S], where: object, error: type[BrakeCalError]) -> S:
     """Check a document of plain values. Raises ``error`` with all that is wrong in it."""
     try:
         return schema.model_validate(document)
@@ -219,9 +222,7 @@ def validated(
         raise _as_one(cause, schema, where, error) from cause
 
 
-def validated_json(
-    data: bytes, schema: type[S], where: object, error: type[BrakeCalError]
-) -> S:
+def validated_json(data: bytes, schema: type[S], where: object, error: type[BrakeCalError]) -> S:
     """Check a JSON document. Raises ``error`` for what is not JSON, or with all that is wrong."""
     try:
         return schema.model_validate_json(data)
@@ -271,7 +272,9 @@ def _as_one(
     """One error of ours that says all that is wrong in a file."""
     details = cause.errors(include_url=False)
     version = [d for d in details if d["loc"] and d["loc"][-1] == "schema"]
-    meant = {(d["loc"][:-1], nearest(str(d["loc"][-1]), known)) for d, known in _unknown(details, schema)}
+    meant = {
+        (d["loc"][:-1], nearest(str(d["loc"][-1]), known)) for d, known in _unknown(details, schema)
+    }
     parts = [
         _parts(detail, schema)
         for detail in version or details

@@ -43,9 +43,7 @@ def _source(name: object) -> str:
     if not isinstance(name, str) or not name.strip():
         raise wrong(f"{name!r}", "the name of a column of the log")
     if name.startswith("true_"):
-        raise wrong(
-            f"{name!r} is a truth channel", "a measured column; truth only serves to score"
-        )
+        raise wrong(f"{name!r} is a truth channel", "a measured column; truth only serves to score")
     return name
 
 
@@ -86,7 +84,7 @@ def _mapping_in(si: str) -> type[MappingSection]:
     unit: Any = Annotated[str, AfterValidator(known), examples]
     about = f"Where a channel in {si} comes from."
     return create_model(
-        "Mapping", __base__=MappingSection, __doc__=about, unit=(unit | None, None)
+        f"MappingSection[{si}]", __base__=MappingSection, __doc__=about, unit=(unit | None, None)
     )
 
 
@@ -160,10 +158,10 @@ def read_channel_map(path: Path) -> ChannelMap:
     """
     path = Path(path)
     file = read_toml(path, ChannelMapFile, ChannelMapError)
-    channels = {} if file.channels is None else file.channels.entries()
+    entries: dict[str, Section] = dict(file.channels.entries()) if file.channels else {}
     return ChannelMap(
         where=str(path),
-        channels={name: Mapping(**dict(entry)) for name, entry in dict(channels).items()},
+        channels={name: Mapping(**dict(entry)) for name, entry in entries.items()},
         text=TextFormat(**dict(file.text or TextSection())),
         ignore=tuple(file.ignore),
         dbc=tuple((path.parent / name).absolute() for name in file.dbc),

@@ -20,7 +20,7 @@ knots = [5.0, 20.0, 35.0]
 values = [0.0, -0.05, -0.1]
 """
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -32,7 +32,6 @@ from calib.files import write_whole
 from calib.physics.effects.catalogue import CATALOGUE, effect_named
 from calib.physics.effects.effect import Card
 from calib.physics.effects.empirical import DRIVERS, PLACES, Empirical
-from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import WET_ASPHALT, Model, Surface, default_model
 from calib.physics.vehicle import Vehicle
 from calib.schema import (
@@ -61,11 +60,11 @@ class PadsSection(Section):
 class TyreSection(Section):
     """The tyre of both axles; wet asphalt for what is left out."""
 
-    stiffness: Annotated[float, Quantity("1", 1.0, 100.0)] = WET_ASPHALT.stiffness
-    peak: Annotated[float, Quantity("1", 0.02, 2.0)] = WET_ASPHALT.peak
+    stiffness: Annotated[float, Quantity("1", 1.0, 100.0)] | None = None
+    peak: Annotated[float, Quantity("1", 0.02, 2.0)] | None = None
     # 1 never falls past the peak, 2 falls to zero: outside, the closed inverse does not hold.
-    shape: Annotated[float, Quantity("1", 1.01, 1.99)] = WET_ASPHALT.shape
-    load_exponent: Annotated[float, Quantity("1", -1.0, 1.0)] = WET_ASPHALT.load_exponent
+    shape: Annotated[float, Quantity("1", 1.01, 1.99)] | None = None
+    load_exponent: Annotated[float, Quantity("1", -1.0, 1.0)] | None = None
 
 
 def _start(written: object) -> tuple[float, str]:
@@ -145,7 +144,7 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
         vehicle=vehicle,
         pad_friction_f=base.pad_friction_f if pads.front is None else pads.front,
         pad_friction_r=base.pad_friction_r if pads.rear is None else pads.rear,
-        tyre=MagicFormula(**dict(file.tyre)),
+        tyre=replace(WET_ASPHALT, **file.tyre.model_dump(exclude_none=True)),
         effects=base.effects
         if file.effects is None
         else {name: dict(effect) for name, effect in file.effects.entries()},

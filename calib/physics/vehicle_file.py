@@ -25,10 +25,7 @@ _FORBIDDEN_IN_NAME = frozenset('@/\\:*?"<>|')
 def _name(name: str) -> str:
     """A table is named after its vehicle, so the name must do as a folder and before an ``@``."""
     bad = not name.strip() or name.startswith(".") or name != name.strip()
-    if bad or not name.isprintable() or if TYPE_CHECKING:
-    from tomlkit.items import Table
-
-_FORBIDDEN_IN_NAME & set(name):
+    if bad or not name.isprintable() or _FORBIDDEN_IN_NAME & set(name):
         raise wrong(f"{name!r} cannot name a table", 'letters, digits, "-", "_" or "."')
     return name
 

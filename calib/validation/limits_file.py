@@ -44,9 +44,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Ends = Annotated[
     Range,
     BeforeValidator(_range),
-    WithJsonSchema(
-        {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
-    ),
+    WithJsonSchema({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}),
 ]
 
 
@@ -101,6 +99,9 @@ def read_limits(path: Path, known: Collection[str]) -> tuple[Limit, ...]:
     entries = file.limits.entries()
     if not entries:
         raise LimitsError("no limits in it", where=path, expected="figures in the table [limits]")
-    return tuple(
-        Limit(name, *entry.ends, *(entry.warn or OPEN), entry.required) for name, entry in entries
-    )
+    return tuple(_limit(name, entry) for name, entry in entries)
+
+
+def _limit(name: str, entry: LimitSection) -> Limit:
+    (low, high), (warn_low, warn_high) = entry.ends, entry.warn or OPEN
+    return Limit(name, low, high, warn_low, warn_high, entry.required)

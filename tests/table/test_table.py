@@ -96,7 +96,9 @@ def test_a_missing_part_is_refused(table):
     record, curves = table.content()
     del record["quality"]
     record["vehicle"]["mass"] = "heavy"
-    with pytest.raises(StoreError, match="vehicle.mass: 'heavy'; .*\n.* key 'quality' is missing"):
+    with pytest.raises(
+        StoreError, match=r"vehicle\.mass: 'heavy'; .*\n.* key 'quality' is missing"
+    ):
         from_content(record, curves)
 
 

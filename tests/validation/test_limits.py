@@ -82,8 +82,14 @@ def test_min_above_max(tmp_path):
         ("schema = 1\n[limits]\nvalid_share = 0.7\n", "expected { min = NUMBER }"),
         ("schema = 1\n[limits]\nvalid_share = {}\n", "expected { min = NUMBER }"),
         ("schema = 1\n[limits]\nvalid_share = { mn = 0.7 }\n", "did you mean 'min'?"),
-        ("schema = 1\n[limits]\nvalid_share = { min = '0.7' }\n", "valid_share.min: '0.7'; expected a number"),
-        ("schema = 1\n[limits]\nvalid_share = { min = true }\n", "valid_share.min: True; expected a number"),
+        (
+            "schema = 1\n[limits]\nvalid_share = { min = '0.7' }\n",
+            "valid_share.min: '0.7'; expected a number",
+        ),
+        (
+            "schema = 1\n[limits]\nvalid_share = { min = true }\n",
+            "valid_share.min: True; expected a number",
+        ),
         ("schema = 1\n[limits]\nvalid_share = { max = nan }\n", "a finite number"),
         ("schema = 1\n[limits]\nvalid_share = { min = -inf }\n", "a finite number"),
     ],
