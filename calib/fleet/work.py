@@ -65,7 +65,8 @@ def run_item(job: Job, item: Item) -> Row | None:
             return None
         status, cells = RUNS[job.command](job, item, files)
     except BrakeCalError as error:
-        said = printable(str(error).replace(item.path, item.name))
+        in_one_line = str(error).replace("\n  ", " | ")
+        said = printable(in_one_line.replace(item.path, item.name))
         return Row(item.name, digest, "error", said)
     except MemoryError:
         said = f"{item.name}: not enough memory; the next run tries it again"

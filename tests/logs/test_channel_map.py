@@ -110,6 +110,27 @@ def test_slips_are_named(tmp_path, old, new, words):
     assert [word for word in words if word not in message] == []
 
 
+def test_all_slips_of_a_map_come_in_one_message(tmp_path):
+    text = "schema = 1\nignore = 3\n" + MAP.removeprefix("schema = 1\n")
+    for old, new in (('"Zeit"', '""'), ('"kPa"', '"kPo"'), ("scale = 2.0", "scale = 0")):
+        assert old in text
+        text = text.replace(old, new, 1)
+    head, *lines = refusal(write_map(tmp_path, text)).splitlines()
+    assert head.endswith("map.toml: 4 errors")
+    assert [line.split(": ")[0] for line in lines] == [
+        "  channels.time.source",
+        "  channels.p_mc.unit",
+        "  channels.p_mc.scale",
+        "  ignore",
+    ]
+
+
+def test_channels_come_in_the_order_of_the_file(tmp_path):
+    names = ["v", "omega_rr", "time", "p_mc"]
+    text = "schema = 1\n" + "".join(f'[channels.{n}]\nsource = "{n}"\n' for n in names)
+    assert list(read_channel_map(write_map(tmp_path, text)).channels) == names
+
+
 def test_no_file(tmp_path):
     assert "no such file" in refusal(tmp_path / "none.toml")
 

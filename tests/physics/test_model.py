@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import ModelError
+from calib.physics.effects.empirical import Empirical
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import WET_ASPHALT, Model, Surface, default_model
 from calib.physics.model_file import read_model, write_model
@@ -145,6 +146,52 @@ def test_refuses_and_says_what_is_wrong(tmp_path, old, new, says):
     message = refusal(tmp_path, WHOLE.replace(old, new, 1))
     assert says in message
     assert "model.toml" in message
+
+
+def test_all_errors_of_a_file_come_in_one_message(tmp_path):
+    text = WHOLE
+    for old, new in (
+        ("front = 0.30", "front = 30"),
+        ("6600 cm^2", "6600 cm"),
+        ("4500 ms", "4500 kg"),
+        ("[[surfaces]]", '[empirical]\nplace = "roof"\ndriver = "spede"\n[[surfaces]]'),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    head, *lines = refusal(tmp_path, text).splitlines()
+    assert head == f"{tmp_path / 'model.toml'}: 7 errors"
+    assert [line.split(": ")[0] for line in lines] == [
+        "  pads.front",
+        "  effects.aerodynamic_drag.drag_area",
+        "  surfaces[1].start",
+        "  empirical.place",
+        "  empirical.driver",
+        "  empirical",
+        "  empirical",
+    ]
+    assert lines[4].endswith("did you mean 'speed'?")
+    assert lines[5].endswith("key 'knots' is missing; expected a value for 'knots'")
+
+
+def test_effects_come_in_the_order_of_the_file(tmp_path):
+    names = ["rolling_resistance", "aerodynamic_drag", "accelerometer_bias"]
+    keys = ["coefficient = 0.01", 'drag_area = "1 m^2"', 'bias = "0.1 m/s^2"']
+    parts = [f"[effects.{name}]\n{key}" for name, key in zip(names, keys, strict=True)]
+    assert list(read(tmp_path, "\n".join(["schema = 1", *parts])).effects) == names
+
+
+def test_an_empirical_term_comes_back(tmp_path):
+    term = Empirical("rear_brakes", "temperature", (20.0, 1e2 / 3), (0.0, -1e-7))
+    path = tmp_path / "model.toml"
+    write_model(replace(default_model(SEDAN), empirical=term), path)
+    assert read_model(path, SEDAN).empirical == term
+
+
+def test_every_part_has_its_header(tmp_path):
+    path = tmp_path / "model.toml"
+    write_model(default_model(KNOWN), path)
+    headers = [line for line in path.read_text().splitlines() if line.startswith("[")]
+    assert headers == ["[pads]", "[tyre]", "[effects]", "[effects.rolling_resistance]"]
 
 
 def test_refuses_what_is_no_section(tmp_path):

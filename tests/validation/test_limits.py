@@ -98,6 +98,28 @@ def test_what_is_no_limits_file(tmp_path, text, says):
     assert says in refusal(write(tmp_path, text))
 
 
+def test_all_errors_of_a_file_come_in_one_message(tmp_path):
+    path = write(
+        tmp_path,
+        "schema = 1\n[limits]\nvalid_share = { min = 0.9, max = 0.8 }\neta_zero = 0.1\n"
+        "torque_eror_f = { max = 0.05 }\ninterval_f = { fail = [1], warn = [2, 1], max = nan }\n",
+    )
+    head, *lines = refusal(path).splitlines()
+    assert head == f"{path}: 6 errors"
+    assert [line.split(": ")[0] for line in lines] == [
+        "  limits.eta_zero",
+        "  limits.interval_f.max",
+        "  limits.interval_f.fail",
+        "  limits.interval_f.warn",
+        "  limits.valid_share",
+        "  limits",
+    ]
+    assert lines[0].startswith("  limits.eta_zero: 0.1 is not a table; expected { min = NUMBER }")
+    assert lines[3] == "  limits.interval_f.warn: 2 to 1 is no range; expected [LOW, HIGH]; " + (
+        "-inf, inf: no limit"
+    )
+
+
 def test_no_file_and_no_text(tmp_path):
     assert "no such file" in refusal(tmp_path / "none.toml")
     path = tmp_path / "limits.toml"
