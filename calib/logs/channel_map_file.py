@@ -35,7 +35,8 @@ from calib.errors import ChannelMapError
 from calib.logs.channel_map import METHODS, ChannelMap, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 from calib.names import CHANNELS
-from calib.schema import FileSchema, OneOf, Quantity, Section, by_name, read_toml, wrong
+from calib.schema import FileSchema, OneOf, Quantity, Section, by_name, read_toml
+from calib.schema_errors import wrong
 from calib.units import UnknownUnit, spellings, unit_of
 
 

@@ -42,8 +42,8 @@ from calib.schema import (
     by_name,
     quantity_pattern,
     read_toml,
-    wrong,
 )
+from calib.schema_errors import wrong
 from calib.toml import quantity, toml_bytes, written_quantity
 
 Friction = Annotated[float, Quantity("1", 0.02, 1.0)]

@@ -13,7 +13,8 @@ from pydantic import AfterValidator, Field, model_validator
 from calib.errors import VehicleError
 from calib.files import write_whole
 from calib.physics.vehicle import Axle, Vehicle
-from calib.schema import FileSchema, Quantity, Section, quantities, read_toml, validated, wrong
+from calib.schema import FileSchema, Quantity, Section, quantities, read_toml, validated
+from calib.schema_errors import wrong
 from calib.toml import toml_bytes, written_quantity
 
 if TYPE_CHECKING:
