@@ -14,7 +14,7 @@
         └── DamagedTable      the content is not what its digest says
 
 The command line catches only the root. A message says what was wrong, what came, what was
-expected and where to look.
+expected and where to look. Several errors of one file come as one message of several lines.
 """
 
 

@@ -1,4 +1,4 @@
-"""TOML files from the user: whole, of a known schema, with known keys and quantities with units."""
+"""TOML text, quantities with units, and the word that was meant."""
 
 import difflib
 import math
@@ -11,61 +11,54 @@ from typing import Any
 from calib.errors import InputError
 from calib.units import UnknownUnit, si_of, to_si
 
-_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+"""A number in a quantity, as a regular expression."""
+
+_QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 
 
-def read_toml(path: Path, schema: int, error: type[InputError]) -> dict[str, Any]:
-    """Read a TOML file and check its ``schema``, which is taken out of the result.
+def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
+    """Read a TOML file as it stands.
 
-    Raises ``error`` if there is no such file, if it is not TOML or of another schema.
+    Raises ``error`` if there is no such file or if it is not TOML.
     """
     if not path.is_file():
         what = "a directory" if path.is_dir() else "no such file"
         raise error(what, where=path, expected="a TOML file", do="check the path")
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as cause:
         raise error(f"not TOML: {cause}", where=path, expected="a TOML file") from cause
-    found = table.pop("schema", None)
-    if found is None:
-        raise error("no schema", where=path, expected=f"a line 'schema = {schema}' at the top")
-    if found != schema or isinstance(found, bool):
-        raise error(f"schema {found!r}", where=path, expected=f"schema = {schema}")
-    return table
 
 
-def check_keys(
-    table: object,
-    known: Collection[str],
-    required: Collection[str],
-    where: object,
-    error: type[InputError],
-) -> Mapping[str, Any]:
-    """Return the table if it has all required keys and no unknown ones.
+def toml_bytes(document: Mapping[str, Any]) -> bytes:
+    """Return a document of plain values as TOML in UTF-8; every number reads back exactly.
 
-    Raises ``error`` with the nearest known key for a typing error, which is looked at first: a
-    misspelt key is also a missing one, and the spelling is the thing to mend.
+    Each table of the document has its own header, also where it holds tables only.
     """
-    if not isinstance(table, dict):
-        raise error(f"{table!r} is not a table", where=where, expected="a TOML table")
-    for key in table:
-        if key not in known:
-            raise error(
-                f"unknown key {key!r}",
-                where=where,
-                expected=f"one of {', '.join(known)}",
-                do=did_you_mean(key, known),
-            )
-    for key in required:
-        if key not in table:
-            raise error(f"key {key!r} is missing", where=where, expected=f"a value for {key!r}")
-    return table
+    import tomlkit
+
+    whole = tomlkit.document()
+    for key, value in document.items():
+        if isinstance(value, Mapping):
+            table = tomlkit.table(is_super_table=False)
+            table.update(value)
+            whole.add(key, table)
+        else:
+            whole.add(key, value)
+    return tomlkit.dumps(whole).encode()
+
+
+def nearest(word: str, known: Collection[str]) -> str | None:
+    """Return the known word that ``word`` is most like; None if no known word is near."""
+    close = difflib.get_close_matches(word, known, n=1)
+    return close[0] if close else None
 
 
 def did_you_mean(word: str, known: Collection[str]) -> str:
     """``did you mean 'mass'?``, or nothing if no known word is near."""
-    close = difflib.get_close_matches(word, known, n=1)
-    return f"did you mean {close[0]!r}?" if close else ""
+    close = nearest(word, known)
+    return f"did you mean {close!r}?" if close else ""
 
 
 def quantity(value: object, si: str | None, where: object, error: type[InputError]) -> float:
@@ -97,3 +90,9 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
         return to_si(number, unit or "1", si or si_of(unit or "1"))
     except UnknownUnit as cause:
         raise error(str(cause), where=where) from cause
+
+
+def written_quantity(value: float, si: str) -> str | float:
+    """A value in SI as `quantity` reads it back exactly: ``"1744.0 kg"``; a number without unit."""
+    number = value if isinstance(value, int) else float(value)
+    return number if si == "1" else f"{number!r} {si}"

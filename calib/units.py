@@ -184,6 +184,13 @@ def _refusal(unit: str, written: str, quantity: str, table: dict[str, Unit]) -> 
     return f"{head}{hint}; known: {', '.join(table)}"
 
 
+def spellings(si: str | None) -> list[str]:
+    """Return the written units of one quantity, or of any: ``%`` and ``percent`` for ``"1"``."""
+    tables = [table for key, (_, table) in _TABLES.items() if si in (key, None)]
+    known = [unit for table in tables for unit in table]
+    return [*known, *(other for other, unit in _SPELLINGS.items() if unit in known)]
+
+
 def si_of(unit: str) -> str:
     """The SI unit of the quantity that a written unit belongs to: ``"cm^2"`` gives ``"m^2"``.
 

@@ -56,7 +56,7 @@ def diagnose(
     from calib.diagnosis.document import text_of, to_dict
     from calib.diagnosis.folder import files_of, write_folder
     from calib.logs.read import read_log
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
     from calib.reports.diagnosis import report_html
 
     kept = holdout or []

@@ -21,6 +21,7 @@ from cli import (
     maps,
     plot,
     repeatability,
+    schema,
     simulate,
     station,
     tables,
@@ -68,6 +69,7 @@ app.command(epilog=plot.EPILOG)(plot.plot)
 app.command(epilog=simulate.EPILOG)(simulate.simulate)
 app.command(epilog=diagnose.EPILOG, cls=diagnose.Greedy)(diagnose.diagnose)
 app.command(epilog=effects.EPILOG)(effects.effects)
+app.command(epilog=schema.EPILOG)(schema.schema)
 app.command(epilog=repeatability.EPILOG)(repeatability.repeatability)
 app.command(epilog=batch.EPILOG)(batch.batch)
 app.command(epilog=watch.EPILOG)(watch.watch)

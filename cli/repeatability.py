@@ -136,7 +136,7 @@ def _readings(
 
 
 def _vehicles(places: "tuple[Place, ...]", vehicle: Path | None) -> "dict[Path | None, Vehicle]":
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
 
     files = {place.vehicle or vehicle for place in places}
     if None in files:

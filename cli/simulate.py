@@ -59,8 +59,9 @@ def simulate(
     _check_usage(log, manoeuvre, {"--speed": speed, "--pressure": pressure, "--rate": rate}, out)
     if channel_map is not None and log is None:
         raise typer.BadParameter("only with a LOG; a manoeuvre has none", param_hint="--map")
-    from calib.physics.model import default_model, read_model
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.model import default_model
+    from calib.physics.model_file import read_model
+    from calib.physics.vehicle_file import read_vehicle
     from calib.simulation.sensor_noise import add_noise
 
     car = read_vehicle(vehicle)

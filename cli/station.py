@@ -143,7 +143,7 @@ def station(
     from calib.checks.gates import refuse_twice
     from calib.files import workshop
     from calib.logs.read import read_log
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
     from calib.station.folder import publish
     from calib.station.metrics import Car
     from calib.station.station import outcome, table_of, validated

@@ -84,7 +84,8 @@ def _with_known(table: "Table", path: Path) -> "Table":
     """The table with the effects of a model known beside its own; its pads stay the table's."""
     from dataclasses import replace
 
-    from calib.physics.model import read_model, with_effects
+    from calib.physics.model import with_effects
+    from calib.physics.model_file import read_model
 
     model = read_model(path, table.vehicle)
     return replace(table, vehicle=with_effects(table.vehicle, model))

@@ -11,7 +11,7 @@ import pytest
 CALIB = Path(__file__).parents[1] / "calib"
 
 ROOMS = """
-    errors names units toml files digest
+    errors names units toml schema schema_errors files digest
     statistics
     physics
     logs
@@ -115,9 +115,22 @@ def test_help_is_printed_without_what_is_heavy():
     assert loaded_after(code) & {*HEAVY, "rich"} == set()
 
 
+def is_schema(file: Path) -> bool:
+    """Whether a file holds what a file of the user may hold: its classes are pydantic's."""
+    return file.name.endswith("_file.py") or file.name in ("schema.py", "schema_errors.py")
+
+
 def test_numpy_is_the_only_heavy_import_at_the_top_of_calib():
     for file in FILES:
+        allowed = {"numpy", "pydantic", "pydantic_core"} if is_schema(file) else {"numpy"}
         for node in ast.parse((CALIB.parent / file).read_text()).body:
             names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
             names += [str(node.module)] if isinstance(node, ast.ImportFrom) else []
-            assert not {n.split(".")[0] for n in names} & (HEAVY - {"numpy"}), f"{file}: {names}"
+            assert not {n.split(".")[0] for n in names} & (HEAVY - allowed), f"{file}: {names}"
+
+
+def test_what_computes_is_imported_without_what_reads_files():
+    """All rooms but the demo, which is a session at the command line: it reads files."""
+    modules = [module_of(f) for f in FILES if not is_schema(f) and f.parts[1] != "demo"]
+    assert len(modules) > 200
+    assert loaded_after(f"import {', '.join(modules)}") & {"pydantic", "tomlkit"} == set()

@@ -13,7 +13,6 @@ from calib.files import workshop, write_whole
 from calib.logs.log import Log
 from calib.logs.write import write_csv
 from calib.names import WHEELS
-from calib.physics.model import write_model
 
 DOCUMENT, MODEL, REPORT = "diagnosis.json", "model.toml", "report.html"
 COLUMNS = ("time", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
@@ -49,6 +48,8 @@ def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> lis
 
 
 def _fill(found: Diagnosis, document: str, report: str, work: Path) -> None:
+    from calib.physics.model_file import write_model
+
     write_whole(work / DOCUMENT, document.encode())
     write_model(found.model_after, work / MODEL)
     write_whole(work / REPORT, report.encode())

@@ -166,7 +166,7 @@ def _check(job: Job, item: Item, files: Files) -> Answer:
 
 def _diagnose(job: Job, item: Item, files: Files) -> Answer:
     from calib.diagnosis.diagnose import diagnose
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
 
     vehicle = read_vehicle(Path(item.path) / VEHICLE)
     sides: dict[str, list[Log]] = {CALIBRATION: [], HOLDOUT: []}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from calib.errors import ChannelMapError, LogError
 from calib.logs.assign import TRUTH, Assigned, assign
-from calib.logs.channel_map import ChannelMap, read_channel_map
+from calib.logs.channel_map import ChannelMap
 from calib.logs.log import Array, Log, Origin
 from calib.logs.recording import ChannelTrace
 from calib.logs.recordings import RECORDINGS, as_source
@@ -134,7 +134,11 @@ def _recorded(
 
 
 def _told(channel_map: ChannelMap | Path | None) -> ChannelMap | None:
-    return read_channel_map(channel_map) if isinstance(channel_map, str | Path) else channel_map
+    if not isinstance(channel_map, str | Path):
+        return channel_map
+    from calib.logs.channel_map_file import read_channel_map
+
+    return read_channel_map(channel_map)
 
 
 def _needed(require: tuple[str, ...]) -> tuple[str, ...]:

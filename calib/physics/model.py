@@ -22,9 +22,7 @@ values = [0.0, -0.05, -0.1]
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
-from itertools import pairwise
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 from calib.errors import ModelError
 from calib.files import write_whole
@@ -33,9 +31,7 @@ from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.effects.empirical import DRIVERS, PLACES
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.vehicle import Vehicle
-from calib.toml import check_keys, quantity, read_toml
-
-SCHEMA = 1
+from calib.toml import did_you_mean
 
 WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
 """What is assumed of a tyre when nothing is known: a passenger car on wet asphalt."""
@@ -258,7 +254,10 @@ def _term(table: object, where: str) -> EmpiricalTerm:
     for key, known in (("place", PLACES), ("driver", DRIVERS)):
         if given[key] not in known:
             raise ModelError(
-                f"{key} = {given[key]!r}", where=where, expected=f"one of {', '.join(known)}"
+                f"unknown key {key!r}",
+                where=where,
+                expected=f"one of {', '.join(cards)}",
+                do=did_you_mean(key, cards),
             )
     rows = {key: _row(given[key], f"{where}.{key}") for key in ("knots", "values")}
     knots = rows["knots"]

@@ -1,4 +1,4 @@
-"""Tables I and II of the paper as a frozen record, read from a TOML file.
+"""Tables I and II of the paper as a frozen record.
 
 Wheel values are per wheel. ``friction_faces`` counts the pad faces of one caliper (two for a disc
 brake): (2) of the paper is for one face.
@@ -10,8 +10,6 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from calib.errors import VehicleError
-from calib.files import write_whole
 from calib.names import G
 from calib.physics.effects.effects import Effects
 from calib.toml import check_keys, quantity, read_toml

@@ -1,38 +1,45 @@
 """A suggestion as a channel map, and as lines of text."""
 
-import json
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from calib.suggest.proposal import Proposal, Suggestion
+
+if TYPE_CHECKING:
+    from tomlkit.items import Table
 
 
 def to_toml(found: Suggestion) -> str:
     """The channel map, ready to be read; how sure each entry is stands in a comment."""
-    lines = [f"# proposed from {_one_line(found.log)}", "schema = 1"]
+    import tomlkit
+
+    document = tomlkit.document()
+    document.add(tomlkit.comment(f"proposed from {_one_line(found.log)}"))
+    document.add("schema", 1)
     if found.ignore:
-        lines.append(f"ignore = [{', '.join(_quoted(name) for name in found.ignore)}]")
-    lines += [f"# {name}: {_one_line(why)}" for name, why in found.missing.items()]
+        document.add("ignore", list(found.ignore))
+    for name, why in found.missing.items():
+        document.add(tomlkit.comment(f"{name}: {_one_line(why)}"))
+    channels = tomlkit.table(is_super_table=True)
     for proposal in found.proposals:
-        lines += ["", *_entry(proposal)]
-    return "\n".join(lines) + "\n"
+        channels.add(proposal.channel, _entry(proposal))
+    document.add("channels", channels)
+    return tomlkit.dumps(document)
 
 
-def _entry(proposal: Proposal) -> Iterator[str]:
-    mapping = proposal.mapping
-    why = _one_line("; ".join(proposal.reasons))
-    yield f"[channels.{proposal.channel}]  # {proposal.sure}: {why}"
-    yield f"source = {_quoted(mapping.source)}"
+def _entry(proposal: Proposal) -> "Table":
+    import tomlkit
+
+    mapping, entry = proposal.mapping, tomlkit.table()
+    entry.comment(f"{proposal.sure}: {_one_line('; '.join(proposal.reasons))}")
+    entry.add("source", mapping.source)
     if mapping.unit is not None:
-        yield f"unit = {_quoted(mapping.unit)}"
+        entry.add("unit", mapping.unit)
     if mapping.sign != 1:
-        yield f"sign = {mapping.sign}"
+        entry.add("sign", mapping.sign)
     if mapping.scale != 1.0:
-        yield f"scale = {mapping.scale!r}"
-
-
-def _quoted(text: str) -> str:
-    """A TOML basic string: what JSON escapes, TOML does in the same way; but also DEL."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+        entry.add("scale", mapping.scale)
+    return entry
 
 
 def _one_line(text: str) -> str:

@@ -10,7 +10,6 @@ or nothing, and of two writers one takes the next number.
 
 import contextlib
 import errno
-import json
 import os
 import re
 import secrets
@@ -19,7 +18,6 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
-from calib.digest import canonical_json
 from calib.errors import StoreError, TableNotFound
 from calib.table.invariants import violations
 from calib.table.table import Table

@@ -1,8 +1,8 @@
 """The look-up table as a value: three look-ups, what they rest on, and how far to trust them.
 
 A table is plain data. ``content`` gives it as one JSON-able record and named float columns;
-``from_content`` builds the same table again. The digest is over that canonical content, so it does
-not depend on how a file format packs it.
+`from_content` in `calib.table.record_file` builds the same table again. The digest is over that
+canonical content, so it does not depend on how a file format packs it.
 
     record  {schema, name, vehicle, calibration, tyre, effects, noise, quality, provenance}
     curves  {"difference": {eta, D, ...}, "paper": {eta, z, f1, f2, ...},
@@ -12,7 +12,7 @@ not depend on how a file format packs it.
 import json
 import math
 from dataclasses import asdict, dataclass, field
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray

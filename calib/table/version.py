@@ -14,12 +14,17 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from calib.digest import content_digest
 from calib.errors import DamagedTable, StoreError
 from calib.table.curve_file import Array, curve_bytes, read_curve
 from calib.table.table import Table
+
+if TYPE_CHECKING:
+    from calib.schema import Section
+
+    S = TypeVar("S", bound=Section)
 
 RECORD = "record.json"
 CURVES = ("difference", "paper", "tyre")
@@ -69,17 +74,21 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     ``promised`` is the id that its place in a store says it has. Raises DamagedTable naming the
     part that differs, StoreError when it cannot be read at all.
     """
-    document = _record_file(path)
+    from calib.table.record_file import RecordFile, table_of
+
+    data = _bytes(path / RECORD)
+    file = _checked(data, RecordFile, path)
+    document = json.loads(data)
+    record = document["record"]
     try:
-        files, record, digest = document["files"], document["record"], document["digest"]
-        curves = {name: _curve_file(path / f"{name}.parquet", files) for name in CURVES}
-        if content_digest(record, curves) != digest:
+        curves = {name: _curve_file(path / f"{name}.parquet", file.files) for name in CURVES}
+        if content_digest(record, curves) != file.digest:
             raise _damaged(path, f"{RECORD}: the record or its digest was changed")
-        table = Table.from_content(record, curves)
-        expected = _document(record, digest, document["version"], files)
-        stored = Stored(table, table.name, int(document["version"]), digest, path)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise _damaged(path, f"{RECORD}: not a table record ({error!r})") from error
+        table = table_of(file.record, curves)
+    except (KeyError, TypeError, ValueError) as error:
+        raise _damaged(path, f"{RECORD}: not the record of these curves ({error!r})") from error
+    expected = _document(record, file.digest, file.version, file.files)
+    stored = Stored(table, table.name, file.version, file.digest, path)
     changed = sorted(k for k in {*expected, *document} if expected.get(k) != document.get(k))
     if changed:
         raise _damaged(path, f"{RECORD}: {', '.join(changed)} not in agreement with the record")
@@ -93,11 +102,10 @@ def stored_content(path: Path) -> tuple[str, tuple[str, ...]]:
 
     Raises StoreError when the record cannot be read.
     """
-    document = _record_file(path)
-    try:
-        return str(document["digest"]), tuple(str(log["name"]) for log in document["parents"])
-    except (KeyError, TypeError) as error:
-        raise _damaged(path, f"{RECORD}: not a table record ({error!r})") from error
+    from calib.table.record_file import Address
+
+    address = _checked(_bytes(path / RECORD), Address, path)
+    return address.digest, tuple(log.name for log in address.parents)
 
 
 def sync_directory(path: Path) -> None:
@@ -123,14 +131,13 @@ def _document(
     }
 
 
-def _record_file(path: Path) -> dict[str, Any]:
+def _checked(data: bytes, schema: "type[S]", path: Path) -> "S":
+    from calib.schema import validated_json
+
     try:
-        document = json.loads(_bytes(path / RECORD))
-    except ValueError as error:
-        raise _damaged(path, f"{RECORD}: not JSON ({error})") from error
-    if not isinstance(document, dict):
-        raise _damaged(path, f"{RECORD}: not a table record")
-    return document
+        return validated_json(data, schema, None, DamagedTable)
+    except DamagedTable as error:
+        raise _damaged(path, f"{RECORD}: {error}") from error
 
 
 def _curve_file(path: Path, digests: dict[str, str]) -> dict[str, Array]:

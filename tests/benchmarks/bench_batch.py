@@ -30,7 +30,7 @@ from calib.fleet.run import run_batch  # noqa: E402
 from calib.fleet.work import Item, run_items  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.names import G  # noqa: E402
-from calib.physics.vehicle import read_vehicle  # noqa: E402
+from calib.physics.vehicle_file import read_vehicle  # noqa: E402
 from calib.signals.axle_signals import signals  # noqa: E402
 from calib.signals.blocks import blocks  # noqa: E402
 from calib.table.table import Table  # noqa: E402

@@ -22,7 +22,7 @@ from calib.estimation.balance import brake_balance  # noqa: E402
 from calib.estimation.plan import plan_for  # noqa: E402
 from calib.fitting.fit import fit  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
-from calib.physics.vehicle import read_vehicle  # noqa: E402
+from calib.physics.vehicle_file import read_vehicle  # noqa: E402
 from calib.signals.axle_signals import signals  # noqa: E402
 from calib.signals.blocks import blocks  # noqa: E402
 from tests.benchmarks.timing import best  # noqa: E402

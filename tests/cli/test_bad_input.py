@@ -1,4 +1,4 @@
-"""Bad input at the command line: one line that names the file, exit code 3, nothing written.
+"""Bad input at the command line: one message that names the file, exit code 3, nothing written.
 
 What each reader and check says in detail is tried beside them (tests/logs,
 tests/checks/test_check.py). Here each way to spoil an input goes through `fit` and `validate` as a
@@ -229,12 +229,25 @@ def test_vehicle_files(attempt, bench, tmp_path, command, spoilt):
     text = (SEDAN / "vehicle.toml").read_text()
     assert old in text
     path = tmp_path / "vehicle.toml"
-    path.write_text(text.replace(old, new))
+    path.write_text(text.replace(old, new, 1))
     log = bench[0] / f"{command}.csv"
     if command == "fit":
         refused(*attempt("fit", log, "--json", vehicle=path), path, says)
     else:
         refused(*attempt("validate", log, "--json", "--vehicle", path), path, says)
+
+
+def test_all_that_is_wrong_with_a_vehicle_is_told_at_once(attempt, bench, tmp_path):
+    path = tmp_path / "vehicle.toml"
+    text = (SEDAN / "vehicle.toml").read_text()
+    path.write_text(text.replace("pad_friction = 0.38", 'pad_friction = "good"'))
+    ran, written = attempt("fit", bench[0] / "fit.csv", "--json", vehicle=path)
+    assert (ran.code, ran.out, written) == (3, "", [])
+    assert ran.err.splitlines()[-3:] == [
+        f"error: {path}: 2 errors",
+        "  front.pad_friction: 'good' is not a quantity; expected a number",
+        "  rear.pad_friction: 'good' is not a quantity; expected a number",
+    ]
 
 
 def test_vehicle_of_another_car(attempt, bench, tmp_path):

@@ -23,7 +23,7 @@ from calib.physics import forces
 from calib.physics.effects.effects import Effects
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import default_model
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
 from calib.signals.noise import SensorNoise, sensor_noise

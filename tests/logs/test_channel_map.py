@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from calib.errors import ChannelMapError, LogError
-from calib.logs.channel_map import Mapping, read_channel_map
+from calib.logs.channel_map import Mapping
+from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import read_log
 from tests.support.refusals import refusal
 
@@ -85,17 +86,17 @@ def test_mapped_channel_still_needs_a_unit(tmp_path, log_file):
     [
         ("[channels.a_x]", "[channels.ax]", ("'ax'", "did you mean 'a_x'?")),
         ("sign = -1", "sing = -1", ("'sing'", "did you mean 'sign'?")),
-        ("sign = -1", "sign = -2", ("sign -2", "1 or -1")),
+        ("sign = -1", "sign = -2", ("channels.a_x.sign: -2", "1 or -1")),
         ('source = "Decel"\n', "", ("channels.a_x", "'source' is missing")),
-        ('source = "Decel"\n', "source = 5\n", ("source 5",)),
+        ('source = "Decel"\n', "source = 5\n", ("channels.a_x.source: 5", "the name of a column")),
         ('"Decel"', '"true_ax"', ("truth",)),
         ('"kPa"', '"kPo"', ("channels.p_mc.unit", "'kPo'", "did you mean 'kPa'")),
-        ("scale = 2.0", "scale = 0", ("scale 0",)),
+        ("scale = 2.0", "scale = 0", ("channels.p_mc.scale: 0 would wipe",)),
         ("scale = 2.0", 'scale = "two"', ("channels.p_mc.scale", "'two'")),
         ("schema = 1", "schema = 9", ("schema 9",)),
         ("schema = 1", "schema = 1\nignore = 3", ("ignore", "a list of names")),
-        ("schema = 1", "schema = 1\ntext.separator = 'x'", ("separator 'x'", "';'")),
-        ("schema = 1", "schema = 1\ntext.decimal = ';'", ("decimal ';'",)),
+        ("schema = 1", "schema = 1\ntext.separator = 'x'", ("text.separator: 'x'", "';'")),
+        ("schema = 1", "schema = 1\ntext.decimal = ';'", ("text.decimal: ';'", "one of '.', ','")),
         ("schema = 1", "schema = 1\ntext.encoding = 'latin-77'", ("latin-77",)),
         ("schema = 1", "schema = 1\ntext.seperator = ';'", ("did you mean 'separator'",)),
         ("[channels.a_x]", "[channels.a_x", ("not TOML",)),
@@ -104,6 +105,27 @@ def test_mapped_channel_still_needs_a_unit(tmp_path, log_file):
 def test_slips_are_named(tmp_path, old, new, words):
     message = refused(write_map(tmp_path, MAP.replace(old, new, 1)))
     assert [word for word in words if word not in message] == []
+
+
+def test_all_slips_of_a_map_come_in_one_message(tmp_path):
+    text = "schema = 1\nignore = 3\n" + MAP.removeprefix("schema = 1\n")
+    for old, new in (('"Zeit"', '""'), ('"kPa"', '"kPo"'), ("scale = 2.0", "scale = 0")):
+        assert old in text
+        text = text.replace(old, new, 1)
+    head, *lines = refusal(write_map(tmp_path, text)).splitlines()
+    assert head.endswith("map.toml: 4 errors")
+    assert [line.split(": ")[0] for line in lines] == [
+        "  channels.time.source",
+        "  channels.p_mc.unit",
+        "  channels.p_mc.scale",
+        "  ignore",
+    ]
+
+
+def test_channels_come_in_the_order_of_the_file(tmp_path):
+    names = ["v", "omega_rr", "time", "p_mc"]
+    text = "schema = 1\n" + "".join(f'[channels.{n}]\nsource = "{n}"\n' for n in names)
+    assert list(read_channel_map(write_map(tmp_path, text)).channels) == names
 
 
 def test_no_file(tmp_path):

@@ -145,9 +145,9 @@ def test_written_and_read_back_it_is_the_same(tmp_path_factory, model):
         ('drag_area = "6600 cm^2"', "", "'drag_area' is missing"),
         ("6600 cm^2", "0.66 m", "length"),
         ("6600 cm^2", "0.66", "no unit"),
-        ("6600 cm^2", "-1 m^2", "out of range"),
-        ("front = 0.30", "front = 30", "front: 30 is out of range"),
-        ("shape = 1.5", "shape = 2.5", "shape: 2.5 is out of range"),
+        ("6600 cm^2", "-1 m^2", "drag_area: -1 m^2 is not believable; expected 0 to 12 m^2"),
+        ("front = 0.30", "front = 30", "pads.front: 30 is not believable; expected 0.02 to 1"),
+        ("shape = 1.5", "shape = 2.5", "tyre.shape: 2.5 is not believable"),
         ("peak = 0.5\nshape", "peak = true\nshape", "is not a quantity"),
         ("60 m", "60 kg", "neither a distance nor a time"),
         ('start = "60 m"', "", "'start' is missing"),
@@ -158,6 +158,52 @@ def test_refuses_and_says_what_is_wrong(tmp_path, old, new, says):
     message = refused(tmp_path, WHOLE.replace(old, new, 1))
     assert says in message
     assert "model.toml" in message
+
+
+def test_all_errors_of_a_file_come_in_one_message(tmp_path):
+    text = WHOLE
+    for old, new in (
+        ("front = 0.30", "front = 30"),
+        ("6600 cm^2", "6600 cm"),
+        ("4500 ms", "4500 kg"),
+        ("[[surfaces]]", '[empirical]\nplace = "roof"\ndriver = "spede"\n[[surfaces]]'),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    head, *lines = refusal(tmp_path, text).splitlines()
+    assert head == f"{tmp_path / 'model.toml'}: 7 errors"
+    assert [line.split(": ")[0] for line in lines] == [
+        "  pads.front",
+        "  effects.aerodynamic_drag.drag_area",
+        "  surfaces[1].start",
+        "  empirical.place",
+        "  empirical.driver",
+        "  empirical",
+        "  empirical",
+    ]
+    assert lines[4].endswith("did you mean 'speed'?")
+    assert lines[5].endswith("key 'knots' is missing; expected a value for 'knots'")
+
+
+def test_effects_come_in_the_order_of_the_file(tmp_path):
+    names = ["rolling_resistance", "aerodynamic_drag", "accelerometer_bias"]
+    keys = ["coefficient = 0.01", 'drag_area = "1 m^2"', 'bias = "0.1 m/s^2"']
+    parts = [f"[effects.{name}]\n{key}" for name, key in zip(names, keys, strict=True)]
+    assert list(read(tmp_path, "\n".join(["schema = 1", *parts])).effects) == names
+
+
+def test_an_empirical_term_comes_back(tmp_path):
+    term = Empirical("rear_brakes", "temperature", (20.0, 1e2 / 3), (0.0, -1e-7))
+    path = tmp_path / "model.toml"
+    write_model(replace(default_model(SEDAN), empirical=term), path)
+    assert read_model(path, SEDAN).empirical == term
+
+
+def test_every_part_has_its_header(tmp_path):
+    path = tmp_path / "model.toml"
+    write_model(default_model(KNOWN), path)
+    headers = [line for line in path.read_text().splitlines() if line.startswith("[")]
+    assert headers == ["[pads]", "[tyre]", "[effects]", "[effects.rolling_resistance]"]
 
 
 def test_refuses_what_is_no_section(tmp_path):

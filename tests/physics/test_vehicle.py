@@ -12,6 +12,7 @@ from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle import AXLE, CHASSIS, Axle, Vehicle, checked, read_vehicle, write_vehicle
 from tests.support.refusals import refusal
 
+CHASSIS, AXLE = quantities(ChassisSection), quantities(AxleSection)
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
 TEXT = SEDAN.read_text()
 
@@ -92,10 +93,10 @@ def test_known_effects_and_tolerance_come_in_si(tmp_path):
         ('"0.615 m"', '"2.9 m"', ("cg_height", "wheelbase")),
         ('"0.615 m"', '"61.5 m"', ("cg_height", "0.1 to 3 m")),
         ("pad_friction = 0.38", "pad_friction = 3.8", ("front.pad_friction", "0.05 to 1")),
-        ("friction_faces = 2", "friction_faces = 2.5", ("front", "friction_faces 2.5", "whole")),
+        ("friction_faces = 2", "friction_faces = 2.5", ("front", "friction_faces: 2.5", "whole")),
         ('"130.9 mm"', '"330.9 mm"', ("front", "fits into the wheel")),
         ('name = "sedan-2up"', 'name = "a/b"', ("'a/b'", "name")),
-        ('name = "sedan-2up"', "name = 5", ("name 5",)),
+        ('name = "sedan-2up"', "name = 5", ("name: 5", "text")),
         ('name = "sedan-2up"', "", ("'name' is missing",)),
         ("[rear]", "[raer]", ("'raer'", "did you mean 'rear'?")),
         ("schema = 1", "schema = 2", ("schema 2", "schema = 1")),
@@ -117,11 +118,10 @@ def test_no_file_and_no_text(tmp_path):
     assert "not TOML" in refused(binary)
 
 
-def test_a_replaced_value_is_checked_too():
-    car = read_vehicle(SEDAN)
-    assert checked(car) is car
+def test_a_replaced_value_is_checked_before_it_is_written(tmp_path):
+    car, path = read_vehicle(SEDAN), tmp_path / "car.toml"
     with pytest.raises(VehicleError, match=r"sedan-2up: chassis\.mass"):
-        checked(replace(car, mass=-1.0))
+        write_vehicle(replace(car, mass=-1.0), path)
     with pytest.raises(VehicleError, match=r"effects\.aerodynamic_drag\.drag_area"):
         checked(replace(car, effects=Effects({"aerodynamic_drag": {"drag_area": float("nan")}})))
 

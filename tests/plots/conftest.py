@@ -6,7 +6,7 @@ from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.plots import compare, log, simulation, stop, table
 from calib.plots.measured import measure
 from calib.plots.trace import StopTrace, from_estimate

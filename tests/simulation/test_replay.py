@@ -12,7 +12,7 @@ from calib.logs.read import read_log
 from calib.names import WHEELS
 from calib.physics.effects.effects import Effects
 from calib.physics.model import default_model
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.simulation.manoeuvre import ramp
 from calib.simulation.replay import COAST_SECONDS, first_speed, replay
 from calib.simulation.sensor_noise import add_noise

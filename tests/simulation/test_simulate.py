@@ -14,7 +14,7 @@ from calib.physics import forces
 from calib.physics.effects.effects import Effects
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import Model, Surface, default_model
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.simulation.simulate import simulate
 from tests.support.plant import Plant, drive, magic
 

@@ -3,7 +3,7 @@
 from calib.station.advice import ADVICE, LIMITS
 from calib.station.limits_file import limits_file
 from calib.station.metrics import METRICS as OF_CAR
-from calib.validation.limits import read_limits
+from calib.validation.limits_file import read_limits
 from calib.validation.metrics import METRICS as OF_STOPS
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from calib.errors import LogError
 from calib.logs.read import read_log
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.station.advice import ADVICE, LIMITS
 from calib.station.identity import Identity
 from calib.station.metrics import METRICS as OF_CAR

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from calib.logs.log import Log
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.simulation.sensor_noise import add_noise
 from tests.support.plant import Plant, as_log, drive, magic
 

@@ -301,7 +301,7 @@ DAMAGE = {
     ),
     "another kind of document": (
         lambda v: (v / "record.json").write_text("[1, 2]"),
-        "record.json: not a table record",
+        "record.json: [1, 2] is not a table",
     ),
     "a changed figure": (
         lambda v: rewrite(v / "record.json", lambda d: d["record"]["quality"].update(rms=0.001)),
@@ -315,7 +315,7 @@ DAMAGE = {
         lambda v: rewrite(
             v / "record.json", lambda d: d["record"]["quality"].update(rms=float("nan"))
         ),
-        "record.json: not a table record",
+        "record.json: record.quality.rms: nan; expected a finite number",
     ),
     "a changed parent": (
         lambda v: rewrite(v / "record.json", lambda d: d["parents"].pop()),
@@ -323,11 +323,11 @@ DAMAGE = {
     ),
     "a key too many": (
         lambda v: rewrite(v / "record.json", lambda d: d.update(approved=True)),
-        "record.json: approved not in agreement",
+        "record.json: unknown key 'approved'",
     ),
     "a missing part": (
         lambda v: rewrite(v / "record.json", lambda d: d.pop("files")),
-        "record.json: not a table record",
+        "record.json: key 'files' is missing",
     ),
     "a changed number": (
         lambda v: rewrite(v / "record.json", lambda d: d.update(version=2, id="sedan@2")),

@@ -16,7 +16,7 @@ CURVES = ("difference", "paper", "tyre")
 
 
 def test_content_and_back_is_the_same_table(table):
-    again = Table.from_content(*table.content())
+    again = from_content(*table.content())
     assert again.digest == table.digest
     assert again.vehicle == table.vehicle
     assert again.posterior == table.posterior
@@ -109,15 +109,18 @@ def test_canonical_json_has_no_place_for_nan():
 
 def test_another_schema_is_refused(table):
     record, curves = table.content()
-    with pytest.raises(KeyError, match="schema"):
-        Table.from_content({**record, "schema": 2}, curves)
+    with pytest.raises(StoreError, match="schema 2; expected schema = 1"):
+        from_content({**record, "schema": 2}, curves)
 
 
 def test_a_missing_part_is_refused(table):
     record, curves = table.content()
     del record["quality"]
-    with pytest.raises(TypeError, match="quality"):
-        Table.from_content(record, curves)
+    record["vehicle"]["mass"] = "heavy"
+    with pytest.raises(
+        StoreError, match=r"vehicle\.mass: 'heavy'; .*\n.* key 'quality' is missing"
+    ):
+        from_content(record, curves)
 
 
 def test_peak_and_decelerations_are_those_of_the_closed_form(table):

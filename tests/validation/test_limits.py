@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import LimitsError
-from calib.validation.limits import DEFAULTS, Judgement, Limit, judge, read_limits
+from calib.validation.limits import DEFAULTS, Judgement, Limit, judge
+from calib.validation.limits_file import read_limits
 from calib.validation.metrics import METRICS
 from tests.support.refusals import refusal
 
@@ -36,10 +37,10 @@ def test_read_in_the_order_of_the_file(tmp_path):
 
 
 def test_the_example_of_the_docstring_is_valid(tmp_path):
-    from calib.validation import limits
+    from calib.validation import limits_file
 
     text = "\n".join(
-        line[4:] for line in str(limits.__doc__).splitlines() if line.startswith("    ")
+        line[4:] for line in str(limits_file.__doc__).splitlines() if line.startswith("    ")
     )
     assert len(read_limits(write(tmp_path, text), KNOWN)) == 2
 
@@ -70,22 +71,50 @@ def test_min_above_max(tmp_path):
         ("", "no schema"),
         ("schema = 2\n[limits]\nvalid_share = { min = 0.7 }\n", "schema 2"),
         ("schema = true\n[limits]\nvalid_share = { min = 0.7 }\n", "schema True"),
-        ("schema = 1\n", "no limits in it"),
+        ("schema = 1\n", "key 'limits' is missing"),
         ("schema = 1\n[limits]\n", "no limits in it"),
-        ("schema = 1\nlimits = 3\n", "no limits in it"),
+        ("schema = 1\nlimits = 3\n", "limits: 3 is not a table; expected [limits]"),
         ("schema = 1\n[limit]\nvalid_share = { min = 0.7 }\n", "unknown key 'limit'"),
         ("schema = 1\n[limits\n", "not TOML"),
         ("schema = 1\n[limits]\nvalid_share = 0.7\n", "expected { min = NUMBER }"),
         ("schema = 1\n[limits]\nvalid_share = {}\n", "expected { min = NUMBER }"),
-        ("schema = 1\n[limits]\nvalid_share = { mn = 0.7 }\n", "expected { min = NUMBER }"),
-        ("schema = 1\n[limits]\nvalid_share = { min = '0.7' }\n", "valid_share.min = '0.7'"),
-        ("schema = 1\n[limits]\nvalid_share = { min = true }\n", "valid_share.min = True"),
+        ("schema = 1\n[limits]\nvalid_share = { mn = 0.7 }\n", "did you mean 'min'?"),
+        (
+            "schema = 1\n[limits]\nvalid_share = { min = '0.7' }\n",
+            "valid_share.min: '0.7'; expected a number",
+        ),
+        (
+            "schema = 1\n[limits]\nvalid_share = { min = true }\n",
+            "valid_share.min: True; expected a number",
+        ),
         ("schema = 1\n[limits]\nvalid_share = { max = nan }\n", "a finite number"),
         ("schema = 1\n[limits]\nvalid_share = { min = -inf }\n", "a finite number"),
     ],
 )
 def test_what_is_no_limits_file(tmp_path, text, says):
     assert says in refused(write(tmp_path, text))
+
+
+def test_all_errors_of_a_file_come_in_one_message(tmp_path):
+    path = write(
+        tmp_path,
+        "schema = 1\n[limits]\nvalid_share = { min = 0.9, max = 0.8 }\neta_zero = 0.1\n"
+        "torque_eror_f = { max = 0.05 }\ninterval_f = { fail = [1], warn = [2, 1], max = nan }\n",
+    )
+    head, *lines = refusal(path).splitlines()
+    assert head == f"{path}: 6 errors"
+    assert [line.split(": ")[0] for line in lines] == [
+        "  limits.eta_zero",
+        "  limits.interval_f.max",
+        "  limits.interval_f.fail",
+        "  limits.interval_f.warn",
+        "  limits.valid_share",
+        "  limits",
+    ]
+    assert lines[0].startswith("  limits.eta_zero: 0.1 is not a table; expected { min = NUMBER }")
+    assert lines[3] == "  limits.interval_f.warn: 2 to 1 is no range; expected [LOW, HIGH]; " + (
+        "-inf, inf: no limit"
+    )
 
 
 def test_no_file_and_no_text(tmp_path):
@@ -155,7 +184,7 @@ def test_a_wider_range_never_judges_harder(value, fail, warn, required):
         ("{ warn = [inf, inf] }", "is no range"),
         ("{ fail = [0, 1], warn = [-1, 1] }", "warn -1 lies beyond fail 0"),
         ("{ fail = [0, 1], warn = [0, 2] }", "warn 2 lies beyond fail 1"),
-        ("{ required = true }", "valid_share ="),
+        ("{ required = true }", "valid_share: no limit in it; expected { min = NUMBER }"),
         ("{ min = 0, required = 1 }", "expected true or false"),
     ],
 )

@@ -3,13 +3,15 @@
 The states are those of CDF 2.0. `completed`, the last of them, is for a person to give.
 """
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from calib.errors import ExchangeError
 from calib.table.exports.labels import printable
+
+if TYPE_CHECKING:
+    from calib.table.exports.summary_file import SummaryFile
 
 CALIBRATED, CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"
 
@@ -33,42 +35,34 @@ def read_quality(path: Path, table: str) -> Quality:
     Raises ExchangeError when it is no such file or speaks of another table.
     """
     summary = _summary(path)
-    try:
-        held = [log for log in summary["logs"] if log["role"] == "hold-out"]
-        of, verdict = summary["table"], summary["verdict"]
-        outcomes = [f"{log['log']} {log['verdict']}" for log in held]
-    except (KeyError, TypeError) as error:
-        raise _no_summary(path, f"{error} is missing") from error
-    if of != table:
+    held = [log for log in summary.logs if log.role == "hold-out"]
+    if summary.table != table:
         raise ExchangeError(
-            f"is the validation of {of}",
+            f"is the validation of {summary.table}",
             where=path,
             expected=f"one of {table}",
             do="validate this version",
         )
-    if verdict not in ("passed", "failed"):
-        raise _no_summary(path, f"verdict {verdict!r}")
     if not held:
         return Quality(CALIBRATED, "only on logs that the table was fitted on: proves nothing")
+    verdict, outcomes = summary.verdict, [f"{log.log} {log.verdict}" for log in held]
     words = f"{verdict} on {len(held)} hold-out log{'s' * (len(held) > 1)}: {', '.join(outcomes)}"
     return Quality(CHECKED if verdict == "passed" else PRELIMINARY, printable(words), verdict)
 
 
-def _summary(path: Path) -> dict[str, Any]:
+def _summary(path: Path) -> "SummaryFile":
+    from calib.schema import validated_json
+    from calib.table.exports.summary_file import SummaryFile
+
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        data = path.read_bytes()
     except OSError as error:
         raise ExchangeError(f"cannot be read ({error.strerror})", where=path) from error
-    except ValueError as error:
-        raise _no_summary(path, f"not JSON ({error})") from error
-    if not isinstance(document, dict):
-        raise _no_summary(path, f"a {type(document).__name__}")
-    return document
-
-
-def _no_summary(path: Path, what: str) -> ExchangeError:
-    return ExchangeError(
-        f"no summary of a validation: {what}",
-        where=path,
-        expected="the summary.json of `brake-cal validate --out`",
-    )
+    try:
+        return validated_json(data, SummaryFile, None, ExchangeError)
+    except ExchangeError as error:
+        raise ExchangeError(
+            f"no summary of a validation: {error}",
+            where=path,
+            do="take the summary.json of `brake-cal validate --out`",
+        ) from error

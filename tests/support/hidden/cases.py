@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.logs.log import Log
-from calib.physics.vehicle import Axle, Vehicle, write_vehicle
+from calib.physics.vehicle import Axle, Vehicle
+from calib.physics.vehicle_file import write_vehicle
 from calib.simulation.sensor_noise import NoiseLevel, add_noise
 from tests.support.hidden.hydraulics import lines
 from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT, manoeuvre

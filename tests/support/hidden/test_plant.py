@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.logs.read import read_log
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from tests.support.hidden.cases import CARS, NOISE, TRUTH, draw, write
 from tests.support.hidden.hydraulics import lines, loop
 from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT, Manoeuvre, manoeuvre

@@ -50,5 +50,5 @@ def test_what_is_no_summary_is_refused(tmp_path, content):
 
 
 def test_another_verdict_is_refused(summary):
-    with pytest.raises(ExchangeError, match="verdict 'perhaps'"):
+    with pytest.raises(ExchangeError, match="verdict: 'perhaps'; expected 'passed' or 'failed'"):
         read_quality(summary(verdict="perhaps"), "sedan@1")

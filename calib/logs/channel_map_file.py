@@ -1,0 +1,169 @@
+"""A channel map as a TOML file.
+
+schema = 1
+dbc = "chassis.dbc"           # optional: what is in the frames of a bus; relative to this file
+ignore = ["p_rl"]             # optional: columns that are not what their name says
+
+[channels.p_mc]
+source = "Brake pressure"     # the column's name in the log
+unit = "kPa"                  # optional: overrides the header's
+sign = 1                      # optional: -1 turns the channel round
+scale = 1.0                   # optional: value = sign * (scale * written + offset), in `unit`
+offset = 0.0
+method = "linear"             # optional, for logs of several rasters: or "hold"
+
+[text]                        # optional: how a text table is written, where that is not certain
+separator = ";"
+decimal = ","
+encoding = "latin-1"
+"""
+
+import codecs
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    WithJsonSchema,
+    create_model,
+    model_validator,
+)
+
+from calib.errors import ChannelMapError
+from calib.logs.channel_map import METHODS, ChannelMap, Mapping
+from calib.logs.text.dialect import SEPARATORS, TextFormat
+from calib.names import CHANNELS
+from calib.schema import FileSchema, OneOf, Quantity, Section, by_name, read_toml
+from calib.schema_errors import wrong
+from calib.units import UnknownUnit, spellings, unit_of
+
+
+def _source(name: object) -> str:
+    if not isinstance(name, str) or not name.strip():
+        raise wrong(f"{name!r}", "the name of a column of the log")
+    if name.startswith("true_"):
+        raise wrong(f"{name!r} is a truth channel", "a measured column; truth only serves to score")
+    return name
+
+
+def _sign(written: object) -> object:
+    if written not in (1, -1) or isinstance(written, bool):
+        raise wrong(f"{written!r}", "1 or -1 (use scale for factors)")
+    return int(written)
+
+
+def _scale(factor: float) -> float:
+    if factor == 0:
+        raise wrong("0 would wipe the channel out", "a factor")
+    return factor
+
+
+class MappingSection(Section):
+    """Where a channel comes from; as `Mapping`."""
+
+    source: Annotated[str, BeforeValidator(_source)]
+    unit: str | None = None
+    sign: Annotated[Literal[1, -1], BeforeValidator(_sign)] = 1
+    scale: Annotated[float, Quantity("1"), AfterValidator(_scale)] = 1.0
+    offset: Annotated[float, Quantity("1")] = 0.0
+    method: Annotated[str, OneOf(METHODS)] | None = None
+
+
+def _mapping_in(si: str) -> type[MappingSection]:
+    """Return the schema of a mapping onto a channel with this SI unit."""
+
+    def known(unit: str) -> str:
+        try:
+            unit_of(unit, si)
+        except UnknownUnit as cause:
+            raise wrong(str(cause)) from cause
+        return unit
+
+    examples = WithJsonSchema({"type": "string", "examples": spellings(si)})
+    unit: Any = Annotated[str, AfterValidator(known), examples]
+    about = f"Where a channel in {si} comes from."
+    return create_model(
+        f"MappingSection[{si}]", __base__=MappingSection, __doc__=about, unit=(unit | None, None)
+    )
+
+
+_MAPPINGS = {si: _mapping_in(si) for si in sorted({q.si for q in CHANNELS.values()})}
+ChannelsSection = by_name(
+    "ChannelsSection",
+    {name: _MAPPINGS[q.si] for name, q in CHANNELS.items()},
+    "The mapped channels by canonical name.",
+)
+
+
+def _encoding(name: str) -> str:
+    try:
+        codecs.lookup(name)
+    except LookupError as cause:
+        raise wrong(str(cause), 'an encoding such as "utf-8" or "latin-1"') from cause
+    return name
+
+
+class TextSection(Section):
+    """How a text table is written, where that is not certain."""
+
+    separator: Annotated[str, OneOf(tuple(SEPARATORS))] | None = None
+    decimal: Annotated[str, OneOf((".", ","))] | None = None
+    encoding: Annotated[str, AfterValidator(_encoding)] | None = None
+
+
+def _names(written: object, expected: str) -> list[str]:
+    if not isinstance(written, list) or not all(isinstance(n, str) and n.strip() for n in written):
+        raise wrong(f"{written!r}", expected)
+    return written
+
+
+def _columns(written: object) -> list[str]:
+    return _names(written, "a list of names of columns")
+
+
+def _files(written: object) -> list[str]:
+    one = [written] if isinstance(written, str) else written
+    return _names(one, "the path of a DBC file, or a list of them")
+
+
+_LIST: dict[str, Any] = {"type": "array", "items": {"type": "string", "minLength": 1}}
+_ONE_OR_LIST: dict[str, Any] = {"anyOf": [{"type": "string", "minLength": 1}, _LIST]}
+
+
+class ChannelMapFile(FileSchema):
+    """Which column of a foreign log is which channel, with unit and sign."""
+
+    channels: ChannelsSection | None = None  # type: ignore[valid-type]
+    text: TextSection | None = None
+    ignore: Annotated[list[str], BeforeValidator(_columns), WithJsonSchema(_LIST)] = Field(
+        default_factory=list
+    )
+    dbc: Annotated[list[str], BeforeValidator(_files), WithJsonSchema(_ONE_OR_LIST)] = Field(
+        default_factory=list
+    )
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Self:
+        if self.model_fields_set <= {"schema_version"}:
+            raise wrong("key 'channels' is missing", "a value for 'channels'")
+        return self
+
+
+def read_channel_map(path: Path) -> ChannelMap:
+    """Read a channel map.
+
+    Raises ChannelMapError for a file that is missing or not TOML, an unknown channel or key, a
+    source that is a truth channel, an unknown unit, or a sign other than 1 and -1.
+    """
+    path = Path(path)
+    file = read_toml(path, ChannelMapFile, ChannelMapError)
+    entries: dict[str, Section] = dict(file.channels.entries()) if file.channels else {}
+    return ChannelMap(
+        where=str(path),
+        channels={name: Mapping(**dict(entry)) for name, entry in entries.items()},
+        text=TextFormat(**dict(file.text or TextSection())),
+        ignore=tuple(file.ignore),
+        dbc=tuple((path.parent / name).absolute() for name in file.dbc),
+    )

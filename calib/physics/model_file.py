@@ -1,0 +1,193 @@
+"""A model as a TOML file.
+
+schema = 1
+[pads]                        # friction [1]; nominal when left out
+front = 0.38
+rear = 0.36
+[tyre]                        # wet asphalt for what is left out
+stiffness = 25.0
+peak = 0.9
+[effects.aerodynamic_drag]    # [effects] is the whole list; the vehicle's when left out
+drag_area = "0.66 m^2"
+[[surfaces]]                  # factors on the tyre, from a distance or a time on
+start = "60 m"
+stiffness = 0.8
+peak = 0.5
+[empirical]                   # over a driver in SI; see calib/physics/effects/empirical.py
+place = "front_brakes"
+driver = "speed"
+knots = [5.0, 20.0, 35.0]
+values = [0.0, -0.05, -0.1]
+"""
+
+from dataclasses import asdict, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
+
+from calib.errors import InputError, ModelError
+from calib.files import write_whole
+from calib.physics.effects.catalogue import CATALOGUE, effect_named
+from calib.physics.effects.effect import Card
+from calib.physics.effects.empirical import DRIVERS, PLACES, Empirical
+from calib.physics.model import WET_ASPHALT, Model, Surface, default_model
+from calib.physics.vehicle import Vehicle
+from calib.schema import (
+    FileSchema,
+    OneOf,
+    Quantity,
+    Section,
+    by_name,
+    quantity_pattern,
+    read_toml,
+)
+from calib.schema_errors import wrong
+from calib.toml import quantity, toml_bytes, written_quantity
+
+Friction = Annotated[float, Quantity("1", 0.02, 1.0)]
+Factor = Annotated[float, Quantity("1", 0.05, 20.0)]
+
+
+class PadsSection(Section):
+    """Pad friction of the axles; nominal when left out."""
+
+    front: Friction | None = None
+    rear: Friction | None = None
+
+
+class TyreSection(Section):
+    """The tyre of both axles; wet asphalt for what is left out."""
+
+    stiffness: Annotated[float, Quantity("1", 1.0, 100.0)] | None = None
+    peak: Annotated[float, Quantity("1", 0.02, 2.0)] | None = None
+    # 1 never falls past the peak, 2 falls to zero: outside, the closed inverse does not hold.
+    shape: Annotated[float, Quantity("1", 1.01, 1.99)] | None = None
+    load_exponent: Annotated[float, Quantity("1", -1.0, 1.0)] | None = None
+
+
+def _start(written: object) -> tuple[float, str]:
+    for unit in ("m", "s"):
+        try:
+            return quantity(written, unit, None, InputError), unit
+        except InputError:
+            continue
+    raise wrong(f"{written!r} is neither a distance nor a time", '"60 m" or "3 s"')
+
+
+Start = Annotated[
+    tuple[float, str],
+    BeforeValidator(_start),
+    WithJsonSchema({"type": "string", "pattern": quantity_pattern("m", "s")}),
+]
+
+
+class SurfaceSection(Section):
+    """A change of road: factors on the tyre, from a distance or a time on."""
+
+    start: Start
+    stiffness: Factor
+    peak: Factor
+
+
+class EmpiricalSection(Section):
+    """What is added over what it depends on, in SI; its cause is not known."""
+
+    place: Annotated[str, OneOf(tuple(PLACES))]
+    driver: Annotated[str, OneOf(tuple(DRIVERS))]
+    knots: list[float]
+    values: list[float]
+
+    @model_validator(mode="after")
+    def _is_a_curve(self) -> Self:
+        if len(self.knots) != len(self.values) or any(b <= a for a, b in pairwise(self.knots)):
+            raise wrong("knots and values do not fit", "as many of each, knots increasing")
+        return self
+
+
+def _parameters(card: Card) -> type[Section]:
+    """The schema of an effect: its parameters, each with the unit and the range of its card."""
+    fields: dict[str, Any] = {
+        p.name: (Annotated[float, Quantity(p.unit, p.low, p.high)], ...) for p in card.parameters
+    }
+    return create_model(card.name, __base__=Section, __doc__=card.cause, **fields)
+
+
+EffectsSection = by_name(
+    "EffectsSection",
+    {name: _parameters(effect.card) for name, effect in CATALOGUE.items()},
+    "The whole list of effects; the vehicle's when left out.",
+)
+
+
+class ModelFile(FileSchema):
+    """What the simulation needs besides the vehicle."""
+
+    pads: PadsSection = PadsSection()
+    tyre: TyreSection = TyreSection()
+    effects: EffectsSection | None = None  # type: ignore[valid-type]
+    surfaces: list[SurfaceSection] = Field(default_factory=list)
+    empirical: EmpiricalSection | None = None
+
+
+def read_model(path: Path, vehicle: Vehicle) -> Model:
+    """Read a model file; what it leaves out is as in `default_model`.
+
+    Raises ModelError for a file that is missing, not TOML or of another schema; for an unknown key,
+    effect or unit; for a missing parameter; for a value out of its range.
+    """
+    file = read_toml(Path(path), ModelFile, ModelError)
+    base = default_model(vehicle)
+    pads, term = file.pads, file.empirical
+    return Model(
+        vehicle=vehicle,
+        pad_friction_f=base.pad_friction_f if pads.front is None else pads.front,
+        pad_friction_r=base.pad_friction_r if pads.rear is None else pads.rear,
+        tyre=replace(WET_ASPHALT, **file.tyre.model_dump(exclude_none=True)),
+        effects=base.effects
+        if file.effects is None
+        else {name: dict(effect) for name, effect in file.effects.entries()},
+        surfaces=tuple(Surface(*s.start, s.stiffness, s.peak) for s in file.surfaces),
+        empirical=None
+        if term is None
+        else Empirical(term.place, term.driver, tuple(term.knots), tuple(term.values)),
+    )
+
+
+def write_model(model: Model, path: Path) -> None:
+    """Write a model file that `read_model` reads back exactly, with the same vehicle.
+
+    Raises OSError if ``path`` cannot be written.
+    """
+    document: dict[str, Any] = {
+        "schema": 1,
+        "pads": {"front": model.pad_friction_f, "rear": model.pad_friction_r},
+        "tyre": {name: float(value) for name, value in asdict(model.tyre).items()},
+        "effects": {name: _written(name, values) for name, values in model.effects.items()},
+    }
+    if model.surfaces:
+        document["surfaces"] = [
+            {
+                "start": written_quantity(surface.start, surface.unit),
+                "stiffness": surface.stiffness,
+                "peak": surface.peak,
+            }
+            for surface in model.surfaces
+        ]
+    if model.empirical is not None:
+        term = model.empirical
+        document["empirical"] = {
+            "place": term.place,
+            "driver": term.driver,
+            "knots": list(term.knots),
+            "values": list(term.values),
+        }
+    write_whole(Path(path), toml_bytes(document))
+
+
+def _written(name: str, values: dict[str, float]) -> dict[str, str | float]:
+    return {
+        p.name: written_quantity(float(values[p.name]), p.unit)
+        for p in effect_named(name).card.parameters
+    }

@@ -1,0 +1,147 @@
+"""A vehicle as a TOML file: quantities with units, such as ``mass = "1744 kg"``.
+
+Bounds see slips of the unit and of the decimal point, not small errors: they reach from a microcar
+to a heavy coach, and a mass that is 10 % wrong passes.
+"""
+
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Self
+
+from pydantic import AfterValidator, Field, model_validator
+
+from calib.errors import VehicleError
+from calib.files import write_whole
+from calib.physics.vehicle import Axle, Vehicle
+from calib.schema import FileSchema, Quantity, Section, quantities, read_toml, validated
+from calib.schema_errors import wrong
+from calib.toml import toml_bytes, written_quantity
+
+if TYPE_CHECKING:
+    from tomlkit.items import Table
+
+_FORBIDDEN_IN_NAME = frozenset('@/\\:*?"<>|')
+
+
+def _name(name: str) -> str:
+    """A table is named after its vehicle, so the name must do as a folder and before an ``@``."""
+    bad = not name.strip() or name.startswith(".") or name != name.strip()
+    if bad or not name.isprintable() or _FORBIDDEN_IN_NAME & set(name):
+        raise wrong(f"{name!r} cannot name a table", 'letters, digits, "-", "_" or "."')
+    return name
+
+
+def _whole(number: float) -> int:
+    if number != int(number):
+        raise wrong(f"{number:g}", "a whole number: 2 for a disc brake")
+    return int(number)
+
+
+class ChassisSection(Section):
+    """Masses and lengths, as in `Vehicle`."""
+
+    mass: Annotated[float, Quantity("kg", 300, 60_000)]
+    cg_to_front_axle: Annotated[float, Quantity("m", 0.2, 10)]
+    cg_to_rear_axle: Annotated[float, Quantity("m", 0.2, 10)]
+    cg_height: Annotated[float, Quantity("m", 0.1, 3)]
+    track_width: Annotated[float, Quantity("m", 0.5, 3.5)]
+    mass_tolerance: Annotated[float, Quantity("1", 0, 0.2)] = Vehicle.mass_tolerance
+
+    @model_validator(mode="after")
+    def _is_low_enough(self) -> Self:
+        wheelbase = self.cg_to_front_axle + self.cg_to_rear_axle
+        if self.cg_height >= wheelbase:
+            raise wrong(
+                f"cg_height {self.cg_height:g} m is not below the wheelbase {wheelbase:g} m",
+                "cg_height < cg_to_front_axle + cg_to_rear_axle",
+            )
+        return self
+
+
+class AxleSection(Section):
+    """One axle, as in `Axle`; every value is for one wheel."""
+
+    rolling_radius: Annotated[float, Quantity("m", 0.1, 1.0)]
+    wheel_inertia: Annotated[float, Quantity("kg*m^2", 0.01, 200)]
+    piston_area: Annotated[float, Quantity("m^2", 0.5e-4, 500e-4)]
+    effective_radius: Annotated[float, Quantity("m", 0.03, 0.5)]
+    friction_faces: Annotated[int, Quantity("1", 1, 12), AfterValidator(_whole)]
+    pad_friction: Annotated[float, Quantity("1", 0.05, 1.0)]
+
+    @model_validator(mode="after")
+    def _disc_fits(self) -> Self:
+        if self.effective_radius >= self.rolling_radius:
+            raise wrong(
+                f"effective_radius {self.effective_radius:g} m is not below rolling_radius "
+                f"{self.rolling_radius:g} m",
+                "a disc that fits into the wheel",
+            )
+        return self
+
+
+KnownEffect = dict[str, Annotated[float, Quantity(None, -1e12, 1e12)]]
+
+
+class VehicleFile(FileSchema):
+    """A vehicle: Tables I and II of the paper, and the effects known beforehand.
+
+    The names of effects are not checked here: `calib.physics.model.default_model` does so.
+    """
+
+    name: Annotated[str, AfterValidator(_name)]
+    chassis: ChassisSection
+    front: AxleSection
+    rear: AxleSection
+    effects: dict[str, KnownEffect] = Field(default_factory=dict)
+
+
+def read_vehicle(path: Path) -> Vehicle:
+    """Read a vehicle file (TOML, ``schema = 1``, quantities as strings with units).
+
+    Raises VehicleError for a file that is missing, not TOML, of another schema; for a missing or
+    unknown key; for a wrong unit; for a value that is not believable.
+    """
+    file = read_toml(Path(path), VehicleFile, VehicleError)
+    return Vehicle(
+        name=file.name,
+        **dict(file.chassis),
+        front=Axle(**dict(file.front)),
+        rear=Axle(**dict(file.rear)),
+        effects=file.effects,
+    )
+
+
+def write_vehicle(vehicle: Vehicle, path: Path) -> None:
+    """Write a vehicle file that `read_vehicle` reads back exactly. All values are in SI.
+
+    Raises VehicleError for a value that is not believable, OSError if ``path`` cannot be written.
+    """
+    document: dict[str, Any] = {
+        "schema": 1,
+        "name": vehicle.name,
+        "chassis": _written(vehicle, ChassisSection),
+        "front": _written(vehicle.front, AxleSection),
+        "rear": _written(vehicle.rear, AxleSection),
+    }
+    if vehicle.effects:
+        document["effects"] = {name: _in_si(values) for name, values in vehicle.effects.items()}
+    validated(document, VehicleFile, vehicle.name, VehicleError)
+    write_whole(Path(path), toml_bytes(document))
+
+
+def _in_si(values: dict[str, float]) -> "Table":
+    import tomlkit
+
+    table = tomlkit.table()
+    table.comment("SI")
+    table.update(values)
+    return table
+
+
+def _written(part: Vehicle | Axle, section: type[Section]) -> dict[str, Any]:
+    units = {name: mark.si or "1" for name, mark in quantities(section).items()}
+    return {
+        field.name: written_quantity(getattr(part, field.name), units[field.name])
+        for field in fields(part)
+        if field.name in units
+    }

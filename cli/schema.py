@@ -1,0 +1,96 @@
+"""`brake-cal schema`: the JSON Schema of a file that is read, for editors and validators."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json
+from cli.options import Json, example
+
+if TYPE_CHECKING:
+    from calib.schema import Section
+
+EPILOG = example("brake-cal schema", "brake-cal schema vehicle")
+
+
+def schema(
+    name: Annotated[
+        str | None, typer.Argument(metavar="NAME", help="One kind of file; a list without it.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Print the JSON Schema (draft 2020-12) of a file, or list the files that have one.
+
+    It says keys, units and ranges. What one value means for another, such as a disc that fits into
+    the wheel, only the program checks.
+    """
+    if name is None:
+        _list(json)
+        return
+    if name not in SCHEMAS:
+        from calib.toml import did_you_mean
+
+        hint = did_you_mean(name, SCHEMAS) or "'brake-cal schema' lists the known ones"
+        raise typer.BadParameter(f"unknown file {name!r}; {hint}", param_hint="NAME")
+    from calib.schema import json_schema
+
+    emit_json(json_schema(SCHEMAS[name][1]()))
+
+
+def _list(json: bool) -> None:
+    if json:
+        emit_json({"schema": 1, "files": {name: about for name, (about, _) in SCHEMAS.items()}})
+        return
+    width = max(map(len, SCHEMAS))
+    emit("\n".join(f"{name:<{width}}  {about}" for name, (about, _) in SCHEMAS.items()))
+
+
+def _vehicle() -> "type[Section]":
+    from calib.physics.vehicle_file import VehicleFile
+
+    return VehicleFile
+
+
+def _model() -> "type[Section]":
+    from calib.physics.model_file import ModelFile
+
+    return ModelFile
+
+
+def _limits() -> "type[Section]":
+    from calib.gauge.study import known_limits
+    from calib.station.metrics import METRICS as OF_CAR
+    from calib.validation.limits_file import limits_schema
+    from calib.validation.metrics import METRICS as OF_STOPS
+
+    return limits_schema({*OF_STOPS, *OF_CAR, *known_limits()})
+
+
+def _channel_map() -> "type[Section]":
+    from calib.logs.channel_map_file import ChannelMapFile
+
+    return ChannelMapFile
+
+
+def _table() -> "type[Section]":
+    from calib.table.record_file import RecordFile
+
+    return RecordFile
+
+
+def _summary() -> "type[Section]":
+    from calib.table.exports.summary_file import SummaryFile
+
+    return SummaryFile
+
+
+SCHEMAS: "dict[str, tuple[str, Callable[[], type[Section]]]]" = {
+    "vehicle": ("vehicle.toml: masses, lengths and brakes of a car", _vehicle),
+    "model": ("model.toml: pads, tyre, effects and roads of a simulation", _model),
+    "limits": ("limits.toml: how large each figure may be", _limits),
+    "channel-map": ("map.toml: which column of a foreign log is which channel", _channel_map),
+    "table": ("record.json: a stored table without its curves", _table),
+    "summary": ("summary.json of a validation, as far as an export reads it", _summary),
+}
+"""Kinds of files: what they hold, and their schema."""
