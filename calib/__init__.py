@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from calib.fitting.fit import fit
     from calib.logs.read import read_log
     from calib.physics.model import default_model
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
     from calib.simulation.simulate import simulate
     from calib.table.exports.export import export
     from calib.table.store import Store
@@ -51,7 +51,7 @@ _HOMES = {
     "export": "calib.table.exports.export",
     "fit": "calib.fitting.fit",
     "read_log": "calib.logs.read",
-    "read_vehicle": "calib.physics.vehicle",
+    "read_vehicle": "calib.physics.vehicle_file",
     "sample_logs": "calib.demo.samples",
     "simulate": "calib.simulation.simulate",
     "validate": "calib.validation.validate",

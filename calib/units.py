@@ -186,9 +186,9 @@ def _refusal(unit: str, written: str, quantity: str, table: dict[str, Unit]) -> 
 
 def spellings(si: str | None) -> list[str]:
     """Return the written units of one quantity, or of any: ``%`` and ``percent`` for ``"1"``."""
-    tables = [table for key, (_, table) in _TABLES.items() if si in (key, None)]
+    tables = [table for key, (_, table) in QUANTITIES.items() if si in (key, None)]
     known = [unit for table in tables for unit in table]
-    return [*known, *(other for other, unit in _SPELLINGS.items() if unit in known)]
+    return [*known, *(other for other, unit in SPELLINGS.items() if unit in known)]
 
 
 def si_of(unit: str) -> str:

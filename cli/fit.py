@@ -36,8 +36,9 @@ def fit(
     """
     from calib.fitting.fit import fit as fit_table
     from calib.logs.read import read_log
-    from calib.physics.model import read_model, with_model
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.model import with_model
+    from calib.physics.model_file import read_model
+    from calib.physics.vehicle_file import read_vehicle
 
     car = read_vehicle(vehicle)
     mapping = channel_map_of(channel_map)

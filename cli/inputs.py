@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 def channel_map_of(path: Path | None) -> "ChannelMap | None":
     """The channel map of ``--map``, read once for all logs."""
-    from calib.logs.channel_map import read_channel_map
+    from calib.logs.channel_map_file import read_channel_map
 
     return read_channel_map(path) if path else None
 
 
 def vehicle_of(path: Path | None) -> "Vehicle | None":
     """The vehicle of a ``--vehicle`` that may be left out."""
-    from calib.physics.vehicle import read_vehicle
+    from calib.physics.vehicle_file import read_vehicle
 
     return read_vehicle(path) if path else None
 
@@ -51,7 +51,7 @@ def limits_of_car(path: Path | None) -> "tuple[Limit, ...]":
 
 def _limits(path: Path) -> "tuple[Limit, ...]":
     from calib.station.metrics import METRICS as OF_CAR
-    from calib.validation.limits import read_limits
+    from calib.validation.limits_file import read_limits
     from calib.validation.metrics import METRICS as OF_STOPS
 
     return read_limits(path, {*OF_STOPS, *OF_CAR})

@@ -59,7 +59,7 @@ def repeatability(
     repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
     """
     from calib.gauge.study import DEFAULTS, METRICS, known_limits, study
-    from calib.validation.limits import read_limits
+    from calib.validation.limits_file import read_limits
 
     _check_names(quantity or [], list(METRICS))
     refuse_file(out)

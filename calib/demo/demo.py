@@ -18,7 +18,8 @@ from calib.demo.samples import sample_logs
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
-from calib.physics.vehicle import Vehicle, read_vehicle
+from calib.physics.vehicle import Vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.table.store import Store
 from calib.table.version import Stored
 from calib.validation.limits import DEFAULTS

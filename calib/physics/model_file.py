@@ -13,13 +13,15 @@ drag_area = "0.66 m^2"
 start = "60 m"
 stiffness = 0.8
 peak = 0.5
-[empirical]                   # over a driver in SI; see calib/physics/effects/empirical.py
+[empirical]                   # over a driver in SI, see calib/physics/effects/empirical.py;
+                              # several terms are written with [[empirical]]
 place = "front_brakes"
 driver = "speed"
 knots = [5.0, 20.0, 35.0]
 values = [0.0, -0.05, -0.1]
 """
 
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from itertools import pairwise
 from pathlib import Path
@@ -31,7 +33,8 @@ from calib.errors import InputError, ModelError
 from calib.files import write_whole
 from calib.physics.effects.catalogue import CATALOGUE, effect_named
 from calib.physics.effects.effect import Card
-from calib.physics.effects.empirical import DRIVERS, PLACES, Empirical
+from calib.physics.effects.effects import Effects, EmpiricalTerm
+from calib.physics.effects.empirical import DRIVERS, PLACES
 from calib.physics.model import WET_ASPHALT, Model, Surface, default_model
 from calib.physics.vehicle import Vehicle
 from calib.schema import (
@@ -121,6 +124,11 @@ EffectsSection = by_name(
 )
 
 
+def _listed(written: object) -> object:
+    """One term may be written as a table, several as an array of tables."""
+    return [written] if isinstance(written, dict) else written
+
+
 class ModelFile(FileSchema):
     """What the simulation needs besides the vehicle."""
 
@@ -128,7 +136,9 @@ class ModelFile(FileSchema):
     tyre: TyreSection = TyreSection()
     effects: EffectsSection | None = None  # type: ignore[valid-type]
     surfaces: list[SurfaceSection] = Field(default_factory=list)
-    empirical: EmpiricalSection | None = None
+    empirical: Annotated[list[EmpiricalSection], BeforeValidator(_listed)] = Field(
+        default_factory=list
+    )
 
 
 def read_model(path: Path, vehicle: Vehicle) -> Model:
@@ -139,20 +149,24 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
     """
     file = read_toml(Path(path), ModelFile, ModelError)
     base = default_model(vehicle)
-    pads, term = file.pads, file.empirical
+    pads, terms = file.pads, tuple(_term(section) for section in file.empirical)
     return Model(
         vehicle=vehicle,
         pad_friction_f=base.pad_friction_f if pads.front is None else pads.front,
         pad_friction_r=base.pad_friction_r if pads.rear is None else pads.rear,
         tyre=replace(WET_ASPHALT, **file.tyre.model_dump(exclude_none=True)),
-        effects=base.effects
-        if file.effects is None
-        else {name: dict(effect) for name, effect in file.effects.entries()},
+        effects=Effects(
+            base.effects.parameters
+            if file.effects is None
+            else {name: dict(effect) for name, effect in file.effects.entries()},
+            terms or base.effects.terms,
+        ),
         surfaces=tuple(Surface(*s.start, s.stiffness, s.peak) for s in file.surfaces),
-        empirical=None
-        if term is None
-        else Empirical(term.place, term.driver, tuple(term.knots), tuple(term.values)),
     )
+
+
+def _term(section: EmpiricalSection) -> EmpiricalTerm:
+    return EmpiricalTerm(section.place, section.driver, tuple(section.knots), tuple(section.values))
 
 
 def write_model(model: Model, path: Path) -> None:
@@ -164,7 +178,9 @@ def write_model(model: Model, path: Path) -> None:
         "schema": 1,
         "pads": {"front": model.pad_friction_f, "rear": model.pad_friction_r},
         "tyre": {name: float(value) for name, value in asdict(model.tyre).items()},
-        "effects": {name: _written(name, values) for name, values in model.effects.items()},
+        "effects": {
+            name: _written(name, values) for name, values in model.effects.parameters.items()
+        },
     }
     if model.surfaces:
         document["surfaces"] = [
@@ -175,18 +191,16 @@ def write_model(model: Model, path: Path) -> None:
             }
             for surface in model.surfaces
         ]
-    if model.empirical is not None:
-        term = model.empirical
-        document["empirical"] = {
-            "place": term.place,
-            "driver": term.driver,
-            "knots": list(term.knots),
-            "values": list(term.values),
-        }
+    terms = [
+        {**asdict(term), "knots": list(term.knots), "values": list(term.values)}
+        for term in model.effects.terms
+    ]
+    if terms:
+        document["empirical"] = terms[0] if len(terms) == 1 else terms
     write_whole(Path(path), toml_bytes(document))
 
 
-def _written(name: str, values: dict[str, float]) -> dict[str, str | float]:
+def _written(name: str, values: Mapping[str, float]) -> dict[str, str | float]:
     return {
         p.name: written_quantity(float(values[p.name]), p.unit)
         for p in effect_named(name).card.parameters

@@ -4,6 +4,7 @@ Bounds see slips of the unit and of the decimal point, not small errors: they re
 to a heavy coach, and a mass that is 10 % wrong passes.
 """
 
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
@@ -12,6 +13,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from calib.errors import VehicleError
 from calib.files import write_whole
+from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Axle, Vehicle
 from calib.schema import FileSchema, Quantity, Section, quantities, read_toml, validated
 from calib.schema_errors import wrong
@@ -95,11 +97,16 @@ class VehicleFile(FileSchema):
     effects: dict[str, KnownEffect] = Field(default_factory=dict)
 
 
-def read_vehicle(path: Path) -> Vehicle:
+def read_vehicle(path: Path | str) -> Vehicle:
     """Read a vehicle file (TOML, ``schema = 1``, quantities as strings with units).
 
     Raises VehicleError for a file that is missing, not TOML, of another schema; for a missing or
     unknown key; for a wrong unit; for a value that is not believable.
+
+    >>> import calib
+    >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")
+    >>> car.name, car.mass, round(car.wheelbase, 3), car.front.friction_faces  # kg, m
+    ('sedan-2up', 1744.0, 2.805, 2)
     """
     file = read_toml(Path(path), VehicleFile, VehicleError)
     return Vehicle(
@@ -107,15 +114,22 @@ def read_vehicle(path: Path) -> Vehicle:
         **dict(file.chassis),
         front=Axle(**dict(file.front)),
         rear=Axle(**dict(file.rear)),
-        effects=file.effects,
+        effects=Effects(file.effects),
     )
 
 
 def write_vehicle(vehicle: Vehicle, path: Path) -> None:
     """Write a vehicle file that `read_vehicle` reads back exactly. All values are in SI.
 
-    Raises VehicleError for a value that is not believable, OSError if ``path`` cannot be written.
+    Raises VehicleError for a value that is not believable and for an empirical term, which such a
+    file cannot hold; OSError if ``path`` cannot be written.
     """
+    if vehicle.effects.terms:
+        raise VehicleError(
+            "a vehicle file cannot hold an empirical term",
+            where=vehicle.name,
+            do="write a model file",
+        )
     document: dict[str, Any] = {
         "schema": 1,
         "name": vehicle.name,
@@ -123,13 +137,14 @@ def write_vehicle(vehicle: Vehicle, path: Path) -> None:
         "front": _written(vehicle.front, AxleSection),
         "rear": _written(vehicle.rear, AxleSection),
     }
-    if vehicle.effects:
-        document["effects"] = {name: _in_si(values) for name, values in vehicle.effects.items()}
+    if vehicle.effects.names:
+        named = vehicle.effects.parameters
+        document["effects"] = {name: _in_si(values) for name, values in named.items()}
     validated(document, VehicleFile, vehicle.name, VehicleError)
     write_whole(Path(path), toml_bytes(document))
 
 
-def _in_si(values: dict[str, float]) -> "Table":
+def _in_si(values: Mapping[str, float]) -> "Table":
     import tomlkit
 
     table = tomlkit.table()

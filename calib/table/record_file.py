@@ -7,8 +7,8 @@ from pydantic import ConfigDict
 
 from calib.digest import canonical_json
 from calib.errors import StoreError
-from calib.physics.effects.empirical import Empirical
-from calib.physics.vehicle import Vehicle
+from calib.physics.effects.effects import Effects, EmpiricalTerm
+from calib.physics.vehicle import Axle, Vehicle
 from calib.schema import FileSchema, Section, validated_json
 from calib.table.curve_file import Array
 from calib.table.table import (
@@ -23,13 +23,28 @@ from calib.table.table import (
 )
 
 
+class VehicleRecord(Section):
+    """The vehicle as it is written: of its effects only those with a name."""
+
+    name: str
+    mass: float
+    cg_to_front_axle: float
+    cg_to_rear_axle: float
+    cg_height: float
+    track_width: float
+    front: Axle
+    rear: Axle
+    mass_tolerance: float
+    effects: dict[str, dict[str, float]]
+
+
 class Record(FileSchema):
     """A table without its curves, as `Table`."""
 
     model_config = ConfigDict(allow_inf_nan=False)
 
     name: str
-    vehicle: Vehicle
+    vehicle: VehicleRecord
     posterior: TyrePosterior
     calibration: Calibration
     effects: dict[str, dict[str, Value]]
@@ -37,7 +52,7 @@ class Record(FileSchema):
     quality: dict[str, float]
     remarks: tuple[str, ...]
     provenance: Provenance
-    empirical: Empirical | None = None
+    empirical: EmpiricalTerm | tuple[EmpiricalTerm, ...] = ()
 
 
 class Parent(Section):
@@ -87,9 +102,21 @@ def table_of(record: Record, curves: dict[str, dict[str, Array]]) -> Table:
         for field in fields(Table)
         if field.name in Record.model_fields
     }
+    terms = record.empirical if isinstance(record.empirical, tuple) else (record.empirical,)
+    parts["vehicle"] = Vehicle(
+        **{**dict(record.vehicle), "effects": Effects(record.vehicle.effects, terms)}
+    )
+    parts["effects"] = _with_sigma(record.effects)
     return Table(
         **parts,
         difference=DifferenceCurve(**curves["difference"]),
         paper=PaperCurves(**curves["paper"]),
         tyre=TyreCurve(**curves["tyre"]),
+    )
+
+
+def _with_sigma(values: dict[str, dict[str, Value]]) -> Effects:
+    return Effects(
+        {effect: {p: v.value for p, v in named.items()} for effect, named in values.items()},
+        sigma={effect: {p: v.sigma for p, v in named.items()} for effect, named in values.items()},
     )

@@ -113,6 +113,8 @@ class Store:
         Raises StoreError when the name is no name, the table is not sound or the store cannot be
         read.
         """
+        from calib.table.record_file import from_content
+
         home = self._home(table)
         try:
             versions = _versions(home)
@@ -120,7 +122,7 @@ class Store:
             raise StoreError(f"cannot be read ({error.strerror})", where=self.folder) from error
         version = _identical(home, versions, table.digest) or max(versions, default=0) + 1
         record, curves = table.content()
-        read = Table.from_content(json.loads(canonical_json(record)), curves)
+        read = from_content(record, curves)
         return Stored(read, table.name, version, table.digest, home / _folder(version))
 
     def load(self, reference: str) -> Stored:

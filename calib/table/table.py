@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.digest import content_digest
-from calib.physics.effects.effects import Effects, EmpiricalTerm
+from calib.physics.effects.effects import Effects
 from calib.physics.tyre import PARAMETERS as TYRE
 from calib.physics.tyre import Tyre
-from calib.physics.vehicle import Axle, Vehicle
+from calib.physics.vehicle import Vehicle
 from calib.statistics.intervals import Z95
 
 Array = NDArray[np.float64]
@@ -237,48 +237,6 @@ class Table:
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
         return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
 
-    @classmethod
-    def from_content(cls, record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> Self:
-        """Build the table that `content` described. Raises KeyError, TypeError on missing parts."""
-        r = dict(record)
-        if r.pop("schema") != SCHEMA:
-            raise KeyError("schema")
-        vehicle = dict(r.pop("vehicle"))
-        provenance = r.pop("provenance")
-        posterior = r.pop("posterior")
-        terms = r.pop("empirical", [])
-        return cls(
-            vehicle=Vehicle(
-                **{
-                    **vehicle,
-                    "front": Axle(**vehicle["front"]),
-                    "rear": Axle(**vehicle["rear"]),
-                    "effects": Effects(vehicle.get("effects", {}), _terms(terms)),
-                }
-            ),
-            difference=DifferenceCurve(**curves["difference"]),
-            paper=PaperCurves(**curves["paper"]),
-            tyre=TyreCurve(**curves["tyre"]),
-            posterior=TyrePosterior(
-                names=tuple(posterior["names"]),
-                mean=tuple(posterior["mean"]),
-                covariance=tuple(tuple(row) for row in posterior["covariance"]),
-            ),
-            calibration=Calibration(**{k: Value(**v) for k, v in r.pop("calibration").items()}),
-            effects=_effects(r.pop("effects")),
-            provenance=Provenance(
-                logs=tuple(
-                    LogReference(**{**x, "notes": tuple(x.get("notes", ()))})
-                    for x in provenance["logs"]
-                ),
-                settings=provenance["settings"],
-                program=provenance["program"],
-                identity=dict(provenance.get("identity", {})),
-            ),
-            remarks=tuple(r.pop("remarks")),
-            **r,
-        )
-
     @property
     def effect_values(self) -> dict[str, dict[str, Value]]:
         """The parameters of the effects with sigma [SI], by effect and parameter name."""
@@ -292,21 +250,3 @@ class Table:
     def digest(self) -> str:
         """SHA-256 of the canonical content [hex]."""
         return content_digest(*self.content())
-
-
-def _effects(record: dict[str, dict[str, Any]]) -> Effects:
-    values = {
-        effect: {name: Value(**value) for name, value in named.items()}
-        for effect, named in record.items()
-    }
-    return Effects(
-        {effect: {p: v.value for p, v in named.items()} for effect, named in values.items()},
-        sigma={effect: {p: v.sigma for p, v in named.items()} for effect, named in values.items()},
-    )
-
-
-def _terms(record: dict[str, Any] | list[dict[str, Any]]) -> tuple[EmpiricalTerm, ...]:
-    return tuple(
-        EmpiricalTerm(r["place"], r["driver"], tuple(r["knots"]), tuple(r["values"]))
-        for r in (record if isinstance(record, list) else [record])
-    )

@@ -5,7 +5,7 @@ import pytest
 
 from calib.fitting.fit import fit
 from calib.logs.read import read_log
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.table.store import Store
 from tests.support.tables import made_table
 

@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.logs.write import write_csv, write_parquet
-from calib.physics.vehicle import write_vehicle
+from calib.physics.vehicle_file import write_vehicle
 from calib.table.store import Store
 from calib.validation.metrics import METRICS
 from cli.validate import EPILOG

@@ -18,7 +18,7 @@ from calib.names import WHEELS, G
 from calib.physics import forces
 from calib.physics.effects.catalogue import CATALOGUE
 from calib.physics.effects.effects import Effects, EmpiricalTerm
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.validation.validate import agreement, validate
 from tests.support.effect_runs import SEDAN, driven, wave
 

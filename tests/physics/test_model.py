@@ -11,8 +11,9 @@ from calib.errors import ModelError
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.effects.empirical import DRIVERS, PLACES
 from calib.physics.magic_formula import MagicFormula
-from calib.physics.model import WET_ASPHALT, Model, Surface, default_model, read_model, write_model
-from calib.physics.vehicle import read_vehicle
+from calib.physics.model import WET_ASPHALT, Model, Surface, default_model
+from calib.physics.model_file import read_model, write_model
+from calib.physics.vehicle_file import read_vehicle
 from tests.support.refusals import refusal
 
 SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
@@ -170,16 +171,16 @@ def test_all_errors_of_a_file_come_in_one_message(tmp_path):
     ):
         assert old in text
         text = text.replace(old, new, 1)
-    head, *lines = refusal(tmp_path, text).splitlines()
+    head, *lines = refused(tmp_path, text).splitlines()
     assert head == f"{tmp_path / 'model.toml'}: 7 errors"
     assert [line.split(": ")[0] for line in lines] == [
         "  pads.front",
         "  effects.aerodynamic_drag.drag_area",
         "  surfaces[1].start",
-        "  empirical.place",
-        "  empirical.driver",
-        "  empirical",
-        "  empirical",
+        "  empirical[0].place",
+        "  empirical[0].driver",
+        "  empirical[0]",
+        "  empirical[0]",
     ]
     assert lines[4].endswith("did you mean 'speed'?")
     assert lines[5].endswith("key 'knots' is missing; expected a value for 'knots'")
@@ -189,14 +190,14 @@ def test_effects_come_in_the_order_of_the_file(tmp_path):
     names = ["rolling_resistance", "aerodynamic_drag", "accelerometer_bias"]
     keys = ["coefficient = 0.01", 'drag_area = "1 m^2"', 'bias = "0.1 m/s^2"']
     parts = [f"[effects.{name}]\n{key}" for name, key in zip(names, keys, strict=True)]
-    assert list(read(tmp_path, "\n".join(["schema = 1", *parts])).effects) == names
+    assert list(read(tmp_path, "\n".join(["schema = 1", *parts])).effects.parameters) == names
 
 
 def test_an_empirical_term_comes_back(tmp_path):
-    term = Empirical("rear_brakes", "temperature", (20.0, 1e2 / 3), (0.0, -1e-7))
+    term = EmpiricalTerm("rear_brakes", "temperature", (20.0, 1e2 / 3), (0.0, -1e-7))
     path = tmp_path / "model.toml"
-    write_model(replace(default_model(SEDAN), empirical=term), path)
-    assert read_model(path, SEDAN).empirical == term
+    write_model(replace(default_model(SEDAN), effects=Effects(terms=(term,))), path)
+    assert read_model(path, SEDAN).effects.terms == (term,)
 
 
 def test_every_part_has_its_header(tmp_path):

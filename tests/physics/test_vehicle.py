@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from calib.errors import VehicleError
 from calib.physics.effects.effects import Effects, EmpiricalTerm
-from calib.physics.vehicle import AXLE, CHASSIS, Axle, Vehicle, checked, read_vehicle, write_vehicle
+from calib.physics.vehicle import Axle, Vehicle
+from calib.physics.vehicle_file import AxleSection, ChassisSection, read_vehicle, write_vehicle
+from calib.schema import quantities
 from tests.support.refusals import refusal
 
 CHASSIS, AXLE = quantities(ChassisSection), quantities(AxleSection)
@@ -123,7 +125,8 @@ def test_a_replaced_value_is_checked_before_it_is_written(tmp_path):
     with pytest.raises(VehicleError, match=r"sedan-2up: chassis\.mass"):
         write_vehicle(replace(car, mass=-1.0), path)
     with pytest.raises(VehicleError, match=r"effects\.aerodynamic_drag\.drag_area"):
-        checked(replace(car, effects=Effects({"aerodynamic_drag": {"drag_area": float("nan")}})))
+        broken = Effects({"aerodynamic_drag": {"drag_area": float("nan")}})
+        write_vehicle(replace(car, effects=broken), path)
 
 
 inside = {key: st.floats(bound.low, bound.high) for key, bound in {**CHASSIS, **AXLE}.items()}

@@ -5,7 +5,7 @@ import pytest
 
 from calib.estimation.estimator import estimate
 from calib.physics.effects.effects import Effects, EmpiricalTerm
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.plots.result import read_result
 from calib.plots.trace import from_estimate, from_result
 from calib.validation.results import write_result

@@ -11,10 +11,10 @@ from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate, Where
 from calib.diagnosis.gap import CHANNELS, ChannelGap, Gap
 from calib.diagnosis.unexplained import UnexplainedTerm
 from calib.logs.read import read_log
-from calib.physics.effects.empirical import Empirical
+from calib.physics.effects.effects import EmpiricalTerm
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import Model
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.reports.diagnosis import report_html
 
 CASE = Path(__file__).parents[2] / "sample_logs" / "hidden" / "case_0"
@@ -29,7 +29,7 @@ def estimate(value):
 def named():
     """Drag is missing; a replay equals its log, since the page reads both alike."""
     log = replace(read_log(CASE / "holdout" / "stop_a.parquet"), name=MARKUP)
-    model = Model(read_vehicle(CASE / "vehicle.toml"), 0.4, 0.4, MagicFormula(20.0, 0.8), {})
+    model = Model(read_vehicle(CASE / "vehicle.toml"), 0.4, 0.4, MagicFormula(20.0, 0.8), Effects())
     where = Where("a_x", "body", (0.0, 5e6), (10.0, 30.0), None)
     drag = Named(
         "aerodynamic_drag", {"drag_area": estimate(0.66)}, where, 2.5, 1.75, None,
@@ -44,13 +44,13 @@ def named():
 
 
 def unknown(named):
-    term = Empirical("rear_brakes", "pressure", (0.0, 2.5e6), (0.0, -0.125))
+    term = EmpiricalTerm("rear_brakes", "pressure", (0.0, 2.5e6), (0.0, -0.125))
     model = named.model_after
-    base = Candidate((), None, {}, None, None, 0.0, 1)
+    base = Candidate((), None, Effects(), None, None, 0.0, 1)
     rest = UnexplainedTerm(
         term, "rear", "pressure", 0.75, 0.0, None, base, (("body", "speed", 0.5),)
     )
-    after = replace(model, empirical=term)
+    after = replace(model, effects=replace(model.effects, terms=(term,)))
     return replace(named, verdict="unknown", effects=(), unexplained=rest, model_after=after)
 
 

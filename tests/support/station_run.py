@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 
 from calib.logs.read import read_log
-from calib.physics.vehicle import read_vehicle
+from calib.physics.vehicle_file import read_vehicle
 from calib.station.advice import LIMITS
 from calib.station.identity import Identity
 from calib.station.metrics import Car

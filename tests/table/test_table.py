@@ -8,8 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.digest import canonical_json, content_digest
+from calib.errors import StoreError
 from calib.physics.effects.effects import Effects, EmpiricalTerm
-from calib.table.table import Table, Value
+from calib.table.record_file import from_content
+from calib.table.table import Value
 from tests.support.tables import C, K, made_table
 
 CURVES = ("difference", "paper", "tyre")
@@ -51,7 +53,7 @@ def test_the_record_keeps_the_keys_of_tables_stored_before(table, terms):
     assert record["effects"] == {"aerodynamic_drag": {"drag_area": {"value": 0.66, "sigma": 0.02}}}
     written = {0: None, 1: WRITTEN, 2: [WRITTEN, WRITTEN]}[len(terms)]
     assert record.get("empirical") == written
-    assert Table.from_content(record, curves).vehicle == held.vehicle
+    assert from_content(record, curves).vehicle == held.vehicle
 
 
 def test_digest_is_sha256_of_the_canonical_content():

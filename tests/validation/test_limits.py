@@ -51,11 +51,11 @@ def test_defaults_are_known_figures():
 
 def test_unknown_figure_is_suggested(tmp_path):
     path = write(tmp_path, "schema = 1\n[limits]\ntorque_eror_f = { max = 0.05 }\n")
-    assert "unknown figure 'torque_eror_f'; did you mean 'torque_error_f'?" in refused(path)
+    assert "limits: unknown key 'torque_eror_f'; did you mean 'torque_error_f'?" in refused(path)
 
 
 def test_figure_like_no_other_gets_the_list(tmp_path):
-    assert "known: covered_share, " in refused(
+    assert "expected one of covered_share, " in refused(
         write(tmp_path, "schema = 1\n[limits]\nzzz = { max = 1 }\n")
     )
 
