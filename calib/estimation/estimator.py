@@ -24,11 +24,12 @@ from calib.estimation.pad_ratio import PadRatio
 from calib.estimation.pads import estimate_axles
 from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
 from calib.estimation.priors import Priors
-from calib.estimation.split_filter import filter_pad_ratio, pitch_deficit
+from calib.estimation.split_filter import filter_pad_ratio
 from calib.fitting.known_effects import remove_known_effects
 from calib.logs.log import Log
 from calib.physics.balance import brake_forces, force_balance
 from calib.physics.braking import BITE
+from calib.physics.effects.pitch_coupling import pitch_deficit
 from calib.physics.forces import mean_slip
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals, eta_of, signals
@@ -156,6 +157,8 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     ends = np.searchsorted(s.time, b.end)
     now = np.where(np.maximum(b.p_f, b.p_r) > BITE, level.value[ends], np.nan)
+    mode = (plan.priors.pitch_frequency, plan.priors.pitch_damping)
+    late = pitch_deficit(car, s.time, s.z, *mode)
     demand = SplitInput(
         nominal_f=B_f,
         nominal_r=B_r,
@@ -166,7 +169,7 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
         load_r=forces.load_r,
         tyre_sum=forces.tyre_sum,
         slip=None if b.v is None else mean_slip(car, forces.load_f, b.omega_f, b.omega_r, b.v),
-        pitch_deficit=pitch_deficit(car, s.z, s.sample_time, plan.priors)[ends],
+        pitch_deficit=late[ends],
     )
     return filter_pad_ratio(car, b, demand, plan.noise, plan.table.posterior, plan.priors)
 
