@@ -22,7 +22,7 @@ from calib.estimation.gates import Gates, valid
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
 from calib.estimation.pad_ratio import PadRatio
 from calib.estimation.pads import estimate_axles
-from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
+from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch, with_pads
 from calib.estimation.priors import Priors
 from calib.estimation.split_filter import filter_pad_ratio
 from calib.fitting.known_effects import remove_known_effects
@@ -86,17 +86,20 @@ def estimate(
     """Run the estimator with a table on a log.
 
     ``vehicle`` gives the nominal pads if they are not the table's, and known effects beside or
-    instead of the table's. Known effects are taken out first, see `calib.fitting.known_effects`.
+    instead of the table's. Known effects are taken out first, see `calib.fitting.known_effects`; a
+    known pitch mode goes into the split filter, which carries the load that it delays.
     Without ``with_laws`` the baselines are only nominal pads and the mean gain. Raises LogError
     when the log has no unbraked lead-in to zero eta on.
     """
-    ran = remove_known_effects(with_effects(table, vehicle), log, table.empirical)
+    car = with_effects(table, vehicle)
+    ran = remove_known_effects(car, log, table.empirical)
     used = replace(table, vehicle=ran.vehicle)
     nominal = None if vehicle is None else with_pads(ran.vehicle, vehicle)
     s = signals(ran.log, nominal or ran.vehicle)
     _require_lead_in(log, s)
     b = blocks(s)
-    plan = plan_for(used, ran.log, s, nominal, priors, gates)
+    known = with_known_pitch(priors or Priors(), car)
+    plan = plan_for(used, ran.log, s, nominal, known, gates)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
     answer = split_of(plan, s, b, level)

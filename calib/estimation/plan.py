@@ -9,6 +9,7 @@ from calib.estimation.priors import Priors
 from calib.fitting.resistance import Resistance, other_known_effects
 from calib.logs.log import Log
 from calib.physics.balance import brake_forces
+from calib.physics.effects import pitch_coupling
 from calib.physics.effects.catalogue import as_driven
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals
@@ -48,6 +49,25 @@ def plan_for(
         noise=merged_noise(table, lead_in_noise(log, s)),
         priors=priors or Priors(),
         gates=gates or Gates(),
+    )
+
+
+def with_known_pitch(priors: Priors, car: Vehicle) -> Priors:
+    """The priors with the pitch mode that the car's known effects give, if they give one.
+
+    Frequency and damping are taken as given, the share with a small sigma: the load transfer that
+    pitch delays is then counted, and not looked for.
+    """
+    mode = car.effects.get(pitch_coupling.EFFECT.card.name)
+    if mode is None:
+        return priors
+    share = mode["elastic_share"]
+    return replace(
+        priors,
+        pitch_frequency=mode["natural_frequency"],
+        pitch_damping=mode["damping"],
+        elastic_share=share,
+        elastic_sigma=max(priors.known_share * share, priors.known_share_least),
     )
 
 

@@ -59,6 +59,10 @@ class Priors:
     """Share of the load transfer that goes through the mode, there."""
     elastic_sigma: float = ELASTIC_SHARE.spread
     """Sigma of it, there."""
+    known_share: float = 0.1
+    """Relative sigma of the share where the car's effects give it: a diagnosis from a few stops."""
+    known_share_least: float = 0.05
+    """Least sigma of a given share [1]: it is not the same over load and spring travel."""
     pitch: float = 0.25
     """Sigma of load_shift per unit of what a filter of ``pitch_time`` holds back: what is late or
     too far otherwise."""
