@@ -23,13 +23,14 @@ from calib.estimation.gates import Gates, valid
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
 from calib.estimation.pad_ratio import PadRatio
 from calib.estimation.pads import estimate_axles
-from calib.estimation.plan import Plan, plan_for, with_effects, with_pads
+from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch, with_pads
 from calib.estimation.priors import Priors
-from calib.estimation.split_filter import filter_pad_ratio, pitch_deficit
+from calib.estimation.split_filter import filter_pad_ratio
 from calib.fitting.known_effects import remove_known_effects
 from calib.logs.log import Log
 from calib.physics.balance import brake_forces, force_balance
 from calib.physics.braking import BITE
+from calib.physics.effects.pitch_coupling import pitch_deficit
 from calib.physics.forces import mean_slip
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals, eta_of, signals
@@ -159,7 +160,8 @@ def estimate(
     Parameters
     ----------
     table : what the car was calibrated to. Its known effects are taken out of the log first, see
-        `calib.fitting.known_effects`.
+        `calib.fitting.known_effects`; a known pitch mode goes into the split filter, which carries
+        the load that it delays.
     log : the run, with an unbraked lead-in.
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
         the table's.
@@ -179,13 +181,15 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
-    ran = remove_known_effects(with_effects(table, vehicle), log)
+    car = with_effects(table, vehicle)
+    ran = remove_known_effects(car, log)
     used = replace(table, vehicle=ran.vehicle)
     nominal = None if vehicle is None else with_pads(ran.vehicle, vehicle)
     s = signals(ran.log, nominal or ran.vehicle)
     _require_lead_in(log, s)
     b = blocks(s)
-    plan = plan_for(used, ran.log, s, nominal, priors, gates)
+    known = with_known_pitch(priors or Priors(), car)
+    plan = plan_for(used, ran.log, s, nominal, known, gates)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
     answer = split_of(plan, s, b, level)
@@ -246,6 +250,8 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     ends = np.searchsorted(s.time, b.end)
     now = np.where(np.maximum(b.p_f, b.p_r) > BITE, level.value[ends], np.nan)
+    mode = (plan.priors.pitch_frequency, plan.priors.pitch_damping)
+    late = pitch_deficit(car, s.time, s.z, *mode)
     demand = SplitInput(
         nominal_f=B_f,
         nominal_r=B_r,
@@ -256,7 +262,7 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
         load_r=forces.load_r,
         tyre_sum=forces.tyre_sum,
         slip=None if b.v is None else mean_slip(car, forces.load_f, b.omega_f, b.omega_r, b.v),
-        pitch_deficit=pitch_deficit(car, s.z, s.sample_time, plan.priors)[ends],
+        pitch_deficit=late[ends],
     )
     return filter_pad_ratio(car, b, demand, plan.noise, plan.table.posterior, plan.priors)
 

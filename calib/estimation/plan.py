@@ -9,6 +9,7 @@ from calib.estimation.priors import Priors
 from calib.fitting.resistance import DRAG, ROLLING, Resistance
 from calib.logs.log import Log
 from calib.physics.balance import brake_forces
+from calib.physics.effects import pitch_coupling
 from calib.physics.effects.combined import as_driven
 from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Vehicle
@@ -49,6 +50,27 @@ def plan_for(
         noise=merged_noise(table, lead_in_noise(log, s)),
         priors=priors or Priors(),
         gates=gates or Gates(),
+    )
+
+
+def with_known_pitch(priors: Priors, car: Vehicle) -> Priors:
+    """The priors with the pitch mode that the car's known effects give, if they give one.
+
+    Frequency and damping are taken as given, the share with its own sigma where that is known,
+    else with a small one: the load transfer that pitch delays is then counted, and not looked for.
+    """
+    name, strength = pitch_coupling.EFFECT.card.name, pitch_coupling.ELASTIC_SHARE.name
+    if name not in car.effects:
+        return priors
+    mode = car.effects.parameters[name]
+    share = mode[strength]
+    usual = max(priors.known_share * share, priors.known_share_least)
+    return replace(
+        priors,
+        pitch_frequency=mode["natural_frequency"],
+        pitch_damping=mode["damping"],
+        elastic_share=share,
+        elastic_sigma=car.effects.sigma.get(name, {}).get(strength, usual),
     )
 
 

@@ -6,6 +6,8 @@ Studies that try them: tests/studies/coverage.py (filter), tests/estimation/test
 
 from dataclasses import dataclass
 
+from calib.physics.effects.pitch_coupling import DAMPING, ELASTIC_SHARE, NATURAL_FREQUENCY
+
 
 @dataclass(frozen=True)
 class Priors:
@@ -49,15 +51,18 @@ class Priors:
     """Blocks after a change in which no other is looked for: both axles must cross the edge."""
 
     # Load that moves late.
-    pitch_frequency: float = 1.3
-    """Natural frequency of the pitch mode of a usual body [Hz] (Gillespie, ch. 5)."""
-    pitch_damping: float = 0.3
+    pitch_frequency: float = NATURAL_FREQUENCY.typical
+    """Natural frequency of the pitch mode [rad/s], as the effect's card has it."""
+    pitch_damping: float = DAMPING.typical
     """Its damping ratio [1], there."""
-    elastic_share: float = 0.4
-    """Share of the load transfer that goes through the mode: none on a stiff car, nearly all
-    without anti-dive."""
-    elastic_sigma: float = 0.4
-    """Sigma of it, for the same reason."""
+    elastic_share: float = ELASTIC_SHARE.typical
+    """Share of the load transfer that goes through the mode, there."""
+    elastic_sigma: float = ELASTIC_SHARE.spread
+    """Sigma of it, there."""
+    known_share: float = 0.1
+    """Relative sigma of the share where the car's effects give it: a diagnosis from a few stops."""
+    known_share_least: float = 0.05
+    """Least sigma of a given share [1]: it is not the same over load and spring travel."""
     pitch: float = 0.25
     """Sigma of load_shift per unit of what a filter of ``pitch_time`` holds back: what is late or
     too far otherwise."""

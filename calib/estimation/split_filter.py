@@ -79,25 +79,6 @@ def filter_pad_ratio(
     return weigh(states, variances, innovation, tuple(changes), priors)
 
 
-def pitch_deficit(vehicle: Vehicle, z: Array, step: float, priors: Priors) -> Array:
-    """Load over W [1] that a body with the priors' pitch mode has not yet moved to the front.
-
-    h/L (z - G z), G a damped second-order mode of unit gain, discretised by the matched transform;
-    starts in balance. The body's mode differs from the priors' by what ``xi`` takes up.
-    """
-    from scipy.signal import lfilter
-
-    natural = 2.0 * math.pi * priors.pitch_frequency
-    radius = math.exp(-priors.pitch_damping * natural * step)
-    angle = natural * math.sqrt(1.0 - priors.pitch_damping**2) * step
-    a1, a2 = -2.0 * radius * math.cos(angle), radius * radius
-    gain = 1.0 + a1 + a2
-    # the state that a constant z[0] would leave
-    start = [(1.0 - gain) * z[0], -a2 * z[0]]
-    moved = lfilter([gain], [1.0, a1, a2], z, zi=start)[0]
-    return np.asarray((z - moved) * vehicle.cg_height / vehicle.wheelbase)
-
-
 def _measure(
     x: Array, P: Array, now: list[float], g: list[float], reading: Measured, innovation: Array
 ) -> float:

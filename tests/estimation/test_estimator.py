@@ -12,6 +12,7 @@ from calib.estimation.plan import calibrated, known_resistance, merged_noise
 from calib.fitting.fit import fit
 from calib.names import WHEELS
 from calib.physics.balance import brake_forces
+from calib.physics.effects.effects import Effects
 from calib.signals.noise import SensorNoise
 from tests.studies.ensemble import cases
 from tests.support.plant import as_log, drive, magic
@@ -337,3 +338,53 @@ def test_resistance_is_that_of_the_table(table):
     known = known_resistance(table)
     assert known.mean[0] == table.effects.parameters["aerodynamic_drag"]["drag_area"]
     assert known.covariance[1][1] == table.effects.sigma["rolling_resistance"]["coefficient"] ** 2
+
+
+# A pitch mode that is known.
+
+PITCH = {"elastic_share": 1.0, "natural_frequency": 8.2, "damping": 0.3, "pitch_gradient": 0.0}
+
+
+def with_pitch(**changed):
+    return replace(CAR, effects=Effects({"pitch_coupling": {**PITCH, **changed}}))
+
+
+@pytest.fixture(scope="module")
+def pitching():
+    """A stop with a body that pitches with all of the load transfer, as PITCH has it."""
+    plant = replace(WET, pitch_frequency=8.2 / (2.0 * np.pi), pitch_damping=0.3)
+    return noisy(stop(plant, 45e5), 7)
+
+
+def test_a_known_pitch_mode_reaches_the_estimate(table, pitching):
+    """Share, frequency and damping all count; sensors and tables are the same."""
+    base = estimate(table, pitching, with_pitch())
+    for changed in ({"elastic_share": 0.0}, {"natural_frequency": 14.0}, {"damping": 0.9}):
+        other = estimate(table, pitching, with_pitch(**changed))
+        moving = (base.time > 1.6) & (base.time < 3.5)
+        apart = np.abs(other.rear.pad_friction / base.rear.pad_friction - 1.0)[moving]
+        assert np.max(apart) > 2e-4, changed
+    assert base.split.elastic_share[0] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_given_share_is_believed_and_may_move_a_little(table, pitching):
+    shares = [estimate(table, pitching, with_pitch(elastic_share=e)).split for e in (0.0, 1.0, 1.5)]
+    for split, given in zip(shares, (0.0, 1.0, 1.5), strict=True):
+        assert split.elastic_share[0] == pytest.approx(given, abs=1e-6)
+        assert np.max(np.abs(split.elastic_share - given)) < 3.0 * max(0.1 * given, 0.05)
+    unknown = estimate(table, pitching).split.elastic_share
+    assert unknown[0] == pytest.approx(0.4, abs=1e-6)
+
+
+def test_the_right_mode_surprises_less_than_none(table):
+    """Innovations of eta while the body moves: with the plant's own mode, and with a stiff body."""
+    plant = replace(WET, pitch_frequency=8.2 / (2.0 * np.pi), pitch_damping=0.3)
+    sums = []
+    for share in (1.0, 0.0):
+        squares = []
+        for seed in range(6):
+            e = estimate(table, noisy(stop(plant, 45e5), seed), with_pitch(elastic_share=share))
+            moving = (e.blocks.end > 1.5) & (e.blocks.end < 3.0)
+            squares.append(np.nanmean(e.split.innovation_eta[moving] ** 2))
+        sums.append(np.mean(squares))
+    assert sums[0] < sums[1]

@@ -5,13 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.signal
-from hypothesis import given
-from hypothesis import strategies as st
 
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.priors import Priors
-from calib.estimation.split_filter import filter_pad_ratio, pitch_deficit
+from calib.estimation.split_filter import filter_pad_ratio
 from calib.names import G
 from calib.signals.blocks import Blocks
 from calib.signals.noise import SensorNoise
@@ -39,42 +36,6 @@ def posterior(mean, covariance):
 POSTERIOR = posterior((math.log(0.04), 0.0, 0.0, 0.0, 0.0, 0.0), np.diag(SIGMAS) ** 2)
 """A straight tyre of stiffness 25: every slip below has a closed form."""
 SHOWN = ("log_pad_ratio", "sigma", "nominal_weight", "log_stiffness", "load_shift", "elastic_share")
-
-
-def reference(z, time, priors):
-    """h/L (z - the mode's answer), by a continuous-time simulation in balance at first."""
-    natural = 2.0 * math.pi * priors.pitch_frequency
-    mode = ([natural**2], [1.0, 2.0 * priors.pitch_damping * natural, natural**2])
-    moved = z[0] + scipy.signal.lsim(mode, z - z[0], time)[1]
-    return (z - moved) * H / (L_F + L_R)
-
-
-@pytest.mark.parametrize("damping", [0.1, 0.3, 0.7])
-@pytest.mark.parametrize("frequency", [1.0, 1.6])
-def test_pitch_deficit_is_that_of_the_continuous_mode(frequency, damping):
-    priors = replace(PRIORS, pitch_frequency=frequency, pitch_damping=damping)
-    worst = []
-    for rate in (200.0, 1000.0):
-        time = np.arange(round(5.0 * rate)) / rate
-        z = 0.02 + 0.3 * np.clip((time - 1.0) / 0.25, 0.0, 1.0)
-        off = pitch_deficit(CAR, z, 1.0 / rate, priors) - reference(z, time, priors)
-        worst.append(np.max(np.abs(off)))
-    largest = np.max(np.abs(reference(z, time, priors)))
-    assert worst[0] < 0.06 * largest  # about the error of half a sample
-    assert worst[1] < 0.25 * worst[0]
-
-
-@given(z=st.floats(-0.5, 1.0), rate=st.sampled_from([40.0, 200.0, 1000.0]))
-def test_pitch_deficit_of_a_constant_deceleration_is_nought(z, rate):
-    deficit = pitch_deficit(CAR, np.full(300, z), 1.0 / rate, PRIORS)
-    assert np.max(np.abs(deficit)) < 1e-9
-
-
-def test_pitch_deficit_knows_no_future():
-    z = np.random.default_rng(1).normal(size=400)
-    other = np.concatenate([z[:200], np.zeros(200)])
-    both = [pitch_deficit(CAR, x, 0.005, PRIORS)[:200] for x in (z, other)]
-    assert np.array_equal(*both)
 
 
 def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, length=0.05):

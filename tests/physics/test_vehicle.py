@@ -124,8 +124,8 @@ def test_a_replaced_value_is_checked_before_it_is_written(tmp_path):
     car, path = read_vehicle(SEDAN), tmp_path / "car.toml"
     with pytest.raises(VehicleError, match=r"sedan-2up: chassis\.mass"):
         write_vehicle(replace(car, mass=-1.0), path)
+    broken = Effects({"aerodynamic_drag": {"drag_area": float("nan")}})
     with pytest.raises(VehicleError, match=r"effects\.aerodynamic_drag\.drag_area"):
-        broken = Effects({"aerodynamic_drag": {"drag_area": float("nan")}})
         write_vehicle(replace(car, effects=broken), path)
 
 

@@ -11,7 +11,7 @@ from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate, Where
 from calib.diagnosis.gap import CHANNELS, ChannelGap, Gap
 from calib.diagnosis.unexplained import UnexplainedTerm
 from calib.logs.read import read_log
-from calib.physics.effects.effects import EmpiricalTerm
+from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import Model
 from calib.physics.vehicle_file import read_vehicle

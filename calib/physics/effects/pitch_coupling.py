@@ -3,7 +3,11 @@
 z --> body on its springs --> z_b:  z_b'' + 2 D w z_b' + w^2 z_b = w^2 z
 load transfer: (1 - e) z at once through the links, e z_b through the springs
 nose down by e k z_b
+
+The split filter (`calib.estimation.states`) follows the same mode with the same typical values.
 """
+
+import numpy as np
 
 from calib.names import G
 from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
@@ -11,14 +15,33 @@ from calib.physics.history import RunHistory
 from calib.physics.lag import second_order
 from calib.physics.vehicle import Vehicle
 
+NATURAL_FREQUENCY = Parameter("natural_frequency", "rad/s", 3.0, 30.0, 2.6 * np.pi, 2.5)
+"""1.3 Hz: bodies pitch at 1 to 2 Hz (Gillespie, ch. 5)."""
+
+DAMPING = Parameter("damping", "1", 0.05, 0.95, 0.3, 0.1)
+"""Dampers of passenger cars: 0.2 to 0.4 of critical (Gillespie, ch. 5)."""
+
+ELASTIC_SHARE = Parameter("elastic_share", "1", 0.0, 1.5, 0.4, 0.4)
+"""None on a stiff car, nearly all without anti-dive (Gillespie, ch. 7)."""
+
+
+def pitch_deficit(
+    vehicle: Vehicle, time: Array, z: Array, natural_frequency: float, damping: float
+) -> Array:
+    """Share (z - z_b) h/L of W [1] that load transfer through the springs alone still lacks, (n,).
+
+    ``time`` [s], ``z`` deceleration over g [1], (n,); ``natural_frequency`` w [rad/s]; ``damping``
+    D [1], from 0 to below 1. Springs and dampers of both axles as one mode; steady at the first
+    sample. No sample depends on a later one. Not for a wheel that lifts, or a body on its stops.
+    """
+    late = z - second_order(time, z, natural_frequency, damping)
+    return np.asarray(late * vehicle.cg_height / vehicle.wheelbase)
+
 
 def load_shift(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """Share e (z - z_b) h/L of W [1] that the front axle still lacks.
-
-    Springs and dampers of both axles as one mode; steady at the first sample.
-    """
-    late = history.z - _body(parameters, history)
-    return parameters["elastic_share"] * late * vehicle.cg_height / vehicle.wheelbase
+    """Share e (z - z_b) h/L of W [1] that the front axle still lacks."""
+    w, damping = parameters["natural_frequency"], parameters["damping"]
+    return parameters["elastic_share"] * pitch_deficit(vehicle, history.time, history.z, w, damping)
 
 
 def accelerometer(
@@ -46,9 +69,9 @@ EFFECT = Effect(
         source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 5 and 7 (anti-dive)",
         looks_like="a_x that rings at 1 to 2 Hz after a step and reads too much while held",
         parameters=(
-            Parameter("elastic_share", "1", 0.0, 1.5, 1.0, 0.25),
-            Parameter("natural_frequency", "rad/s", 3.0, 30.0, 9.5, 2.5),
-            Parameter("damping", "1", 0.05, 0.95, 0.3, 0.1),
+            ELASTIC_SHARE,
+            NATURAL_FREQUENCY,
+            DAMPING,
             Parameter("pitch_gradient", "rad", 0.0, 0.15, 0.03, 0.015),
         ),
     ),

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+import scipy.signal
+from hypothesis import given
+from hypothesis import strategies as st
 
 from calib.names import G
-from calib.physics.effects.pitch_coupling import EFFECT
+from calib.physics.effects.pitch_coupling import EFFECT, pitch_deficit
 from tests.support.effect_runs import SEDAN, apart, driven, made_history, on_the_plant
 
 PITCH = {
@@ -13,6 +16,47 @@ PITCH = {
     "damping": 0.25,
     "pitch_gradient": 0.03,
 }
+
+
+def by_continuous_time(z, time, frequency, damping):
+    """h/L (z - the mode's answer), simulated in continuous time, in balance at first."""
+    mode = ([frequency**2], [1.0, 2.0 * damping * frequency, frequency**2])
+    moved = z[0] + scipy.signal.lsim(mode, z - z[0], time)[1]
+    return (z - moved) * SEDAN.cg_height / SEDAN.wheelbase
+
+
+@pytest.mark.parametrize("damping", [0.1, 0.3, 0.7])
+@pytest.mark.parametrize("frequency", [6.0, 10.0])
+def test_deficit_is_that_of_the_continuous_mode(frequency, damping):
+    """At every rate: z runs straight between the samples of both."""
+    for rate in (40.0, 200.0):
+        time = np.arange(round(5.0 * rate)) / rate
+        z = 0.02 + 0.3 * np.clip((time - 1.0) / 0.25, 0.0, 1.0)
+        expected = by_continuous_time(z, time, frequency, damping)
+        late = pitch_deficit(SEDAN, time, z, frequency, damping)
+        assert np.max(np.abs(late - expected)) < 1e-9
+        assert np.max(np.abs(expected)) > 0.01
+
+
+@given(z=st.floats(-0.5, 1.0), rate=st.sampled_from([40.0, 200.0, 1000.0]))
+def test_deficit_of_a_constant_deceleration_is_zero(z, rate):
+    late = pitch_deficit(SEDAN, np.arange(300) / rate, np.full(300, z), 8.0, 0.3)
+    assert np.max(np.abs(late)) < 1e-9
+
+
+def test_deficit_does_not_depend_on_the_future():
+    time, z = np.arange(400) * 0.005, np.random.default_rng(1).normal(size=400)
+    other = np.concatenate([z[:200], np.zeros(200)])
+    both = [pitch_deficit(SEDAN, time, x, 8.0, 0.3)[:200] for x in (z, other)]
+    assert np.array_equal(*both)
+
+
+def test_the_effect_is_its_share_of_the_deficit():
+    rng = np.random.default_rng(4)
+    trace = made_history(500, z=rng.normal(size=500))
+    late = pitch_deficit(SEDAN, trace.time, trace.z, PITCH["natural_frequency"], PITCH["damping"])
+    shift = EFFECT.load_shift(SEDAN, {**PITCH, "elastic_share": 0.4}, trace)
+    assert shift == pytest.approx(0.4 * late)
 
 
 def step(t):
