@@ -8,7 +8,7 @@ The Kalman estimate is the product. Its baselines stand beside it: the paper's l
 least squares on any look-up, nominal pads, and one mean gain from deceleration alone.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,6 +33,7 @@ from calib.physics.braking import BITE
 from calib.physics.effects.pitch_coupling import pitch_deficit
 from calib.physics.forces import mean_slip
 from calib.physics.vehicle import Vehicle
+from calib.signals.accelerometer import Accelerometer, accelerometer
 from calib.signals.axle_signals import Signals, eta_of, signals
 from calib.signals.blocks import Blocks, blocks
 from calib.table.table import Table
@@ -187,13 +188,15 @@ def estimate(
     nominal = None if vehicle is None else with_pads(ran.vehicle, vehicle)
     s = signals(ran.log, nominal or ran.vehicle)
     _require_lead_in(log, s)
-    b = blocks(s)
     known = with_known_pitch(priors or Priors(), car)
     plan = plan_for(used, ran.log, s, nominal, known, gates)
+    sensor = accelerometer_of(plan, blocks(s))
+    s, sigma_z = corrected(s, blocks(s), sensor)
+    b = blocks(s)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
     answer = split_of(plan, s, b, level)
-    front, rear = estimate_axles(plan, s, forces, level, answer, b)
+    front, rear = estimate_axles(plan, s, sigma_z, forces, level, answer, b)
     zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
     eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
     others = baselines(used, plan.nominal, s, forces, eta, level, plan.priors, laws=with_laws)
@@ -222,6 +225,25 @@ def estimate(
         factor_r=ran.factor_r,
         notes=others.notes,
     )
+
+
+def accelerometer_of(plan: Plan, b: Blocks) -> Accelerometer:
+    """Scale and offset of the accelerometer in this run, block by block."""
+    car, known = plan.nominal, plan.known
+    spin = (b.spin_f, b.spin_r)
+    forces = force_balance(car, known.effects, b.end, b.speed, b.z, b.p_f, spin)
+    unexplained, sigma = forces.demanded / car.weight, known.sigma_z(car, b.speed)
+    return accelerometer(b, unexplained, sigma, plan.noise.z, plan.noise.v)
+
+
+def corrected(s: Signals, b: Blocks, sensor: Accelerometer) -> tuple[Signals, Array]:
+    """Signals with the z that the tyres feel, and the sigma of that z [1] (n,).
+
+    Each sample takes what was known at the end of the last complete block.
+    """
+    at = np.maximum(np.searchsorted(b.end, s.time, side="right") - 1, 0)
+    now = Accelerometer(*(getattr(sensor, f.name)[at] for f in fields(Accelerometer)))
+    return replace(s, z=now.corrected(s.z)), now.sigma(s.z)
 
 
 def _require_lead_in(log: Log, s: Signals) -> None:

@@ -74,6 +74,8 @@ def given(vehicle: Vehicle, b: Blocks, d: SplitInput) -> list[list[float]]:
         weight=np.full(b.end.size, vehicle.weight),
         pitch_deficit=d.pitch_deficit,
         lag_gain=G * b.z / np.maximum(b.speed, 1.0),
+        static_f=np.full(b.end.size, vehicle.static_loads[0]),
+        static_r=np.full(b.end.size, vehicle.static_loads[1]),
     )
     rows: list[list[float]] = np.column_stack(columns).tolist()
     return rows

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.fitting.parameters import parameters_of, tyres_of
 from calib.physics.forces import axle_loads, split
 from calib.table.table import Table
 
@@ -59,10 +60,13 @@ def tyre(table: Table, z: Array, eta: Array, level: Array) -> LookupReading:
     settled: they may not on a curve that turns over.
     """
     vehicle = table.vehicle
-    curve = table.posterior.tyre
+    tyres = tyres_of(parameters_of(table.posterior))
+    curve, apart = tyres.tyre, float(np.exp(0.5 * tyres.log_ratio))
     load_f, load_r = axle_loads(vehicle, z)
-    half = 0.5 * vehicle.weight
-    gain_f, gain_r = curve.gain(load_f / half), curve.gain(load_r / half)
+    half, rest_f, rest_r = 0.5 * vehicle.weight, *vehicle.static_loads
+    gain_f, gain_r = apart * curve.gain(load_f / half), curve.gain(load_r / half) / apart
+    # what the radii do to the wheel speeds as they are loaded and relieved
+    eta = eta * np.exp(tyres.radius_load * (load_f / rest_f - load_r / rest_r))
     D, step = np.zeros_like(z), np.full_like(z, np.inf)
     for _ in range(STEPS):
         F_f, F_r = split(vehicle, z, D, level)

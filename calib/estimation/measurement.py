@@ -4,9 +4,11 @@
     loads                    L_f = F_zf - P,  L_r = F_zr + P
     brakes, (2)              phi = B_f e^(rho/2)/(B_f e^(rho/2) + B_r e^(-rho/2))
     forces, (1)              F_f = (phi B + M_f)/L_f,  F_r = ((1 - phi) B + M_r)/L_r
-    tyre                     lambda = e^(c - s) (2 L/W)^q F (1 + b2 F w + b3 (F w)^2)
-    seen, (22)               eta = (1 + eta0) (1 - lambda_r)/(1 - lambda_f)
-    seen, (19), (20)         slip = x lambda_f + (1 - x) lambda_r + sl0 + g z/V lag,  x = F_zf/W
+    tyre                     lambda = e^(c - s +- T/2) (2 L/W)^q F (1 + b2 F w + b3 (F w)^2),
+                             T = tau + dtau, + in front
+    radius under load        1 - lambda' = (1 - lambda) e^(r (L/L_0 - 1)),  L_0 at rest
+    seen, (22)               eta = (1 + eta0) (1 - lambda'_r)/(1 - lambda'_f)
+    seen, (19), (20)         slip = x lambda'_f + (1 - x) lambda'_r + sl0 + g z/V lag,  x = F_zf/W
 
 B_f, B_r are the brake forces of nominal pads, B = level (B_f + B_r), M other moments as a force at
 the road. Where the brakes do not act, the normalised force is that of the coasting car, on both
@@ -30,7 +32,8 @@ class Given(NamedTuple, Generic[T]):
     not braked [1]; ``moment_f``, ``moment_r`` what slows the wheels otherwise, as a force at the
     road [N]; ``load_f``, ``load_r`` [N]; ``coasting_force`` tyre forces over the weight [1], read
     where not braked; ``weight`` [N]; ``pitch_deficit`` load over W that the pitch mode has not yet
-    moved [1]; ``lag_gain`` g z/V, slip per second of clock offset [1/s].
+    moved [1]; ``lag_gain`` g z/V, slip per second of clock offset [1/s]; ``static_f``, ``static_r``
+    axle loads at rest [N].
     """
 
     brake_f: T
@@ -44,6 +47,8 @@ class Given(NamedTuple, Generic[T]):
     weight: T
     pitch_deficit: T
     lag_gain: T
+    static_f: T
+    static_r: T
 
 
 Pair = tuple[Expression, Expression]
@@ -58,19 +63,28 @@ def braked(x: States[Expression], g: Given[Expression]) -> Pair:
     total = g.level * (g.brake_f + g.brake_r)
     force_f = (share * total + g.moment_f) / load_f  # (1)
     force_r = ((1.0 - share) * total + g.moment_r) / load_r
-    return sensed(x, g, slip(x, g, force_f, load_f), slip(x, g, force_r, load_r))
+    return sensed(x, g, *slips(x, g, (force_f, force_r), (load_f, load_r)))
 
 
 def coasting(x: States[Expression], g: Given[Expression]) -> Pair:
     """Return eta and the mean slip [1] of a block in which the brakes do not act."""
-    slip_f, slip_r = (slip(x, g, g.coasting_force, load) for load in loads(x, g))
-    return sensed(x, g, slip_f, slip_r)
+    return sensed(x, g, *slips(x, g, (g.coasting_force, g.coasting_force), loads(x, g)))
 
 
 def loads(x: States[Expression], g: Given[Expression]) -> Pair:
     """Axle loads [N] less what the body has not moved yet."""
     late = (x.load_shift + x.elastic_share * g.pitch_deficit) * g.weight
     return g.load_f - late, g.load_r + late
+
+
+def slips(x: States[Expression], g: Given[Expression], forces: Pair, load: Pair) -> Pair:
+    """Slips [1] that the wheel speeds show: `calib.physics.tyre.AxleTyres`."""
+    apart = exp(0.5 * (x.log_tyre_ratio + x.tyre_change))
+    front, rear = (slip(x, g, *axle) for axle in zip(forces, load, strict=True))
+    return (
+        1.0 - (1.0 - front * apart) * exp(x.radius_load * (load[0] / g.static_f - 1.0)),
+        1.0 - (1.0 - rear / apart) * exp(x.radius_load * (load[1] / g.static_r - 1.0)),
+    )
 
 
 def slip(

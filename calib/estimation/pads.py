@@ -18,13 +18,22 @@ Array = NDArray[np.float64]
 
 
 def estimate_axles(
-    plan: Plan, s: Signals, forces: BrakeBalance, level: PadLevel, answer: PadRatio, b: Blocks
+    plan: Plan,
+    s: Signals,
+    sigma_z: Array,
+    forces: BrakeBalance,
+    level: PadLevel,
+    answer: PadRatio,
+    b: Blocks,
 ) -> tuple[AxleEstimate, AxleEstimate]:
-    """Level and ratio to pad friction, torque and normalised force of each axle."""
+    """Level and ratio to pad friction, torque and normalised force of each axle.
+
+    ``sigma_z`` of the deceleration that the accelerometer leaves open [1], (n,).
+    """
     car = plan.nominal
     at = np.searchsorted(b.end, s.time, side="right") - 1  # the last complete block
     rho, sigma = _held(answer.log_pad_ratio, at), _held(answer.sigma, at)
-    theta, sigma_level = _level_weighed(plan, s, level)
+    theta, sigma_level = _level_weighed(plan, s, sigma_z, level)
     B_f, B_r = brake_forces(car, np.maximum(s.p_f, 1.0), np.maximum(s.p_r, 1.0))
     phi_0 = B_f / (B_f + B_r)
     half = np.exp(0.5 * rho)
@@ -50,7 +59,7 @@ def _held(values: Array, at: NDArray[np.int64]) -> Array:
     return np.where(at >= 0, values[np.maximum(at, 0)], values[0])
 
 
-def _level_weighed(plan: Plan, s: Signals, level: PadLevel) -> tuple[Array, Array]:
+def _level_weighed(plan: Plan, s: Signals, sigma_z: Array, level: PadLevel) -> tuple[Array, Array]:
     """Level and its relative sigma with mass and resistance counted, weighed against nominal.
 
     On a dry road the level is nominal within its error and stays there: compensation does no harm.
@@ -60,7 +69,7 @@ def _level_weighed(plan: Plan, s: Signals, level: PadLevel) -> tuple[Array, Arra
     p = plan.priors
     with np.errstate(divide="ignore", invalid="ignore"):
         z = np.maximum(smoothed(s, s.z, p), 0.02)
-        resist = plan.known.sigma_z(plan.nominal, s.speed) / z
+        resist = np.hypot(plan.known.sigma_z(plan.nominal, s.speed), sigma_z) / z
         # a level of zero is as good as unknown: ten times everything
         noise = np.minimum(np.abs(level.sigma / level.value), 10.0)
         sigma = np.sqrt(noise**2 + resist**2 + plan.nominal.mass_tolerance**2)

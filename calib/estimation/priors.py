@@ -27,6 +27,10 @@ class Priors:
     """Error of log_pad_ratio per unit of log_stiffness: on a strange surface the two axles need not
     share one curve."""
 
+    # The tyres.
+    tyre_change: float = 0.02
+    """Sigma of tyre_change: wear and inflation since the ramp; new tyres on one axle are more."""
+
     # The surface.
     stiffness: float = 0.35
     """Sigma of log_stiffness: tile to dry asphalt spans factors of 0.6 to 1.1."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.priors import Priors
+from calib.fitting.parameters import PRIORS
 from calib.table.table import TyrePosterior
 
 Array = NDArray[np.float64]
@@ -33,6 +34,9 @@ class States(NamedTuple, Generic[T]):
     curvature_2: T
     curvature_3: T
     table_log_pad_ratio: T  # the ratio of the pads on the day of the ramp
+    log_tyre_ratio: T  # the table's tyres, rear over front
+    radius_load: T  # share by which a radius falls when its load doubles
+    tyre_change: T  # ln of the tyres' ratio, what has changed since the ramp
 
 
 class State(NamedTuple):
@@ -72,6 +76,9 @@ def state_list(p: Priors) -> States[State]:
         curvature_2         = State("b2",    "1", None,            0.0,             0.0),
         curvature_3         = State("b3",    "1", None,            0.0,             0.0),
         table_log_pad_ratio = State("rho0",  "1", None,            0.0,             0.0),
+        log_tyre_ratio      = State("tau",   "1", None,            0.0,             0.0),
+        radius_load         = State("r",     "1", None,            0.0,             0.0),
+        tyre_change         = State("dtau",  "1", 0.0,             p.tyre_change,   0.0),
     )
     # fmt: on
 
@@ -98,6 +105,10 @@ def first_state(posterior: TyrePosterior, priors: Priors) -> tuple[Array, Array]
     P = np.zeros((COUNT, COUNT))
     table = places(posterior.names)
     x[table], P[np.ix_(table, table)] = posterior.mean, posterior.covariance
+    for name, prior in PRIORS._asdict().items():  # of an older table, as a ramp begins with it
+        if name not in posterior.names:
+            place = States._fields.index(name)
+            x[place], P[place, place] = prior.mean, prior.sigma**2
     # the pads of today: the table's ratio, and free around it
     today, then = AT.log_pad_ratio, AT.table_log_pad_ratio
     x[today] = x[then]

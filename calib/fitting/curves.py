@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.fitting.identify import Identified
-from calib.fitting.parameters import RampParameters, tyre_of
+from calib.fitting.parameters import RampParameters, tyres_of
 from calib.fitting.path import Path, delta_sigma, path
 from calib.fitting.ramp import RampRun
 from calib.fitting.settings import SETTINGS
@@ -73,9 +73,9 @@ def tyre_curve(vehicle: Vehicle, found: Identified, runs: list[RampRun], z_max: 
     one = np.ones(())
 
     def slip(parameters: RampParameters[float]) -> Array:
-        return tyre_of(parameters).slip(force, one)
+        return tyres_of(parameters).tyre.slip(force, one)
 
-    end = float(tyre_of(found.mean).slip(np.asarray(greatest), one))
+    end = float(tyres_of(found.mean).tyre.slip(np.asarray(greatest), one))
     grid = np.linspace(0.0, end, SETTINGS.rows)
     g = np.interp(grid, slip(found.mean), force)
     sigma = delta_sigma(lambda x: np.interp(grid, slip(x), force), found.posterior)

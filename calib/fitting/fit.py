@@ -19,6 +19,7 @@ from calib.fitting.ramp import prepare
 from calib.fitting.remarks import remarks, taken_out
 from calib.fitting.resistance import RESISTANCE
 from calib.fitting.resistance import identify as identify_resistance
+from calib.fitting.sensors import correct_accelerometer
 from calib.fitting.sort_logs import sort_logs
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
@@ -52,7 +53,10 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     notes = {(log.name, log.digest): log.notes for log in logs}
     corrected = [remove_known_effects(vehicle, log) for log in logs]
     car = corrected[0].vehicle if corrected else vehicle
-    ramps, coasts = sort_logs(car, [run.log for run in corrected])
+    ramps, coasts = (
+        [correct_accelerometer(car, *run) for run in group]
+        for group in sort_logs(car, [run.log for run in corrected])
+    )
     known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
     runs = [prepare(car, log.name, b, noise, known.effects) for log, b, noise in ramps]
     found, runs = identify(car, runs)

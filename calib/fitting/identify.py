@@ -108,26 +108,38 @@ def _parts(x: Array) -> tuple[RampParameters[float], Array]:
 
 
 def _least_squares(vehicle: Vehicle, runs: list[RampRun]) -> tuple[Array, Array]:
-    """Most probable parameters and zeros, and their covariance."""
+    """Most probable parameters and zeros, and their covariance.
+
+    First with equal tyres on both axles, then from there with all parameters: far from it, unlike
+    pads and unlike tyres can imitate each other.
+    """
     from scipy.optimize import least_squares
 
     mean = np.array([prior.mean for prior in PRIORS])
     sigma = np.array([prior.sigma for prior in PRIORS])
+    x = np.concatenate([mean, np.zeros(2 * len(runs))])
+    scale = np.concatenate([sigma, np.full(2 * len(runs), 1e-3)])
 
-    def objective(x: Array) -> Array:
-        data = [part for pair in _residuals(vehicle, runs, x) for part in pair]
+    def objective(part: Array, free: NDArray[np.int64]) -> Array:
+        x[free] = part
+        data = [one for pair in _residuals(vehicle, runs, x) for one in pair]
         return np.concatenate([(x[:COUNT] - mean) / sigma, x[COUNT:] / SETTINGS.zero_sigma, *data])
 
-    zeros = np.zeros(2 * len(runs))
-    # central differences: with one-sided ones a rounding error of a log shows in the fifth digit
-    fit = least_squares(
-        objective,
-        np.concatenate([mean, zeros]),
-        jac="3-point",
-        x_scale=np.concatenate([sigma, zeros + 1e-3]),
-        loss="huber",
-        f_scale=SETTINGS.huber,
-    )
+    every = np.arange(x.size)
+    equal = np.delete(every, [AT.log_tyre_ratio, AT.radius_load])
+    for free in (equal, every):
+        # central differences: with one-sided ones a rounding error of a log shows in the fifth
+        # digit
+        fit = least_squares(
+            objective,
+            x[free],
+            jac="3-point",
+            x_scale=scale[free],
+            loss="huber",
+            f_scale=SETTINGS.huber,
+            args=(free,),
+        )
+        x[free] = fit.x
     return fit.x, np.linalg.inv(fit.jac.T @ fit.jac)
 
 

@@ -4,7 +4,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from calib.physics.tyre import Tyre
+from calib.physics.tyre import AxleTyres, Tyre
 from calib.table.table import TyrePosterior
 
 T = TypeVar("T")
@@ -14,7 +14,8 @@ class RampParameters(NamedTuple, Generic[T]):
     """One thing for each parameter, by the parameter's name, in the order of a table's posterior.
 
     The first four are the tyre of `calib.physics.tyre`; ``clock_offset`` by which v is late against
-    the wheels; ``log_pad_ratio`` ln of the pads' ratio front over rear, relative to nominal.
+    the wheels; ``log_pad_ratio`` ln of the pads' ratio front over rear, relative to nominal;
+    ``log_tyre_ratio``, ``radius_load`` in what the axles' tyres differ (`AxleTyres`).
     """
 
     log_compliance: T
@@ -23,6 +24,8 @@ class RampParameters(NamedTuple, Generic[T]):
     load_exponent: T
     clock_offset: T
     log_pad_ratio: T
+    log_tyre_ratio: T
+    radius_load: T
 
 
 class Prior(NamedTuple):
@@ -43,6 +46,8 @@ PRIORS = RampParameters(
     load_exponent  = Prior("1", 0.03,         0.05, "0 to 10 % softer per load at twice the load"),
     clock_offset   = Prior("s", 0.0,          0.01, "sensors on a bus are within 10 ms"),
     log_pad_ratio  = Prior("1", 0.0,          0.15, "pads within 15 % of the vehicle file"),
+    log_tyre_ratio = Prior("1", 0.0,          0.1,  "rear tyres 10 % softer or stiffer: other size"),
+    radius_load    = Prior("1", 0.001,        0.002, "common tyre files: 0.4 % at twice the load"),
 )
 # fmt: on
 """Passenger cars. Their errors are taken as independent."""
@@ -53,11 +58,17 @@ AT = RampParameters[int](*range(COUNT))
 
 
 def parameters_of(posterior: TyrePosterior) -> RampParameters[float]:
-    """Return the means of a table's posterior. Raises ValueError if it has not all of them."""
-    return RampParameters(*(posterior.value(name) for name in RampParameters._fields))
+    """Return the means of a table's posterior; the prior's where an older table has none."""
+    return RampParameters(
+        *(
+            posterior.value(name) if name in posterior.names else prior.mean
+            for name, prior in PRIORS._asdict().items()
+        )
+    )
 
 
-def tyre_of(parameters: RampParameters[float]) -> Tyre:
-    """Return the tyre of the parameters, at the table's surface."""
+def tyres_of(parameters: RampParameters[float]) -> AxleTyres:
+    """Return the tyres of the parameters, at the table's surface."""
     p = parameters
-    return Tyre(p.log_compliance, p.curvature_2, p.curvature_3, p.load_exponent)
+    tyre = Tyre(p.log_compliance, p.curvature_2, p.curvature_3, p.load_exponent)
+    return AxleTyres(tyre, p.log_tyre_ratio, p.radius_load)

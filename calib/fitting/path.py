@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from calib.errors import LogError
 from calib.fitting.identify import Identified
-from calib.fitting.parameters import RampParameters, tyre_of
+from calib.fitting.parameters import RampParameters, tyres_of
 from calib.fitting.settings import SETTINGS
 from calib.names import G
 from calib.physics.balance import brake_forces
@@ -55,9 +55,8 @@ def path(vehicle: Vehicle, parameters: RampParameters[float], z: Array) -> Path:
     brakes = vehicle.weight * z + inertia_f + inertia_r
     F_f = (share * brakes - inertia_f) / load_f
     F_r = ((1.0 - share) * brakes - inertia_r) / load_r
-    tyre = tyre_of(parameters)
-    half = 0.5 * vehicle.weight
-    return Path(z, F_f, F_r, tyre.slip(F_f, load_f / half), tyre.slip(F_r, load_r / half))
+    slips = tyres_of(parameters).slips((F_f, F_r), (load_f, load_r), vehicle.static_loads)
+    return Path(z, F_f, F_r, *slips)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.parameters import RampParameters, tyre_of
+from calib.fitting.parameters import RampParameters, tyres_of
 from calib.fitting.settings import SETTINGS
 from calib.names import G
 from calib.physics.balance import brake_forces, force_balance
@@ -103,11 +103,10 @@ def predict(
     slip_zero: float,
 ) -> tuple[Array, Array]:
     """Eta and the load-weighted mean slip [1] that the sensors would show, without noise."""
-    tyre = tyre_of(parameters)
     F_f, F_r, _ = normalised_forces(vehicle, run, parameters.log_pad_ratio)
-    half_weight = 0.5 * vehicle.weight
-    slip_f = tyre.slip(F_f, run.load_f / half_weight)
-    slip_r = tyre.slip(F_r, run.load_r / half_weight)
+    slip_f, slip_r = tyres_of(parameters).slips(
+        (F_f, F_r), (run.load_f, run.load_r), vehicle.static_loads
+    )
     share = run.load_f / vehicle.weight
     mean = share * slip_f + (1.0 - share) * slip_r
     b = run.blocks

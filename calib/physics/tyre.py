@@ -64,3 +64,33 @@ class Tyre:
         u = force * self.peak_ratio
         slope = gain * (1.0 + 2.0 * self.curvature_2 * u + 3.0 * self.curvature_3 * u * u)
         return np.asarray(slope)
+
+
+@dataclass(frozen=True)
+class AxleTyres:
+    """The tyres of both axles: one curve, and in what the axles may differ.
+
+    ``log_ratio`` ln of the rear tyres' stiffness over that of the front ones [1]; ``radius_load``
+    share by which a rolling radius falls when the load of its axle doubles [1].
+    """
+
+    tyre: Tyre
+    log_ratio: float = 0.0
+    radius_load: float = 0.0
+
+    def slips(
+        self, forces: tuple[Array, Array], loads: tuple[Array, Array], at_rest: tuple[float, float]
+    ) -> tuple[Array, Array]:
+        """Slips of the axles [1] that their wheel speeds show, against the radii at rest.
+
+        ``forces`` normalised [1], ``loads`` [N], front and rear, (n,); ``at_rest`` static loads
+        [N]. The radius of a loaded wheel is R exp(-radius_load (F_z/F_z0 - 1)): a wheel whose
+        radius fell turns faster, and shows less slip than its tyre has.
+        """
+        half = 0.5 * sum(at_rest)
+        out = []
+        for force, load, rest, sign in zip(forces, loads, at_rest, (0.5, -0.5), strict=True):
+            slip = self.tyre.slip(force, load / half) * np.exp(sign * self.log_ratio)
+            shown = np.exp(self.radius_load * (load / rest - 1.0))
+            out.append(np.asarray(1.0 - (1.0 - slip) * shown))
+        return out[0], out[1]

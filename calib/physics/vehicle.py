@@ -61,7 +61,7 @@ class Vehicle:
     track_width: float
     front: Axle
     rear: Axle
-    mass_tolerance: float = 0.005
+    mass_tolerance: float = 0.03
     effects: Effects = field(default_factory=Effects)
 
     @property
@@ -73,3 +73,9 @@ class Vehicle:
     def weight(self) -> float:
         """M_v g [N]."""
         return self.mass * G
+
+    @property
+    def static_loads(self) -> tuple[float, float]:
+        """Loads of the front and the rear axle at rest [N], (6) and (7)."""
+        share = self.weight / self.wheelbase
+        return share * self.cg_to_rear_axle, share * self.cg_to_front_axle
