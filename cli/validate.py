@@ -70,6 +70,8 @@ def validate(
             results.append(validate_one(used, read_log(path, mapping), car, held))
             done()
     summary = to_dict(stored.id, results)
+    for warning in (one for result in results for one in result.warnings):
+        say(f"warning: {warning}")
     if out is not None:
         _write(results, summary, out)
     if json:

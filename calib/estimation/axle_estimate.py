@@ -13,7 +13,8 @@ class AxleEstimate:
     """One axle: pad friction mu with 95 % interval [1], brake torque of one wheel [N m], (n,).
 
     ``normalised_force`` F_x/F_z [1] over the quasi-static load (6), (7). Nominal, with a wide
-    interval, before the pads first bite.
+    interval, before the pads first bite. ``change`` mu over that of the calibration [1] with its
+    own interval: sharper, since tyres and radii are those of the ramp.
     """
 
     pad_friction: Array
@@ -21,3 +22,6 @@ class AxleEstimate:
     upper: Array
     torque: Array
     normalised_force: Array
+    change: Array
+    change_lower: Array
+    change_upper: Array

@@ -62,6 +62,12 @@ COLUMNS = {
     "brake_torque_rl": "N*m",
     "brake_torque_rr": "N*m",
     "valid": "1",
+    "pad_change_f": "1",
+    "pad_change_f_lower": "1",
+    "pad_change_f_upper": "1",
+    "pad_change_r": "1",
+    "pad_change_r_lower": "1",
+    "pad_change_r_upper": "1",
 }
 """Columns of an estimate as a table and as a file, in their order, with their units."""
 
@@ -72,7 +78,8 @@ class Estimate:
 
     ``eta`` zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the sample; ``braked``
     pads bite; ``baselines`` pad friction (front, rear) by method name; ``split`` and ``blocks`` the
-    filter's own record; ``eta_zero`` what was zeroed [1]; ``factor_f``, ``factor_r`` what known
+    filter's own record; ``eta_zero`` what was zeroed [1]; ``accelerometer`` its scale and
+    offset, by block; ``factor_f``, ``factor_r`` what known
     effects did to the pad friction, which is given without them [1]; ``notes`` name the
     baselines left out.
     """
@@ -91,6 +98,7 @@ class Estimate:
     blocks: Blocks
     level: PadLevel
     eta_zero: float
+    accelerometer: Accelerometer
     pressure_f: Array
     pressure_r: Array
     slip_f: Array | None = None
@@ -135,6 +143,12 @@ class Estimate:
             r.torque,
             r.torque,
             self.valid,
+            f.change,
+            f.change_lower,
+            f.change_upper,
+            r.change,
+            r.change_lower,
+            r.change_upper,
         )
         return dict(zip(COLUMNS, values, strict=True))
 
@@ -209,7 +223,15 @@ def estimate(
         speed=s.speed,
         front=front,
         rear=rear,
-        valid=valid(plan.gates, ran.log, s, (front, rear), forces.active, greatest),
+        valid=valid(
+            plan.gates,
+            ran.log,
+            s,
+            (front, rear),
+            forces.active,
+            greatest,
+            plan.nominal.track_width,
+        ),
         braked=np.maximum(s.p_f, s.p_r) > plan.gates.pressure,
         covered=others.covered,
         baselines=others.pads,
@@ -217,6 +239,7 @@ def estimate(
         blocks=b,
         level=level,
         eta_zero=zero,
+        accelerometer=sensor,
         pressure_f=s.p_f,
         pressure_r=s.p_r,
         slip_f=slips[0] if slips else None,

@@ -10,6 +10,7 @@ from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.braking import MOVING
 from calib.signals.axle_signals import Signals
+from calib.signals.filters import low_pass
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -24,13 +25,16 @@ class Gates:
     speed: float = MOVING
     """Speed [m/s] below which slip is noise."""
     settle: float = 0.3
-    """Time of braking [s] before the level is trusted: it has seen half its memory by then."""
+    """Time of braking [s] before the level is trusted: half its memory has passed by then."""
     interval_f: float = 0.12
     """Relative half width of the front's 95 % interval beyond which the number is no use."""
     interval_r: float = 0.25
     """The same of the rear, which eta shows more faintly."""
     steering: float = np.deg2rad(5.0)
     """Angle at the driver's wheel [rad] whose effect on eta is as large as the signal."""
+    lateral: float = 3.0
+    """Lateral acceleration [m/s^2] by left and right wheel speeds, past which tyres that corner leave
+    the curve; radii 0.5 % apart left to right look like as much at 30 m/s."""
     lock: float = 0.15
     """Relative departure of a wheel from the others that only ABS or a locked wheel shows."""
     recover: float = 1.0
@@ -44,11 +48,12 @@ def valid(
     axles: tuple[AxleEstimate, AxleEstimate],
     active: Mask,
     greatest: float,
+    track_width: float,
 ) -> Mask:
     """Where the estimator stands behind its answer (n,), see `Gates`.
 
     ``axles`` the estimates, front and rear; ``active`` where the pads bite (n,); ``greatest``
-    normalised force that the table knows [1].
+    normalised force that the table knows [1]; ``track_width`` [m].
     """
     ok = active & (np.maximum(s.p_f, s.p_r) > gates.pressure) & (s.speed > gates.speed)
     ok &= _since(s.time, ~active) > gates.settle
@@ -57,6 +62,7 @@ def valid(
         for axle, width in zip(axles, (gates.interval_f, gates.interval_r), strict=True):
             ok &= axle.upper - axle.lower < 2.0 * width * axle.pad_friction
             ok &= axle.normalised_force < greatest
+    ok &= np.abs(_lateral(log, s, track_width)) < gates.lateral
     if "steering" in log:
         ok &= np.abs(log["steering"]) < gates.steering
     return np.asarray(ok & np.isfinite(axles[0].pad_friction))
@@ -65,6 +71,17 @@ def valid(
 def _since(time: Array, event: Mask) -> Array:
     """Time since the event last held [s]; infinite before its first."""
     return time - np.maximum.accumulate(np.where(event, time, -np.inf))
+
+
+def _lateral(log: Log, s: Signals, track_width: float) -> Array:
+    """Lateral acceleration v^2/R [m/s^2] (n,) that the rear wheels' speeds tell of a bend."""
+    left, right = log["omega_rl"], log["omega_rr"]
+    apart = (right - left) / np.maximum(0.5 * (right + left), 1.0)
+    return low_pass(apart * s.speed**2 / track_width, s.sample_time, LATERAL_TIME)
+
+
+LATERAL_TIME = 0.2
+"""Time constant [s] over which the wheels are compared: their noise alone is 1 m/s^2."""
 
 
 def _locked(log: Log, s: Signals, gates: Gates) -> Mask:

@@ -7,8 +7,8 @@
     tyre                     lambda = e^(c - s +- T/2) (2 L/W)^q F (1 + b2 F w + b3 (F w)^2),
                              T = tau + dtau, + in front
     radius under load        1 - lambda' = (1 - lambda) e^(r (L/L_0 - 1)),  L_0 at rest
-    seen, (22)               eta = (1 + eta0) (1 - lambda'_r)/(1 - lambda'_f)
-    seen, (19), (20)         slip = x lambda'_f + (1 - x) lambda'_r + sl0 + g z/V lag,  x = F_zf/W
+    sensed, (22)             eta = (1 + eta0) (1 - lambda'_r)/(1 - lambda'_f)
+    sensed, (19), (20)       slip = x lambda'_f + (1 - x) lambda'_r + sl0 + g z/V lag,  x = F_zf/W
 
 B_f, B_r are the brake forces of nominal pads, B = level (B_f + B_r), M other moments as a force at
 the road. Where the brakes do not act, the normalised force is that of the coasting car, on both
@@ -107,7 +107,10 @@ def sensed(
 
 
 Numbers = Sequence[float]
-Measurement = Callable[[Numbers, Numbers], tuple[tuple[float, float], Numbers]]
+Sensed = tuple[tuple[float, float], Numbers]
+"""Eta and slip [1], and their gradients over the states."""
+
+Measurement = Callable[[Numbers, Numbers], Sensed]
 Loads = Callable[[Numbers, Numbers], tuple[tuple[float, float]]]
 
 

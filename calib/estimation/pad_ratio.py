@@ -16,7 +16,8 @@ Array = NDArray[np.float64]
 class PadRatio:
     """The filter's answer per block, shapes (k,), [1].
 
-    ``log_pad_ratio`` with ``sigma``; ``nominal_weight`` that the pads have the table's ratio;
+    ``log_pad_ratio`` with ``sigma``; its ``change`` since the ramp with ``change_sigma``, in which
+    what is common to both days falls out; ``nominal_weight`` that the pads have the table's ratio;
     ``log_stiffness`` of the surface with its sigma; ``load_shift``, ``elastic_share`` of the load
     transfer; ``innovation_eta``, ``innovation_slip`` over their sigma (NaN where not measured);
     ``changes`` times of surface changes [s].
@@ -24,6 +25,8 @@ class PadRatio:
 
     log_pad_ratio: Array
     sigma: Array
+    change: Array
+    change_sigma: Array
     nominal_weight: Array
     log_stiffness: Array
     log_stiffness_sigma: Array
@@ -71,6 +74,8 @@ def weigh(
     return PadRatio(
         log_pad_ratio=log_ratio + along * (posterior.mean - deviation),
         sigma=np.sqrt(rest + along**2 * posterior.sigma**2),
+        change=posterior.mean,
+        change_sigma=posterior.sigma,
         nominal_weight=posterior.nominal_weight,
         log_stiffness=log_stiffness,
         log_stiffness_sigma=np.sqrt(np.maximum(stiffness, 0.0)),

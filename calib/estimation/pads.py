@@ -38,20 +38,68 @@ def estimate_axles(
     phi_0 = B_f / (B_f + B_r)
     half = np.exp(0.5 * rho)
     phi = B_f * half / (B_f * half + B_r / half)
+    total = theta * (B_f + B_r)
+    changes = _changes(plan, s, total, sigma_level, answer, at)
     out = []
     road = forces.balance
-    for axle, p, share, share_0, lever, moment, load in (
-        (car.front, s.p_f, phi, phi_0, 1.0 - phi, road.moment_f, road.load_f),
-        (car.rear, s.p_r, 1.0 - phi, 1.0 - phi_0, phi, road.moment_r, road.load_r),
+    for axle, p, share, share_0, lever, moment, load, (change, change_sigma) in (
+        (car.front, s.p_f, phi, phi_0, 1.0 - phi, road.moment_f, road.load_f, changes[0]),
+        (car.rear, s.p_r, 1.0 - phi, 1.0 - phi_0, phi, road.moment_r, road.load_r, changes[1]),
     ):
         mu = axle.pad_friction * theta * share / share_0
-        # d ln(share)/d rho is the other axle's share; a factor of e^5 either way is no answer
-        spread = np.minimum(Z95 * np.sqrt(sigma_level**2 + (lever * sigma) ** 2), 5.0)
+        # d ln(share)/d rho is the other axle's share
+        spread = _half_width(np.hypot(sigma_level, lever * sigma))
+        apart = _half_width(change_sigma)
         torque = mu * axle.torque_gain * np.maximum(p, 0.0)
         brake = 2.0 * torque / axle.rolling_radius
         F = (np.nan_to_num(brake) + moment) / smoothed(s, load, plan.priors)
-        out.append(AxleEstimate(mu, mu * np.exp(-spread), mu * np.exp(spread), torque, F))
+        out.append(
+            AxleEstimate(
+                pad_friction=mu,
+                lower=mu * np.exp(-spread),
+                upper=mu * np.exp(spread),
+                torque=torque,
+                normalised_force=F,
+                change=change,
+                change_lower=change * np.exp(-apart),
+                change_upper=change * np.exp(apart),
+            )
+        )
     return out[0], out[1]
+
+
+def _half_width(sigma: Array) -> Array:
+    """Half width of the 95 % interval of a logarithm; a factor of e^5 either way is no answer."""
+    return np.minimum(Z95 * sigma, 5.0)
+
+
+def _changes(
+    plan: Plan,
+    s: Signals,
+    total: Array,
+    sigma_level: Array,
+    answer: PadRatio,
+    at: NDArray[np.int64],
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Pad friction of each axle over that of the calibration, and the sigma of its logarithm.
+
+    ``total`` brake force of both axles [N] (n,). The tyres, the radii under load and the pads'
+    ratio of the ramp are those of today and fall out; the error of the mass does not, since the
+    load may be another one.
+    """
+    cal, car = plan.table.calibration, plan.table.vehicle
+    p_f, p_r = np.maximum(s.p_f, 1.0), np.maximum(s.p_r, 1.0)
+    rho, change = cal.pad_log_ratio.value, _held(answer.change, at)
+    x, y = brake_forces(car, p_f, p_r, rho + change)
+    share = x / (x + y)
+    ramp = cal.pad_scale.sigma / cal.pad_scale.value
+    level = np.sqrt(sigma_level**2 + max(ramp**2 - car.mass_tolerance**2, 0.0))
+    sigma = _held(answer.change_sigma, at)
+    then_f, then_r = (cal.pad_scale.value * B for B in brake_forces(car, p_f, p_r, rho))
+    return (
+        (total * share / then_f, np.hypot(level, (1.0 - share) * sigma)),
+        (total * (1.0 - share) / then_r, np.hypot(level, share * sigma)),
+    )
 
 
 def _held(values: Array, at: NDArray[np.int64]) -> Array:

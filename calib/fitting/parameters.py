@@ -46,7 +46,7 @@ PRIORS = RampParameters(
     load_exponent  = Prior("1", 0.03,         0.05, "0 to 10 % softer per load at twice the load"),
     clock_offset   = Prior("s", 0.0,          0.01, "sensors on a bus are within 10 ms"),
     log_pad_ratio  = Prior("1", 0.0,          0.15, "pads within 15 % of the vehicle file"),
-    log_tyre_ratio = Prior("1", 0.0,          0.1,  "rear tyres 10 % softer or stiffer: other size"),
+    log_tyre_ratio = Prior("1", 0.0,          0.1,  "rear tyres of another size: 10 %"),
     radius_load    = Prior("1", 0.001,        0.002, "common tyre files: 0.4 % at twice the load"),
 )
 # fmt: on

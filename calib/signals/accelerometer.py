@@ -169,10 +169,10 @@ SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1
 def _weighed(precision: Array, vector: Array, p: AccelerometerPriors) -> Array:
     """Mixture over the eight cases: rows (c, bias, var c, var bias, cov, grade, drag), (m, 7)."""
     there = np.array(list(product((False, True), repeat=3)))
-    sigma = np.where(
-        there, (p.bias, p.grade, p.drag), (p.still_bias, p.still_grade, p.still_drag)
+    sigma = np.where(there, (p.bias, p.grade, p.drag), (p.still_bias, p.still_grade, p.still_drag))
+    odds = np.where(
+        there, *np.array([[x, 1.0 - x] for x in (p.odds_bias, p.odds_grade, p.odds_drag)]).T
     )
-    odds = np.where(there, *np.array([[x, 1.0 - x] for x in (p.odds_bias, p.odds_grade, p.odds_drag)]).T)
     prior = np.column_stack([np.full(len(there), p.scale), sigma]) ** -2.0
     information = (SENSED.T @ precision @ SENSED)[:, None] + prior[:, :, None] * np.eye(4)
     covariance, side = np.linalg.inv(information), vector @ SENSED

@@ -20,6 +20,7 @@ from calib.signals.blocks import blocks
 from calib.table.table import Table
 from calib.validation.limits import DEFAULTS, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
+from calib.validation.warnings import PlausibilityWarning, warnings_of
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,7 @@ class Validation:
     figures: dict[str, float | None]
     judgements: tuple[Judgement, ...]
     baselines: dict[str, tuple[float, float]]
+    warnings: tuple[PlausibilityWarning, ...] = ()
 
     def __repr__(self) -> str:
         mu_f, mu_r = self.figures["pad_friction_f"], self.figures["pad_friction_r"]
@@ -130,6 +132,7 @@ def validate_one(
         figures=figures,
         judgements=judge(limits, figures),
         baselines={} if truth is None else baseline_errors(car, result, truth),
+        warnings=warnings_of(log.name, result),
     )
 
 
@@ -207,6 +210,7 @@ def to_dict(table_id: str, results: list[Validation]) -> dict[str, object]:
     return {
         "schema": 1,
         "table": table_id,
+        "warnings": [asdict(w) for r in results for w in r.warnings],
         "verdict": "passed" if all(r.passed for r in results) else "failed",
         "logs": [
             {

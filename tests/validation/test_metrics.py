@@ -33,7 +33,7 @@ def axle(mu, gain, pressure, width=0.05):
     """An axle that is told ``mu`` everywhere, with an interval of +-``width`` of it."""
     mu = np.broadcast_to(np.asarray(mu, float), (N,)).copy()
     return AxleEstimate(
-        mu, mu * (1 - width), mu * (1 + width), mu * gain * pressure, np.full(N, 0.3)
+        mu, mu * (1 - width), mu * (1 + width), mu * gain * pressure, np.full(N, 0.3), mu, mu, mu
     )
 
 
@@ -44,7 +44,7 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
     one = np.ones(blocks)
     noise = np.random.default_rng(0).standard_normal(blocks) if innovation is None else innovation
     split = PadRatio(
-        one, one, one, one, one, one, one, noise, np.full(blocks, np.nan), changes=(2.5,)
+        one, one, one, one, one, one, one, one, one, noise, np.full(blocks, np.nan), changes=(2.5,)
     )
     values = {
         "time": TIME,
