@@ -58,7 +58,7 @@ ROOT = Path(__file__).parents[2]
 # ---------------------------------------------------------------------------------------------
 # The rules: what was renamed on purpose, and what is not compared.
 
-RENAMED: dict[str, str] = {}
+RENAMED: dict[str, str] = {"flaws": "violations"}
 """Old name to new name, of keys, columns and files. BEFORE is read with it.
 
 "gain" renames every key, column or file of that name, "evidence.gain" only where it stands in
@@ -66,7 +66,7 @@ RENAMED: dict[str, str] = {}
 What names a key in a value ("figure": "gain") is a text and belongs below.
 """
 
-REWORDED: dict[str, str] = {}
+REWORDED: dict[str, str] = {"nought below": "zero below"}
 """Old text (a regular expression) to new text, in strings and in text files. BEFORE is read with
 it: what was renamed may be named in a value, too, in a sentence or in a C header."""
 
