@@ -47,7 +47,7 @@ PRIORS = RampParameters(
     clock_offset   = Prior("s", 0.0,          0.01, "sensors on a bus are within 10 ms"),
     log_pad_ratio  = Prior("1", 0.0,          0.15, "pads within 15 % of the vehicle file"),
     log_tyre_ratio = Prior("1", 0.0,          0.1,  "rear tyres of another size: 10 %"),
-    radius_load    = Prior("1", 0.001,        0.002, "common tyre files: 0.4 % at twice the load"),
+    radius_load    = Prior("1", 0.0,          0.003, "common tyre files: 0.4 % at twice the load"),
 )
 # fmt: on
 """Passenger cars. Their errors are taken as independent."""
