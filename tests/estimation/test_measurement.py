@@ -17,6 +17,7 @@ STRAIGHT = States(
     log_pad_ratio=0.0, log_stiffness=0.0, peak_ratio=1.0, load_shift=0.0, elastic_share=0.0,
     eta_zero=0.0, slip_zero=0.0, clock_offset=0.0, load_exponent=0.0,
     log_compliance=math.log(0.04), curvature_2=0.0, curvature_3=0.0, table_log_pad_ratio=0.0,
+    log_tyre_ratio=0.0, radius_load=0.0, tyre_change=0.0,
 )  # fmt: skip
 """A straight tyre of stiffness 25: every slip has a closed form."""
 
@@ -36,6 +37,8 @@ def block(z=0.3, level=0.9, pitch_deficit=0.02, rear=1.0):
         weight=WEIGHT,
         pitch_deficit=pitch_deficit,
         lag_gain=G * z / 20.0,
+        static_f=share * L_R,
+        static_r=share * L_F,
     )
 
 
@@ -54,6 +57,9 @@ STATES = st.builds(
     curvature_2=st.floats(-0.2, 0.3),
     curvature_3=st.floats(0.0, 0.6),
     table_log_pad_ratio=st.floats(-0.2, 0.2),
+    log_tyre_ratio=st.floats(-0.3, 0.3),
+    radius_load=st.floats(-0.01, 0.02),
+    tyre_change=st.floats(-0.1, 0.1),
 )
 BLOCKS = st.builds(
     block,
@@ -90,6 +96,31 @@ def test_values_are_the_closed_form_of_a_straight_tyre(z, level, rho):
     share = g.load_f / WEIGHT
     mean = share * slip_f + (1.0 - share) * slip_r
     assert slip == pytest.approx(mean - 0.001 + 0.005 * G * z / 20.0)
+
+
+@given(
+    z=st.floats(0.05, 0.5),
+    ratio=st.floats(-0.3, 0.3),
+    change=st.floats(-0.1, 0.1),
+    fall=st.floats(0.0, 0.02),
+)
+def test_unlike_tyres_and_radii_under_load_are_the_closed_form(z, ratio, change, fall):
+    """Stiffness 25 e^(-T/2) in front and 25 e^(T/2) behind; R = R_0 e^(-r (F_z/F_z0 - 1)).
+
+    With R_0 in (19), (20): 1 - shown = omega R_0/v = (1 - slip) R_0/R.
+    """
+    x = STRAIGHT._replace(log_tyre_ratio=ratio, tyre_change=change, radius_load=fall)
+    g = block(z, 1.0, 0.0)
+    (eta, slip), _ = measurement(braked)(list(x), list(g))
+    stiff_f, stiff_r = (25.0 * math.exp(sign * 0.5 * (ratio + change)) for sign in (-1.0, 1.0))
+    turned_f = 1.0 - (g.brake_f + 60.0) / g.load_f / stiff_f
+    turned_r = 1.0 - (g.brake_r + 40.0) / g.load_r / stiff_r
+    # load transfer z W h/L over the axle's load at rest
+    turned_f *= math.exp(fall * z * H / L_R)
+    turned_r *= math.exp(-fall * z * H / L_F)
+    assert eta == pytest.approx(turned_r / turned_f)
+    share = g.load_f / WEIGHT
+    assert slip == pytest.approx(share * (1.0 - turned_f) + (1.0 - share) * (1.0 - turned_r))
 
 
 def test_a_coasting_car_has_one_force_on_both_axles():

@@ -24,17 +24,20 @@ PRIORS = Priors()
 NOISE = SensorNoise(omega=2e-3, z=5e-3, v=2e-3, omega_white=0.02)
 NAMES = (
     *("log_compliance", "curvature_2", "curvature_3", "load_exponent"),
-    *("clock_offset", "log_pad_ratio"),
+    *("clock_offset", "log_pad_ratio", "log_tyre_ratio", "radius_load"),
 )
-SIGMAS = (0.03, 0.1, 0.2, 0.02, 0.002, 0.02)
+SIGMAS = (0.03, 0.1, 0.2, 0.02, 0.002, 0.02, 0.01, 3e-4)
 
 
 def posterior(mean, covariance):
-    return TyrePosterior(NAMES, tuple(mean), tuple(tuple(row) for row in covariance))
+    names = NAMES[: len(mean)]
+    return TyrePosterior(names, tuple(mean), tuple(tuple(row) for row in covariance))
 
 
-POSTERIOR = posterior((math.log(0.04), 0.0, 0.0, 0.0, 0.0, 0.0), np.diag(SIGMAS) ** 2)
-"""A straight tyre of stiffness 25: every slip below has a closed form."""
+POSTERIOR = posterior((math.log(0.04), *(7 * (0.0,))), np.diag(SIGMAS) ** 2)
+"""A straight tyre of stiffness 25, known to be on both axles: slips have a closed form."""
+OLDER = posterior(POSTERIOR.mean[:6], np.diag(SIGMAS[:6]) ** 2)
+"""The same of a table that names neither the tyres' ratio nor the radius under load."""
 SHOWN = ("log_pad_ratio", "sigma", "nominal_weight", "log_stiffness", "load_shift", "elastic_share")
 
 
@@ -180,8 +183,11 @@ def test_wheels_past_their_peak_are_not_taken_in():
 # The same filter by the book.
 
 
-def random_stop(seed, v):
-    """A stop of random size on a curved tyre, over a change of the road, with noise in all."""
+def random_stop(seed, v, older=False):
+    """A stop of random size on a curved tyre, over a change of the road, with noise in all.
+
+    ``older`` has a table of six parameters.
+    """
     rng = np.random.default_rng(seed)
     z = np.concatenate([np.zeros(30), rng.uniform(0.15, 0.5) * np.clip(np.arange(90) / 8, 0, 1)])
     ratio, zero = rng.normal(0.0, 0.15), rng.normal(0.0, 2e-3)
@@ -206,11 +212,13 @@ def random_stop(seed, v):
         pitch_deficit=0.01 * rng.normal(size=z.size),
         slip=mixed(demand.slip, there.slip, 5e-3) if v else None,
     )
-    root = rng.normal(size=(6, 6)) * 0.3 + np.eye(6)
-    scale = np.array(SIGMAS) / np.sqrt(np.diag(root @ root.T))
+    count = len(NAMES) - 2 * older
+    root = rng.normal(size=(count, count)) * 0.3 + np.eye(count)
+    scale = np.array(SIGMAS[:count]) / np.sqrt(np.diag(root @ root.T))
     covariance = root @ root.T * np.outer(scale, scale)
-    mean = (math.log(0.04), *rng.normal((0.05, 0.3, 0.03, 0.0, 0.0), (0.05, 0.1, 0.02, 1e-3, 0.05)))
-    return blocks, demand, posterior(mean, covariance)
+    centre = (0.05, 0.3, 0.03, 0.0, 0.0, 0.0, 0.002)
+    mean = rng.normal(centre, (0.05, 0.1, 0.02, 1e-3, 0.05, 0.08, 0.002))
+    return blocks, demand, posterior((math.log(0.04), *mean)[:count], covariance)
 
 
 def close(one, two, what):
@@ -219,10 +227,11 @@ def close(one, two, what):
     assert np.nanmax(np.abs(one - two), initial=0.0) <= 1e-6 * scale, what
 
 
+@pytest.mark.parametrize("older", [True, False])
 @pytest.mark.parametrize("v", [True, False])
 @pytest.mark.parametrize("seed", range(6))
-def test_is_the_filter_of_the_book(seed, v):
-    blocks, demand, known = random_stop(seed, v)
+def test_is_the_filter_of_the_book(seed, v, older):
+    blocks, demand, known = random_stop(seed, v, older)
     answer = filter_pad_ratio(CAR, blocks, demand, NOISE, known, PRIORS)
     book = textbook(CAR, blocks, demand, NOISE, known, PRIORS)
     assert answer.changes == book.changes
@@ -246,6 +255,9 @@ def test_is_the_filter_of_the_book(seed, v):
     close(answer.log_pad_ratio, mean, "log_pad_ratio")
     close(answer.sigma, np.sqrt(variance), "sigma")
     close(answer.nominal_weight, weighed.nominal_weight, "nominal_weight")
+    # the change since the ramp is the difference itself
+    close(answer.change, weighed.mean, "change")
+    close(answer.change_sigma, weighed.sigma, "change_sigma")
 
 
 def test_the_random_stops_hold_what_the_filter_must_master():

@@ -66,6 +66,28 @@ def test_parameters_of_the_table_go_to_the_states_of_their_names():
     assert places(("log_pad_ratio",)) == [States._fields.index("table_log_pad_ratio")]
 
 
+def test_what_an_older_table_does_not_name_starts_as_before_a_ramp():
+    """10 % between the axles' tyres and 0.3 % of radius per load, independent of all else."""
+    x, P = first_state(posterior(np.eye(6)), PRIORS)
+    for place, sigma in ((AT.log_tyre_ratio, 0.1), (AT.radius_load, 0.003), (AT.tyre_change, 0.02)):
+        assert x[place] == 0.0
+        assert P[place, place] == pytest.approx(sigma**2)
+        assert not np.delete(P[place], place).any()
+
+
+def test_tyres_that_the_table_names_are_taken_from_it():
+    root = np.random.default_rng(1).normal(size=(8, 8))
+    covariance = root @ root.T
+    names = (*NAMES, "log_tyre_ratio", "radius_load")
+    x, P = first_state(posterior(covariance, names, (*MEAN, 0.07, 0.004)), PRIORS)
+    assert (x[AT.log_tyre_ratio], x[AT.radius_load]) == (0.07, 0.004)
+    assert P[AT.log_tyre_ratio, AT.log_tyre_ratio] == covariance[6, 6]
+    assert P[AT.log_tyre_ratio, AT.log_compliance] == covariance[6, 0]
+    # what changed since the ramp is beside it, not part of it
+    assert P[AT.tyre_change, AT.tyre_change] == pytest.approx(PRIORS.tyre_change**2)
+    assert not np.delete(P[AT.tyre_change], AT.tyre_change).any()
+
+
 def test_the_peak_moves_with_the_stiffness():
     """Var of w = slope s + own; s and own independent."""
     _, P = first_state(posterior(np.eye(6)), PRIORS)
@@ -89,5 +111,6 @@ def test_every_state_has_a_symbol_of_its_own_and_a_start():
     rows = state_list(PRIORS)
     assert len({row.symbol for row in rows}) == len(rows)
     without = {name for name, row in rows._asdict().items() if row.start is None}
-    assert without == {*NAMES, "table_log_pad_ratio"}
+    of_tyres = {"log_tyre_ratio", "radius_load"}
+    assert without == {*NAMES, "table_log_pad_ratio", *of_tyres}
     assert rows.elastic_share.start == PRIORS.elastic_share

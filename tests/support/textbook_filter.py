@@ -18,9 +18,10 @@ from calib.names import G
 
 STATES = (
     *("rho", "s", "w", "xi", "kappa", "eta0", "sl0", "lag"),
-    *("q", "c", "b2", "b3", "rho0"),
+    *("q", "c", "b2", "b3", "rho0", "tau", "r", "dtau"),
 )
 PLACE = {name: i for i, name in enumerate(STATES)}
+COUNT = len(STATES)
 FROM_TABLE = {
     "log_compliance": "c",
     "curvature_2": "b2",
@@ -28,12 +29,16 @@ FROM_TABLE = {
     "load_exponent": "q",
     "clock_offset": "lag",
     "log_pad_ratio": "rho0",
+    "log_tyre_ratio": "tau",
+    "radius_load": "r",
 }
+OF_A_RAMP = {"tau": 0.1, "r": 0.003}
+"""Sigma around zero of what an older table does not name: 10 % between the axles' tyres, 0.3 %."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """States (k, 13), covariances (k, 13, 13), normalised innovations (k, 2), times of changes."""
+    """States (k, 16), covariances (k, 16, 16), normalised innovations (k, 2), times of changes."""
 
     x: np.ndarray
     P: np.ndarray
@@ -62,10 +67,15 @@ def sensed(x, demand, block):
     else:
         F_f = F_r = demand["tyre_sum"] / W
     slips = []
-    for F, load in zip((F_f, F_r), loads, strict=True):
+    apart = 0.5 * (a["tau"] + a["dtau"])
+    rests = block["rest_f"], block["rest_r"]
+    for F, load, rest, sign in zip((F_f, F_r), loads, rests, (1.0, -1.0), strict=True):
         u = F * a["w"]
         curve = F + a["b2"] * F * u + a["b3"] * F * u**2
-        slips.append(math.exp(a["c"] - a["s"]) * (2.0 * load / W) ** a["q"] * curve)
+        compliance = math.exp(a["c"] - a["s"] + sign * apart)
+        slip = compliance * (2.0 * load / W) ** a["q"] * curve
+        # the radius under load over that at rest
+        slips.append(1.0 - (1.0 - slip) / math.exp(a["r"] * (1.0 - load / rest)))
     eta = (1.0 + a["eta0"]) * (1.0 - slips[1]) / (1.0 - slips[0])
     share = demand["load_f"] / W
     mean = share * slips[0] + (1.0 - share) * slips[1]
@@ -87,18 +97,21 @@ def gradients(h, x):
 
 def first(posterior, p):
     """Mean and covariance before the first block."""
-    x, P = np.zeros(13), np.zeros((13, 13))
+    x, P = np.zeros(COUNT), np.zeros((COUNT, COUNT))
+    for name, sigma in OF_A_RAMP.items():
+        P[PLACE[name], PLACE[name]] = sigma**2
     at = [PLACE[FROM_TABLE[name]] for name in posterior.names]
     x[at], P[np.ix_(at, at)] = posterior.mean, np.asarray(posterior.covariance)
     x[PLACE["w"]], x[PLACE["kappa"]] = 1.0, p.elastic_share
     # rho = rho0 + an own part; w - 1 = slope * s + an own part
-    T = np.eye(13)
+    T = np.eye(COUNT)
     T[PLACE["rho"], PLACE["rho0"]] = 1.0
     T[PLACE["w"], PLACE["s"]] = p.peak_per_stiffness
     x[PLACE["rho"]] = x[PLACE["rho0"]]
     for name, sigma in (
         ("rho", p.ratio), ("s", p.stiffness), ("w", p.peak),
         ("kappa", p.elastic_sigma), ("eta0", p.zero), ("sl0", p.zero),
+        ("dtau", p.tyre_change),
     ):  # fmt: skip
         P[PLACE[name], PLACE[name]] = sigma**2
     return x, T @ P @ T.T
@@ -109,7 +122,7 @@ def textbook(car, blocks, demand, noise, posterior, p):
     x, P = first(posterior, p)
     T = blocks.length
     decay = math.exp(-T / p.pitch_memory)
-    F = np.eye(13)
+    F = np.eye(COUNT)
     F[PLACE["xi"], PLACE["xi"]] = decay
     followed, pause = blocks.z[0], 0
     out = []
@@ -119,11 +132,13 @@ def textbook(car, blocks, demand, noise, posterior, p):
         now = {n: np.nan if v is None else v[k] for n, v in vars(demand).items()}
         speed = max(blocks.speed[k], 1.0)
         block = {"weight": car.mass * G, "z": blocks.z[k], "speed": speed}
+        length = car.cg_to_front_axle + car.cg_to_rear_axle
+        block["rest_f"] = car.mass * G * car.cg_to_rear_axle / length
+        block["rest_r"] = car.mass * G * car.cg_to_front_axle / length
         followed += (1.0 - math.exp(-T / p.pitch_time)) * (blocks.z[k] - followed)
         held = abs(blocks.z[k] - followed)
-        L = car.cg_to_front_axle + car.cg_to_rear_axle
-        fed = p.pitch * held * car.cg_height / L
-        Q = np.zeros(13)
+        fed = p.pitch * held * car.cg_height / length
+        Q = np.zeros(COUNT)
         Q[[PLACE["rho"], PLACE["s"], PLACE["w"]]] = p.drift_ratio, p.drift_road, p.drift_road
         Q = np.diag(Q**2 * T)
         Q[PLACE["xi"], PLACE["xi"]] = (1.0 - decay**2) * fed**2
