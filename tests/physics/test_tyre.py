@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from calib.physics.tyre import PARAMETERS, Tyre
+from calib.physics.tyre import PARAMETERS, AxleTyres, Tyre
 from tests.support.plant import brush
 
 forces = st.floats(-0.1, 1.0)
@@ -69,3 +69,35 @@ def test_takes_the_shape_of_a_brush_at_small_forces(peak, used):
     tyre = Tyre(-np.log(25.0), 1.0 / 3.0, 5.0 / 27.0, 0.0, peak_ratio=1.0 / peak)
     slip = float(tyre.slip(np.asarray(used * peak), 1.0))
     assert road(slip, 1.0, 1.0, 1.0) == pytest.approx(used * peak, rel=0.2 * used**3)
+
+
+FORCES, LOADS, REST = (np.array([0.5]), np.array([0.25])), (12e3, 4e3), (10e3, 6e3)
+"""Front and rear: normalised forces [1], loads [N] of a braked car, and at rest."""
+
+
+def test_tyres_that_do_not_differ_are_one_curve():
+    tyre = Tyre(np.log(0.04), 0.2, 0.4, 0.5)
+    loads = tuple(np.array([x]) for x in LOADS)
+    slips = AxleTyres(tyre).slips(FORCES, loads, REST)
+    for slip, force, load in zip(slips, FORCES, LOADS, strict=True):
+        assert slip == pytest.approx(tyre.slip(force, load / 8e3))
+
+
+def test_stiffer_rear_tyres_slip_less_and_the_front_ones_as_much_more():
+    tyre = Tyre(np.log(0.04), 0.0, 0.0, 0.0)
+    loads = tuple(np.array([x]) for x in LOADS)
+    front, rear = AxleTyres(tyre, log_ratio=np.log(1.21)).slips(FORCES, loads, REST)
+    assert front[0] == pytest.approx(0.04 * 0.5 * 1.1)
+    assert rear[0] == pytest.approx(0.04 * 0.25 / 1.1)
+
+
+def test_a_loaded_wheel_turns_faster_than_its_slip_lets_expect():
+    """Front 20 % more load, rear a third less: radii of exp(-0.2 r) and exp(+r/3) of those at rest.
+
+    v = R omega/(1 - slip), so the slip against the radius at rest is 1 - (1 - slip) R0/R.
+    """
+    tyre, r = Tyre(np.log(0.04), 0.0, 0.0, 0.0), 0.01
+    loads = tuple(np.array([x]) for x in LOADS)
+    front, rear = AxleTyres(tyre, radius_load=r).slips(FORCES, loads, REST)
+    assert front[0] == pytest.approx(1.0 - 0.98 * np.exp(0.2 * r))
+    assert rear[0] == pytest.approx(1.0 - 0.99 * np.exp(-r / 3.0))

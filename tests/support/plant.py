@@ -76,6 +76,8 @@ class Plant:
     drag_area : c_d A [m^2].
     rolling_resistance : c_rr [1], a moment on the wheels.
     radius_scale : true over nominal rolling radius, front and rear [1].
+    radius_load : share by which a rolling radius falls when the load of its axle doubles [1].
+    rear_stiffness : stiffness of the rear tyres over that of the front ones [1].
     mass_scale : true over nominal mass [1].
     surface : stiffness and peak factors [1] of the road at a distance [m]; None if all alike.
     pitch_frequency : eigenfrequency [Hz] of the load transfer; 0 if it follows at once.
@@ -88,6 +90,8 @@ class Plant:
     drag_area: float = 0.0
     rolling_resistance: float = 0.0
     radius_scale: tuple[float, float] = (1.0, 1.0)
+    radius_load: float = 0.0
+    rear_stiffness: float = 1.0
     mass_scale: float = 1.0
     surface: Callable[[float], tuple[float, float]] | None = None
     pitch_frequency: float = 0.0
@@ -113,17 +117,23 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     axles = (car.front, car.rear)
     mu = plant.pads(t) if plant.pads else (car.front.pad_friction, car.rear.pad_friction)
     drag = 0.5 * AIR * plant.drag_area * state[V] ** 2
-    radius = [a.rolling_radius * s for a, s in zip(axles, plant.radius_scale, strict=True)]
-    slips = [1.0 - radius[i] * w / v for i, w in zip(SIDES, state[OMEGA], strict=True)]
+    at_rest = [a.rolling_radius * s for a, s in zip(axles, plant.radius_scale, strict=True)]
+    rest = [0.5 * weight * x / length for x in (car.cg_to_rear_axle, car.cg_to_front_axle)]
     road = [(1.0, 1.0), (1.0, 1.0)]
     if plant.surface:
         road = [plant.surface(state[X]), plant.surface(state[X] - length)]
+    road[1] = (road[1][0] * plant.rear_stiffness, road[1][1])
     z = state[TRANSFER]
     for _ in range(1 if plant.pitch_frequency else 8):
         half = [
             0.5 * weight * (car.cg_to_rear_axle + z * car.cg_height) / length,
             0.5 * weight * (car.cg_to_front_axle - z * car.cg_height) / length,
         ]
+        radius = [
+            r * (1.0 - plant.radius_load * (now / then - 1.0))
+            for r, now, then in zip(at_rest, half, rest, strict=True)
+        ]
+        slips = [1.0 - radius[i] * w / v for i, w in zip(SIDES, state[OMEGA], strict=True)]
         forces = [
             half[i] * plant.tyre(s, 4.0 * half[i] / weight, *road[i])
             for i, s in zip(SIDES, slips, strict=True)

@@ -11,6 +11,7 @@ from calib.estimation.pad_level import PadLevel
 from calib.estimation.pad_ratio import PadRatio
 from calib.logs.log import Log
 from calib.names import G
+from calib.signals.accelerometer import Accelerometer
 from calib.signals.blocks import Blocks
 from calib.validation.metrics import (
     METRICS,
@@ -65,6 +66,7 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
         ),
         "level": PadLevel(np.ones(N), np.ones(N)),
         "eta_zero": -0.001,
+        "accelerometer": Accelerometer(*np.zeros((7, blocks))),
         "pressure_f": p,
         "pressure_r": p,
     }  # fmt: skip

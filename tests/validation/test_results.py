@@ -31,8 +31,14 @@ CONTRACT = {
     "brake_torque_rl": "N*m",
     "brake_torque_rr": "N*m",
     "valid": "1",
+    "pad_change_f": "1",
+    "pad_change_f_lower": "1",
+    "pad_change_f_upper": "1",
+    "pad_change_r": "1",
+    "pad_change_r_lower": "1",
+    "pad_change_r_upper": "1",
 }
-"""As the brief has them: others read these files."""
+"""As the brief has them, and what was added after them: others read these files."""
 
 
 def test_columns_are_those_of_the_contract(tmp_path):
@@ -70,6 +76,8 @@ def test_bounds_lie_around_the_estimate():
     for side in "fr":
         assert np.all(c[f"pad_friction_{side}_lower"] <= c[f"pad_friction_{side}"])
         assert np.all(c[f"pad_friction_{side}"] <= c[f"pad_friction_{side}_upper"])
+        assert np.all(c[f"pad_change_{side}_lower"] <= c[f"pad_change_{side}"])
+        assert np.all(c[f"pad_change_{side}"] <= c[f"pad_change_{side}_upper"])
 
 
 def test_every_log_and_the_summary(tmp_path):
