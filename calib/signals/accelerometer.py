@@ -78,6 +78,9 @@ class Accelerometer:
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
+GREATEST = 1.5
+"""Deceleration [1] that no road car reaches: a block past it holds a glitch of a_x."""
+
 STEP = 4
 """Blocks from one judgement to the next: 0.2 s."""
 
@@ -125,11 +128,12 @@ def _against_speed(
     theta = 1.0 + 0.5 * ratio - float(np.sqrt(ratio + 0.25 * ratio**2))
     sigma = float(np.sqrt(white / theta))
     gained = G * 0.5 * h * (b.z[1:] + b.z[:-1])
-    moving = (b.speed > 2.0)[1:]
+    usable = (b.speed > 2.0) & (np.abs(b.z) < GREATEST)
+    usable = usable[1:] & usable[:-1]
     columns = np.stack(
         [np.diff(b.v) + gained, gained, np.full(gained.size, G * h), G * np.diff(b.z)]
     )
-    columns = lfilter([1.0], [1.0, -theta], np.where(moving, columns, 0.0)) / sigma
+    columns = lfilter([1.0], [1.0, -theta], np.where(usable, columns, 0.0)) / sigma
     y, c, e, lag = columns
     pairs = {
         (i, j): np.cumsum(u * w)
