@@ -10,10 +10,11 @@ from calib.estimation.estimator import estimate
 from calib.estimation.gates import Gates
 from calib.estimation.plan import calibrated, known_resistance, merged_noise
 from calib.fitting.fit import fit
-from calib.names import WHEELS
+from calib.names import WHEELS, G
 from calib.physics.balance import brake_forces
 from calib.physics.effects.effects import Effects
 from calib.signals.noise import SensorNoise
+from calib.table.table import TyrePosterior
 from tests.studies.ensemble import cases
 from tests.support.plant import as_log, drive, magic
 from tests.support.reference_car import (
@@ -23,6 +24,7 @@ from tests.support.reference_car import (
     cut,
     noisy,
     parked,
+    ramp,
     stop,
     true_forces,
     with_pads,
@@ -127,6 +129,89 @@ def test_wet_pads_are_found(table, seed):
     assert np.mean(e.front.pad_friction[e.valid]) == pytest.approx(0.31, rel=0.03)
     assert np.mean(e.rear.pad_friction[e.valid]) == pytest.approx(0.27, rel=0.08)
     assert np.mean(np.concatenate(truth_inside(e, log))) > 0.85
+
+
+CHANGED = (0.31 / 0.38, 0.27 / 0.38)
+"""Pads of WET over those of the ramp."""
+
+
+def change_inside(e, changed):
+    """Valid samples whose interval holds the true change since the ramp: shares of both axles."""
+    return [
+        ((axle.change_lower <= true) & (true <= axle.change_upper))[e.valid]
+        for axle, true in zip((e.front, e.rear), changed, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_change_since_the_ramp_is_that_of_the_plant(table, seed):
+    e = estimate(table, noisy(stop(WET), seed))
+    for axle, true, off in zip((e.front, e.rear), CHANGED, (0.03, 0.08), strict=True):
+        assert np.mean(axle.change[e.valid]) == pytest.approx(true, rel=off)
+    assert all(np.mean(inside) >= 0.9 for inside in change_inside(e, CHANGED))
+
+
+def test_the_change_is_over_the_ramp_and_not_over_the_file(table, wet, result):
+    """A file that says other pads, of the same ratio, changes nothing of it."""
+    wrong = replace(
+        CAR,
+        front=replace(CAR.front, pad_friction=0.5),
+        rear=replace(CAR.rear, pad_friction=0.5),
+    )
+    e = estimate(table, wet, wrong)
+    late = e.valid & (e.time > 3.0)
+    for axle, other in ((e.front, result.front), (e.rear, result.rear)):
+        assert axle.change[late] == pytest.approx(other.change[late], rel=0.02)
+
+
+def test_the_change_is_written_with_its_interval(result):
+    rows = result.columns()
+    for side, axle in (("f", result.front), ("r", result.rear)):
+        assert np.array_equal(rows[f"pad_change_{side}"], axle.change, equal_nan=True)
+        assert np.array_equal(rows[f"pad_change_{side}_lower"], axle.change_lower, equal_nan=True)
+        assert np.array_equal(rows[f"pad_change_{side}_upper"], axle.change_upper, equal_nan=True)
+
+
+# In doubt: the tyres, the accelerometer.
+
+
+@pytest.mark.parametrize("ratio", [0.9, 1.1])
+def test_tyres_that_differ_by_axle_are_in_the_interval(ratio):
+    """Rear tyres 10 % softer or stiffer than the front ones, on the ramp and in the stops."""
+    plant = replace(REAL, rear_stiffness=ratio)
+    found = fit(CAR, [noisy(ramp(plant), 1)])
+    clean = stop(with_pads(plant, 0.31, 0.27))
+    for seed in range(3):
+        log = noisy(clean, seed)
+        for e in (estimate(found, log), estimate(found, without(log, "v"))):
+            assert np.mean(e.valid) > 0.5
+            for inside in (*truth_inside(e, log), *change_inside(e, CHANGED)):
+                assert np.mean(inside) >= 0.9
+
+
+def test_an_older_table_is_estimated_with_and_promises_less(table, wet, result):
+    """Six parameters: what the axles' tyres may differ in is as open as before a ramp."""
+    p = table.posterior
+    six = TyrePosterior(p.names[:6], p.mean[:6], tuple(row[:6] for row in p.covariance[:6]))
+    assert not {"log_tyre_ratio", "radius_load"} & set(six.names)
+    e = estimate(replace(table, posterior=six), wet)
+    assert np.mean(np.concatenate(truth_inside(e, wet))) > 0.9
+    assert np.mean(np.concatenate(change_inside(e, CHANGED))) > 0.9
+    both = e.valid & result.valid
+    assert np.mean(both) > 0.5
+    assert np.mean((e.rear.upper / e.rear.lower)[both]) > np.mean(
+        (result.rear.upper / result.rear.lower)[both]
+    )
+
+
+@pytest.mark.parametrize(("scale", "bias"), [(1.05, 0.0), (0.95, 0.0), (1.0, 0.3), (1.0, -0.3)])
+def test_a_wrong_accelerometer_is_put_right_with_v(table, wet, scale, bias):
+    """5 % of a_x or 0.3 m/s^2 would move the pads by 5 % and by 8 %."""
+    e = estimate(table, with_channels(wet, a_x=scale * wet["a_x"] + bias))
+    assert e.accelerometer.scale[-1] == pytest.approx(1.0 - 1.0 / scale, abs=0.015)
+    assert G * e.accelerometer.bias[-1] == pytest.approx(-bias, abs=0.05)
+    assert np.mean(np.concatenate(truth_inside(e, wet))) > 0.9
+    assert np.mean(e.front.pad_friction[e.valid]) == pytest.approx(0.31, rel=0.03)
 
 
 def test_torque_is_that_of_one_wheel(table, wet, result):
@@ -247,6 +332,32 @@ def test_steering_gate(table, wet, sign):
     assert not np.any(e.valid[turned])
     assert np.all(e.valid[(e.time > 2.3) & (e.time < 3.0)])
     assert np.all(e.valid[(e.time > 4.2) & (e.time < 6.0)])
+
+
+def bent(log, lateral, first, last):
+    """The log with a bend of ``lateral`` v^2/R [m/s^2], left positive, between two times [s].
+
+    The outer wheels run on a circle of R + b/2, the inner ones of R - b/2.
+    """
+    curvature = np.where((log.time > first) & (log.time < last), lateral / log["v"] ** 2, 0.0)
+    half = 0.5 * CAR.track_width * curvature
+    return with_channels(
+        log,
+        **{f"omega_{a}l": log[f"omega_{a}l"] * (1.0 - half) for a in "fr"},
+        **{f"omega_{a}r": log[f"omega_{a}r"] * (1.0 + half) for a in "fr"},
+    )
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_bend_gate(table, wet, sign):
+    """Half as much again as the gate is a bend; half of the gate is the way round a patch."""
+    e = estimate(table, bent(wet, sign * 1.5 * Gates().lateral, 3.0, 4.0))
+    # the wheels are compared over 0.2 s: ln(3) of it until two thirds of the bend show
+    assert not np.any(e.valid[(e.time > 3.0 + 0.3) & (e.time < 4.0)])
+    assert np.mean(e.valid[(e.time > 2.3) & (e.time < 3.0)]) > 0.98
+    assert np.mean(e.valid[(e.time > 4.4) & (e.time < 6.0)]) > 0.98
+    mild = estimate(table, bent(wet, sign * 0.5 * Gates().lateral, 3.0, 4.0))
+    assert np.mean(mild.valid[(e.time > 2.3) & (e.time < 6.0)]) > 0.98
 
 
 @pytest.mark.parametrize("wheel", WHEELS)

@@ -86,6 +86,27 @@ def test_tyre_inverts_its_own_eta(c, b2, b3, q, z, D):
     assert bool(found.inside[0]) == (F_r[0] > -0.05)
 
 
+@pytest.mark.parametrize("older", [True, False])
+def test_tyre_reads_unlike_tyres_and_radii_under_load(older):
+    """Stiffness C e^(-T/2) in front and C e^(T/2) behind; R = R_0 e^(-r (F_z/F_z0 - 1)).
+
+    The load moved is W z h/L: over the loads at rest, z h/l_r in front and -z h/l_f behind. An
+    ``older`` table names neither and means tyres alike.
+    """
+    ratio, fall = (0.0, 0.0) if older else (0.12, 0.006)
+    names = (*PARAMETERS, "log_tyre_ratio", "radius_load")
+    known = TyrePosterior(names, (-np.log(C), 0.0, 0.0, 0.0, ratio, fall), ((0.0,) * 6,) * 6)
+    table = STRAIGHT if older else replace(STRAIGHT, posterior=known)
+    z, D = np.linspace(0.05, 0.4, 15), np.linspace(-0.05, 0.06, 15)
+    rear = (1.1556 - 0.615 * z) / 2.805
+    F_f, F_r = z + rear * D, z - (1.0 - rear) * D
+    turned_f = (1.0 - F_f / (C * np.exp(-0.5 * ratio))) * np.exp(fall * 0.615 * z / 1.6494)
+    turned_r = (1.0 - F_r / (C * np.exp(0.5 * ratio))) * np.exp(-fall * 0.615 * z / 1.1556)
+    found = tyre(table, z, turned_r / turned_f, z)
+    assert found.F_f - found.F_r == pytest.approx(D, abs=1e-9)
+    assert np.all(found.inside)
+
+
 def test_tyre_knows_both_branches():
     """Eta of a car with fixed brakes rises, turns and falls; D follows, z tells the branches."""
     share, z = 0.729, np.linspace(0.02, 0.8, 200)

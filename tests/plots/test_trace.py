@@ -33,9 +33,13 @@ def test_the_sum_of_forces_is_that_of_the_deceleration(trace):
 
 
 def test_what_a_term_takes_is_in_the_sum_of_forces(sedan, transition):
-    """Two hundredths of the weight, 5 % of what slows the car."""
+    """Two hundredths of the weight, 5 % of what slows the car, which was weighed to 0.5 %.
+
+    With a mass that is open by 3 %, pads at 0.96 of nominal may as well be nominal.
+    """
     term = EmpiricalTerm("body", "constant", (0.0,), (0.02,))
-    table = replace(sedan, vehicle=replace(sedan.vehicle, effects=Effects(terms=(term,))))
+    car = replace(sedan.vehicle, effects=Effects(terms=(term,)), mass_tolerance=0.005)
+    table = replace(sedan, vehicle=car)
     drawn = from_estimate(table, "s", transition, estimate(table, transition))
     held = drawn.valid
     assert np.mean(drawn.force_sum[held]) == pytest.approx(np.mean(drawn.inertia[held]), rel=0.02)
