@@ -33,8 +33,8 @@ class Gates:
     steering: float = np.deg2rad(5.0)
     """Angle at the driver's wheel [rad] whose effect on eta is as large as the signal."""
     lateral: float = 3.0
-    """Lateral acceleration [m/s^2] by left and right wheel speeds, past which tyres that corner leave
-    the curve; radii 0.5 % apart left to right look like as much at 30 m/s."""
+    """Lateral acceleration [m/s^2] by left and right wheel speeds past which cornering tyres leave
+    the curve; radii 0.5 % apart, left to right, look like as much at 30 m/s."""
     lock: float = 0.15
     """Relative departure of a wheel from the others that only ABS or a locked wheel shows."""
     recover: float = 1.0

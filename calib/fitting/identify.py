@@ -7,6 +7,7 @@ covariance says so.
 """
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from calib.fitting.ramp import (
 from calib.fitting.settings import SETTINGS
 from calib.physics.vehicle import Vehicle
 from calib.signals.noise import SensorNoise, long_run_density
-from calib.statistics.mixture_posterior import mixture_posterior
+from calib.statistics.hypotheses import weigh_hypotheses
 from calib.table.table import TyrePosterior
 
 Array = NDArray[np.float64]
@@ -78,8 +79,8 @@ def _honest(run: RampRun, eta: Array, slip: Array) -> SensorNoise:
 def identify_once(vehicle: Vehicle, runs: list[RampRun]) -> Identified:
     """Fit all runs together: one tyre, one pad ratio, zeros per run.
 
-    Huber weights past ``huber`` sigma. The pad ratio is then weighed against its nominal value
-    (`calib.statistics.mixture_posterior`), and the rest follows it along their correlation.
+    Huber weights past ``huber`` sigma. Pads and tyres that are as declared are then weighed
+    against such that are not (`_weigh_ratio`).
     """
     x, covariance, weight = _weigh_ratio(*_least_squares(vehicle, runs))
     parameters, zeros = _parts(x)
@@ -160,17 +161,27 @@ def _residuals(vehicle: Vehicle, runs: list[RampRun], x: Array) -> list[tuple[Ar
 
 
 def _weigh_ratio(x: Array, covariance: Array) -> tuple[Array, Array, float]:
-    """Replace the marginal of the pad ratio by the weighed one; the rest keeps its conditionals."""
-    at = AT.log_pad_ratio
-    variance = covariance[at, at]
-    weighed = mixture_posterior(
-        x[at],
-        np.sqrt(variance),
-        PRIORS.log_pad_ratio.sigma,
-        SETTINGS.nominal_odds,
-        SETTINGS.pad_tolerance,
+    """Weigh pads, tyres and radii that are as declared against such that are not.
+
+    The fit sees the force share of each axle over its tyres' stiffness only: pads 10 % apart,
+    tyres 10 % apart and radii that fall under load leave much the same traces. The eight cases in
+    which each of the three departs or does not are weighed; the other parameters follow along their
+    correlation with the three.
+    """
+    at = [AT.log_pad_ratio, AT.log_tyre_ratio, AT.radius_load]
+    wide = np.array([PRIORS[i].sigma for i in at])
+    narrow = np.array([SETTINGS.pad_tolerance, SETTINGS.tyre_tolerance, SETTINGS.radius_tolerance])
+    free = np.array(list(product((False, True), repeat=3)))
+    chance = np.array([SETTINGS.pads_differ, SETTINGS.tyres_differ, SETTINGS.radii_fall])
+    own = covariance[np.ix_(at, at)]
+    precision = np.asarray(np.linalg.inv(own))
+    weighed = weigh_hypotheses(
+        precision - np.diag(wide**-2.0),
+        precision @ x[at],
+        np.where(free, wide, narrow),
+        np.where(free, chance, 1.0 - chance).prod(axis=1),
     )
-    along = covariance[:, at] / variance
-    moved = x + along * (weighed.mean - x[at])
-    spread = covariance + np.outer(along, along) * (weighed.sigma**2 - variance)
-    return moved, spread, float(weighed.nominal_weight)
+    along = covariance[:, at] @ precision
+    moved = x + along @ (weighed.mean - x[at])
+    spread = covariance + along @ (weighed.covariance - own) @ along.T
+    return moved, spread, float(weighed.weights[~free[:, 0]].sum())

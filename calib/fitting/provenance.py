@@ -31,5 +31,7 @@ def settings() -> dict[str, float]:
         "block": BLOCK,
         "bite_pressure": BITE,
         "model_error": SETTINGS.model_error,
-        "nominal_odds": SETTINGS.nominal_odds,
+        "pads_differ": SETTINGS.pads_differ,
+        "tyres_differ": SETTINGS.tyres_differ,
+        "radii_fall": SETTINGS.radii_fall,
     }

@@ -7,10 +7,17 @@ from dataclasses import dataclass
 class FitSettings:
     """What a fit takes as given. Those that decide a table's numbers are in its provenance."""
 
-    nominal_odds: float = 9.0
-    """Odds that the pads of a calibration run have the ratio of the vehicle file. A ramp with other
-    pads than declared is the exception; a clear one (10 % and more) is recognised all the same."""
-    pad_tolerance: float = 0.01
+    pads_differ: float = 0.3
+    """Chance that the pads of a calibration run have not the ratio of the vehicle file."""
+    tyres_differ: float = 0.2
+    """Chance that the tyres of the axles differ in stiffness: other sizes, wear or pressures."""
+    radii_fall: float = 0.2
+    """Chance that the rolling radii fall under load by what tyre files say."""
+    radius_tolerance: float = 0.0005
+    """How far a radius that does not fall may do so all the same (standard deviation)."""
+    tyre_tolerance: float = 0.02
+    """How equal equal tyres are (standard deviation of the logarithm)."""
+    pad_tolerance: float = 0.02
     """How exactly pads that are as declared have the declared ratio (standard deviation)."""
     model_error: float = 0.01
     """What the tyre curve itself is off, relative to the slip: about what third-party plants

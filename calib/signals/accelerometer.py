@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from calib.names import G
 from calib.signals.blocks import Blocks
+from calib.statistics.hypotheses import weigh_hypotheses
 
 Array = NDArray[np.float64]
 
@@ -173,25 +174,20 @@ SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1
 def _weighed(precision: Array, vector: Array, p: AccelerometerPriors) -> Array:
     """Mixture over the eight cases: rows (c, bias, var c, var bias, cov, grade, drag), (m, 7)."""
     there = np.array(list(product((False, True), repeat=3)))
-    sigma = np.where(there, (p.bias, p.grade, p.drag), (p.still_bias, p.still_grade, p.still_drag))
-    odds = np.where(
-        there, *np.array([[x, 1.0 - x] for x in (p.odds_bias, p.odds_grade, p.odds_drag)]).T
+    still = (p.still_bias, p.still_grade, p.still_drag)
+    spread = np.where(there, (p.bias, p.grade, p.drag), still)
+    odds = np.array((p.odds_bias, p.odds_grade, p.odds_drag))
+    weighed = weigh_hypotheses(
+        SENSED.T @ precision @ SENSED,
+        vector @ SENSED,
+        np.column_stack([np.full(len(there), p.scale), spread]),
+        np.where(there, odds, 1.0 - odds).prod(axis=1),
     )
-    prior = np.column_stack([np.full(len(there), p.scale), sigma]) ** -2.0
-    information = (SENSED.T @ precision @ SENSED)[:, None] + prior[:, :, None] * np.eye(4)
-    covariance, side = np.linalg.inv(information), vector @ SENSED
-    means = np.einsum("mhij,mj->mhi", covariance, side)
-    evidence = 0.5 * np.einsum("mi,mhi->mh", side, means)
-    evidence += 0.5 * (np.log(prior).sum(axis=1) - np.linalg.slogdet(information)[1])
-    evidence += np.log(odds).sum(axis=1)
-    weight = np.exp(evidence - evidence.max(axis=1, keepdims=True))
-    weight /= weight.sum(axis=1, keepdims=True)
-    mean = np.einsum("mh,mhi->mi", weight, means)
-    apart = means - mean[:, None]
-    spread = covariance + apart[..., :, None] * apart[..., None, :]
-    total = np.einsum("mh,mhij->mij", weight, spread)
-    c, bias, grade, drag = mean.T
-    return np.column_stack([c, bias, total[:, 0, 0], total[:, 1, 1], total[:, 0, 1], grade, drag])
+    c, bias, grade, drag = weighed.mean.T
+    covariance = weighed.covariance
+    return np.column_stack(
+        [c, bias, covariance[:, 0, 0], covariance[:, 1, 1], covariance[:, 0, 1], grade, drag]
+    )
 
 
 def _held(rows: Array, at: NDArray[np.int64], count: int) -> Accelerometer:
