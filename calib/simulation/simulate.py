@@ -1,8 +1,8 @@
-"""The physics forward: from pressure and first speed to what the sensors see.
+"""Simulation: from pressure and first speed to the channels of a log.
 
-Straight line; slip on the rising branch. Left and right tyres are alike, and the load transfer is
-without delay, unless an effect of the model says otherwise. `calib.simulation.solver` says how it
-is solved.
+Valid for a straight line and slip on the rising branch of the tyre. Left and right tyres are equal,
+and the load transfer has no delay, unless the model has an effect for it. The method of solution is
+in `calib.simulation.solver`.
 """
 
 from collections.abc import Mapping
@@ -36,7 +36,7 @@ def simulate(
     stop_speed: float = 1.0,
     name: str = "simulation",
 ) -> Log:
-    """Drive the model with a pressure in its brakes. The first sample is taken as steady.
+    """Simulate the model with a given brake pressure. The first sample is a steady state.
 
     Parameters
     ----------
@@ -47,17 +47,17 @@ def simulate(
     v0 : first speed [m/s].
     wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
     temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; thermal fade
-        does nothing on an axle without.
-    stop_speed : at which it ends [m/s].
+        has no effect on an axle without one.
+    stop_speed : speed at which the simulation ends [m/s].
     name : of the log.
 
     Returns
     -------
     A log with truth channels. It ends with the last sample at or above ``stop_speed``, or the last
-    one before a wheel would pass the peak of its tyre or an axle would lift; its last note says
-    which, when and why.
+    one before a wheel would pass the peak of its tyre or an axle would lift; its last note
+    gives the time and the reason.
 
-    Raises ModelError if there is nothing to drive: ``v0`` not above ``stop_speed``, shapes that
+    Raises ModelError if nothing can be simulated: ``v0`` not above ``stop_speed``, shapes that
     differ, time that does not increase, numbers that are not finite, an unknown effect, an
     empirical term over a temperature that is not given, an end before the second sample.
 
@@ -104,7 +104,7 @@ def _check_drive(time: Array, v0: float, stop_speed: float) -> None:
             f"first speed {v0:g} m/s", expected=f"more than the stop speed, {stop_speed:g} m/s"
         )
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
-        raise ModelError("time does not increase", expected="two samples or more, each later")
+        raise ModelError("time does not increase", expected="two samples or more, increasing")
 
 
 def _check_inputs(
