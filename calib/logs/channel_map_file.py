@@ -120,7 +120,7 @@ def _names(written: object, expected: str) -> list[str]:
 
 
 def _columns(written: object) -> list[str]:
-    return _names(written, "a list of column names")
+    return _names(written, "a list of names of columns")
 
 
 def _files(written: object) -> list[str]:

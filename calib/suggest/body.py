@@ -203,7 +203,7 @@ def find_pressure(series: list[Series], braking: Array | None, clock: ColumnCloc
     doubts = found.doubts
     if found.proposal is None and not doubts and unnamed:
         names = tuple(item.name for item in unnamed)
-        why = "named a brake pressure, but the file gives no known unit"
+        why = "named a brake pressure, but it has no unit that is known"
         doubts = (Doubt("p_mc", names, why, "give its unit: --take 'p_mc=NAME [bar]'"),)
     return Found(found.proposal, doubts, (*refused, *found.refused), found.series)
 
