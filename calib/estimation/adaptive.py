@@ -51,7 +51,7 @@ def gain(axle: Axle, rate: float = Priors.law_rate, pressure: float = Priors.law
 def gradient(y: Array, u: Array, gamma: float, dt: float, start: float = 0.0) -> Array:
     """theta after each sample by (25), (n,). Raises InputError if gamma u^2 dt reaches 2.
 
-    ``u`` is nought where the law is frozen.
+    ``u`` is zero where the law is frozen.
     """
     from scipy.linalg.lapack import dtbtrs
 
@@ -79,8 +79,8 @@ def gradient(y: Array, u: Array, gamma: float, dt: float, start: float = 0.0) ->
 def least_squares(y: Array, u: Array, memory: float, dt: float, prior: float = 0.0) -> Array:
     """theta by recursive least squares with forgetting over ``memory`` [s], (n,).
 
-    ``prior`` [N^2 m^2] is a weight of theta = 0 that is never forgotten: it draws theta to nought
-    where u is small. Without it theta is nought until u first moves, and held after u has ended.
+    ``prior`` [N^2 m^2] is a weight of theta = 0 that is never forgotten: it draws theta to zero
+    where u is small. Without it theta is zero until u first moves, and held after u has ended.
     """
     from scipy.signal import lfilter
 

@@ -206,9 +206,7 @@ def python(
             uses.update(parts)
             needed.update(parts)
     lines = [f"def program({', '.join(inputs)}):"]
-    asked = {trace.operations[place].text for place in needed}
-    for argument, names in inputs.items():
-        lines += [f"    {n} = {argument}[{i}]" for i, n in enumerate(names) if n in asked]
+    lines += [f"    {', '.join(names)}, = {argument}" for argument, names in inputs.items()]
     texts: dict[int, str] = {}
     for place in sorted(needed):
         operation = trace.operations[place]

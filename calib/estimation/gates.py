@@ -24,7 +24,7 @@ class Gates:
     speed: float = MOVING
     """Speed [m/s] below which slip is noise."""
     settle: float = 0.3
-    """Time of braking [s] before the level is trusted: it has seen half its memory by then."""
+    """Time of braking [s] before the level is trusted: half its memory has passed by then."""
     interval_f: float = 0.12
     """Relative half width of the front's 95 % interval beyond which the number is no use."""
     interval_r: float = 0.25

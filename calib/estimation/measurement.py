@@ -5,8 +5,8 @@
     brakes, (2)              phi = B_f e^(rho/2)/(B_f e^(rho/2) + B_r e^(-rho/2))
     forces, (1)              F_f = (phi B + M_f)/L_f,  F_r = ((1 - phi) B + M_r)/L_r
     tyre                     lambda = e^(c - s) (2 L/W)^q F (1 + b2 F w + b3 (F w)^2)
-    seen, (22)               eta = (1 + eta0) (1 - lambda_r)/(1 - lambda_f)
-    seen, (19), (20)         slip = x lambda_f + (1 - x) lambda_r + sl0 + g z/V lag,  x = F_zf/W
+    sensed, (22)             eta = (1 + eta0) (1 - lambda_r)/(1 - lambda_f)
+    sensed, (19), (20)       slip = x lambda_f + (1 - x) lambda_r + sl0 + g z/V lag,  x = F_zf/W
 
 B_f, B_r are the brake forces of nominal pads, B = level (B_f + B_r), M other moments as a force at
 the road. Where the brakes do not act, the normalised force is that of the coasting car, on both
@@ -93,7 +93,10 @@ def sensed(
 
 
 Numbers = Sequence[float]
-Measurement = Callable[[Numbers, Numbers], tuple[tuple[float, float], Numbers]]
+Sensed = tuple[tuple[float, float], Numbers]
+"""Eta and slip [1], and their gradients over the states."""
+
+Measurement = Callable[[Numbers, Numbers], Sensed]
 Loads = Callable[[Numbers, Numbers], tuple[tuple[float, float]]]
 
 

@@ -19,7 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.filter_input import Measured, SplitInput, given, measured, process_noise
-from calib.estimation.measurement import Given, axle_loads_now, braked, coasting, measurement
+from calib.estimation.measurement import (
+    Given,
+    Sensed,
+    axle_loads_now,
+    braked,
+    coasting,
+    measurement,
+)
 from calib.estimation.pad_ratio import KEPT, PadRatio, weigh
 from calib.estimation.priors import Priors
 from calib.estimation.states import AT, COUNT, first_state, open_surface
@@ -53,7 +60,7 @@ def filter_pad_ratio(
     row_shift, column_shift, flat = P[shift], P[:, shift], P.reshape(-1)
     diagonal = flat[:: COUNT + 1]
     before_x, before_P = np.empty_like(x), np.empty_like(P)
-    loads = axle_loads_now()
+    loads, programs = axle_loads_now(), (measurement(coasting), measurement(braked))
     pause = 0
     for k, (g, reading) in enumerate(zip(inputs, readings, strict=True)):
         x[shift] *= decay
@@ -66,12 +73,13 @@ def filter_pad_ratio(
             alert = reading.calm and pause == 0
             if alert:
                 before_x[:], before_P[:] = x, P
-            surprise = _measure(x, P, now, g, reading, innovation[k])
+            predicted = programs[g[LEVEL] > 0.0](now, g)
+            surprise = _measure(x, P, predicted, now, reading, innovation[k])
             if alert and surprise > priors.change_gate:
                 # the road has changed: what was learnt of the pads must not take the blame
                 x[:], P[:] = before_x, before_P
                 open_surface(P, priors)
-                _measure(x, P, now, g, reading, innovation[k])
+                _measure(x, P, predicted, now, reading, innovation[k])
                 changes.append(float(b.end[k]))
                 pause = priors.change_pause
         states[k] = x
@@ -80,14 +88,18 @@ def filter_pad_ratio(
 
 
 def _measure(
-    x: Array, P: Array, now: list[float], g: list[float], reading: Measured, innovation: Array
+    x: Array,
+    P: Array,
+    predicted: Sensed,
+    now: list[float],
+    reading: Measured,
+    innovation: Array,
 ) -> float:
     """Take in eta and, where there is one, the slip; return the mean squared innovation.
 
-    ``now`` is x as plain floats.
+    ``predicted`` eta, slip and their gradients at ``now``, which is x as plain floats.
     """
-    equations = measurement(braked if g[LEVEL] > 0.0 else coasting)
-    (eta, slip), gradients = equations(now, g)
+    (eta, slip), gradients = predicted
     measured_eta, measured_slip, var_eta, var_slip, relative, _, _ = reading
     rows = np.array(gradients).reshape(2, COUNT)
     along = rows.dot(P)

@@ -18,7 +18,7 @@ class FitSettings:
     zero_sigma: float = 0.02
     """Sigma of the zeros of eta and slip of a run: radii agree within 2 %."""
     huber: float = 3.0
-    """Residuals past this many sigma count with Huber's weight: noise does not get there."""
+    """Residuals past this many sigma count with Huber's weight: few of noise do."""
     min_speed: float = 5.0
     """Below this v [m/s] the clock offset and the noise of v swallow the slip."""
     outlier: float = 4.0

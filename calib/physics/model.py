@@ -57,8 +57,8 @@ def default_model(vehicle: Vehicle) -> Model:
     >>> import calib
     >>> car = calib.read_vehicle(calib.sample_logs() / "sedan" / "vehicle.toml")
     >>> model = calib.default_model(car)
-    >>> model.pad_friction_f == car.front.pad_friction, model.tyre.peak, model.effects
-    (True, 0.9, {})
+    >>> model.pad_friction_f == car.front.pad_friction, model.tyre.peak, bool(model.effects)
+    (True, 0.9, False)
     """
     where = f"vehicle {vehicle.name}: effects"
     given = vehicle.effects.parameters

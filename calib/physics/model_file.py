@@ -27,7 +27,16 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    WithJsonSchema,
+    create_model,
+    model_validator,
+)
+from pydantic_core import core_schema
 
 from calib.errors import InputError, ModelError
 from calib.files import write_whole
@@ -124,9 +133,23 @@ EffectsSection = by_name(
 )
 
 
-def _listed(written: object) -> object:
-    """One term may be written as a table, several as an array of tables."""
-    return [written] if isinstance(written, dict) else written
+class OneOrMore:
+    """Marks a list of which a single entry may be written without the brackets."""
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        """A table alone is taken as a list of one."""
+        return core_schema.no_info_before_validator_function(
+            lambda written: [written] if isinstance(written, dict) else written, handler(source)
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Either an entry or the list."""
+        listed = handler(schema)
+        return {"anyOf": [listed["items"], listed]}
 
 
 class ModelFile(FileSchema):
@@ -136,9 +159,7 @@ class ModelFile(FileSchema):
     tyre: TyreSection = TyreSection()
     effects: EffectsSection | None = None  # type: ignore[valid-type]
     surfaces: list[SurfaceSection] = Field(default_factory=list)
-    empirical: Annotated[list[EmpiricalSection], BeforeValidator(_listed)] = Field(
-        default_factory=list
-    )
+    empirical: Annotated[list[EmpiricalSection], OneOrMore()] = Field(default_factory=list)
 
 
 def read_model(path: Path, vehicle: Vehicle) -> Model:

@@ -135,7 +135,7 @@ def find_acceleration(
 
 def _follows(item: Series, rate: Array, clock: ColumnClock) -> float:
     """Correlation with the derivative of speed at the best lag, with its sign [1]."""
-    smooth = centred_mean(item.values, clock.width(0.2))
+    smooth = centred_mean(item.values, clock.width(0.2) | 1)
     forward, back = lead(smooth, rate, clock)[1], lead(-smooth, rate, clock)[1]
     return forward if forward >= back else -back
 
@@ -163,7 +163,7 @@ def _wrong_unit(
     """A doubt if the size of the acceleration contradicts its unit."""
     if item is None or rate is None:
         return None
-    ratio = abs(slope(centred_mean(item.values, clock.width(0.2)), rate))
+    ratio = abs(slope(centred_mean(item.values, clock.width(0.2) | 1), rate))
     low, high = SLOPES if metres else RADIUS
     if low <= ratio <= high:
         return None

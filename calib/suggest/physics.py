@@ -34,8 +34,8 @@ class ColumnClock:
     step: float
 
     def width(self, seconds: float) -> int:
-        """Number of samples in ``seconds`` [s], odd."""
-        return max(1, round(seconds / self.step)) | 1
+        """Number of samples in ``seconds`` [s], at least 1."""
+        return max(1, round(seconds / self.step))
 
 
 def together(four: list[Array]) -> bool:
@@ -51,7 +51,7 @@ def together(four: list[Array]) -> bool:
 
 def rate_of(speed: Array, clock: ColumnClock) -> Array:
     """Derivative of a speed, smoothed over `SMOOTH` [unit/s]."""
-    width = clock.width(SMOOTH)
+    width = clock.width(SMOOTH) | 1
     return centred_mean(np.gradient(centred_mean(speed, width), clock.time), width)
 
 

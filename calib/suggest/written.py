@@ -32,6 +32,7 @@ def _entry(proposal: Proposal) -> "Table":
 
     mapping, entry = proposal.mapping, tomlkit.table()
     entry.comment(f"{proposal.sure}: {_one_line('; '.join(proposal.reasons))}")
+    entry.trivia.comment_ws = "  "
     entry.add("source", mapping.source)
     if mapping.unit is not None:
         entry.add("unit", mapping.unit)

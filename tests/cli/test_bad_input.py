@@ -107,7 +107,10 @@ TEXTS = {
     "infinite": (lambda t: on(t, 40, "p_mc [bar]", "inf"), "an infinite value"),
     "word": (lambda t: on(t, 40, "p_mc [bar]", "high"), "'high' is not a number"),
     "time back": (back_in_time, "time goes back in row 201"),
-    "time stands": (lambda t: on(t, 41, "time [s]", t.splitlines()[40].split(",")[0]), "increas"),
+    "time stands": (
+        lambda t: on(t, 41, "time [s]", t.splitlines()[40].split(",")[0]),
+        "time does not increase in row 41",
+    ),
 }
 
 

@@ -10,6 +10,7 @@ import scipy.optimize
 from calib.fitting.identify import identify, identify_once
 from calib.fitting.parameters import RampParameters
 from calib.fitting.ramp import predict, prepare, sigma_eta, sigma_slip
+from calib.physics.effects.effects import Effects
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
 from calib.signals.noise import SensorNoise, sensor_noise
@@ -26,7 +27,7 @@ PLANTS = {
 
 def prepared(log):
     b = blocks(signals(log, CAR))
-    return prepare(CAR, log.name, b, sensor_noise(log, b), {})
+    return prepare(CAR, log.name, b, sensor_noise(log, b), Effects())
 
 
 def found(*logs):

@@ -120,7 +120,7 @@ def test_known_effects_are_kept(coast):
     [
         ({"fad": {"area": 1.0}}, "fad"),
         ({"aerodynamic_drag": {"area": 0.66}}, "area"),
-        ({"rolling_resistance": {"coefficient": 0.6}}, "0.6 is out of range"),
+        ({"rolling_resistance": {"coefficient": 0.6}}, "0.6 is not believable"),
     ],
 )
 def test_an_effect_that_is_not_known_is_not_passed_over(effects, says):

@@ -112,7 +112,7 @@ def test_all_slips_of_a_map_come_in_one_message(tmp_path):
     for old, new in (('"Zeit"', '""'), ('"kPa"', '"kPo"'), ("scale = 2.0", "scale = 0")):
         assert old in text
         text = text.replace(old, new, 1)
-    head, *lines = refusal(write_map(tmp_path, text)).splitlines()
+    head, *lines = refused(write_map(tmp_path, text)).splitlines()
     assert head.endswith("map.toml: 4 errors")
     assert [line.split(": ")[0] for line in lines] == [
         "  channels.time.source",

@@ -14,8 +14,9 @@ folder, so that all paths in the outputs are relative. The same program gives th
 
     |a - b| <= tolerance * max(1, |a|, |b|)
 
-NaN equals NaN, and an infinity equals itself. Strings are equal, and so are the keys, columns,
-rows, units and files. The order of keys is free, that of columns, rows and lists is not.
+NaN equals NaN, an infinity equals itself, and 1 equals 1.0. Strings must be equal, but for those
+that are a number with its unit, and so must keys, columns, rows, units and files. The order of
+keys is free, that of columns, rows and lists is not.
 
     json toml csv parquet              by key or column
     dcm cdfx h xml inca.csv txt        by the numbers, and by the text between them
@@ -57,16 +58,17 @@ ROOT = Path(__file__).parents[2]
 # ---------------------------------------------------------------------------------------------
 # The rules: what was renamed on purpose, and what is not compared.
 
-RENAMED: dict[str, str] = {}
+RENAMED: dict[str, str] = {"flaws": "violations"}
 """Old name to new name, of keys, columns and files. BEFORE is read with it.
 
 "gain" renames every key, column or file of that name, "evidence.gain" only where it stands in
 "evidence"; a file is named as a whole, "paper.parquet". Names of columns are without their unit.
+What names a key in a value ("figure": "gain") is a text and belongs below.
 """
 
-REWORDED: dict[str, str] = {}
+REWORDED: dict[str, str] = {"nought below": "zero below"}
 """Old text (a regular expression) to new text, in strings and in text files. BEFORE is read with
-it: a renamed figure may be named in a sentence, too, or in a C header."""
+it: what was renamed may be named in a value, too, in a sentence or in a C header."""
 
 KEYS_LEFT_OUT = {
     "seconds": "a duration",
@@ -75,9 +77,6 @@ KEYS_LEFT_OUT = {
     "brake_cal.program": "the version of the code, in the metadata of results.parquet",
     "bytes": "the length of an export changes with a key's name and with the version's length",
 }
-
-JOURNALS = {"journal.jsonl", "journal.sqlite"}
-"""Files of a batch that hold the rows of its results.parquet, which is compared."""
 
 MASKED = (
     # what is replaced in every text, by what; why
@@ -97,8 +96,14 @@ numbers stand in the other files, and `plot` is recorded as SVG."""
 RECORDING = "recording.json"
 """When and how a folder was made: told, not compared."""
 
-INPUTS = "inputs"
-"""Samples and tables that a folder was made from. Equal bytes are not read any further."""
+LEFT_OUT = re.compile(rf"{RECORDING}|inputs/broken/|.*\.md$|.*/journal\.(jsonl|sqlite)")
+"""Files that are not compared: this script's own, its damaged store, the samples' READMEs, and the
+journals of batches: JSON lines first, a database now, with the rows of the results.parquet beside
+them, which is compared."""
+
+COPIED = re.compile("inputs/|demo/all/out/sample_logs/")
+"""Samples and stored tables. They are compared, but where the bytes are equal they are not read,
+so that their numbers are not counted as outputs."""
 
 SHOWN = 20
 """Differing places that are printed of each kind."""
@@ -106,8 +111,8 @@ SHOWN = 20
 # ---------------------------------------------------------------------------------------------
 # What is recorded.
 
-LOGS, TABLES = f"{INPUTS}/sample_logs", f"{INPUTS}/tables"
-PLAN, PLAN_OF_CARS, BROKEN = (f"{INPUTS}/{n}" for n in ("plan.csv", "plan_cars.csv", "broken"))
+LOGS, TABLES, BROKEN = "inputs/sample_logs", "inputs/tables", "inputs/broken"
+PLAN, PLAN_OF_CARS = "inputs/plan.csv", "inputs/plan_cars.csv"
 FORMATS = {
     "json": "table.json",
     "csv": "table.csv",
@@ -685,14 +690,10 @@ class Side:
     def files(self) -> dict[str, Path]:
         """Every file that is compared, by its name in the other folder."""
         paths = [path for path in sorted(self.home.rglob("*")) if path.is_file()]
-        parts = {path: path.relative_to(self.home).parts for path in paths}
-        named = {"/".join(map(self.name, parts[path])): path for path in paths}
-        skipped = (RECORDING, f"{BROKEN}/")
-        return {
-            name: path
-            for name, path in named.items()
-            if not name.startswith(skipped) and path.name not in JOURNALS
-        }
+        folders = [path.parent.relative_to(self.home) for path in paths]
+        names = [f / self.name(path.name) for f, path in zip(folders, paths, strict=True)]
+        named = {name.as_posix(): path for name, path in zip(names, paths, strict=True)}
+        return {name: path for name, path in named.items() if not LEFT_OUT.match(name)}
 
 
 def input_digests(home: Path) -> frozenset[str]:
@@ -704,6 +705,10 @@ def input_digests(home: Path) -> frozenset[str]:
 def number(value: object) -> bool:
     """Whether a value of a document is a number; true and false are none."""
     return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+QUANTITY = re.compile(r"([+-]?\d+\.?\d*(?:[eE][+-]?\d+)?) (\S+)")
+"""A number with its unit, as vehicle files and models have it."""
 
 
 def leaves(value: Any, side: Side, place: str = "", keys: tuple[str, ...] = ()) -> Leaves:
@@ -722,6 +727,9 @@ def leaves(value: Any, side: Side, place: str = "", keys: tuple[str, ...] = ()) 
             yield from leaves(part, side, f"{place}[{i}]", keys)
     elif number(value):
         yield place, Leaf(np.array([value], dtype=float))
+    elif isinstance(value, str) and (found := QUANTITY.fullmatch(value)):
+        yield place, Leaf(np.array([float(found[1])]))
+        yield f"{place} unit", Leaf((found[2],))
     else:
         yield place, Leaf((repr(side.text(value) if isinstance(value, str) else value),))
 
@@ -934,11 +942,19 @@ def collected(found: Leaves) -> dict[str, Leaf]:
     return named
 
 
+def alone(ours: Mapping[str, Leaf], theirs: Mapping[str, Leaf]) -> list[str]:
+    """Places on one side only; of a table or a list that is missing as a whole, only itself."""
+    missing = [place for place in ours if place not in theirs]
+    wholes = [place[:-2] for place in missing if place.endswith(("{}", "[]"))]
+    inside = tuple(f"{whole}{sign}" for whole in wholes for sign in ".[")
+    return [p for p in missing if not p.removesuffix("{}").removesuffix("[]").startswith(inside)]
+
+
 def compare_files(name: str, a: Side, b: Side, tolerance: float, tally: Tally) -> list[str]:
     """Compare two files of one name; the places that differ, in words."""
     first, second = a.files[name], b.files[name]
     tally.files += 1
-    if ending(name) in PICTURES or name.startswith(f"{INPUTS}/"):
+    if ending(name) in PICTURES or COPIED.match(name):
         if first.read_bytes() == second.read_bytes():
             return []
         if ending(name) in PICTURES:
@@ -948,8 +964,8 @@ def compare_files(name: str, a: Side, b: Side, tolerance: float, tally: Tally) -
         left, right = collected(read(first, a)), collected(read(second, b))
     except ValueError as error:
         return [] if first.read_bytes() == second.read_bytes() else [f"cannot be read ({error})"]
-    places = [f"{place} in BEFORE only" for place in left if place not in right]
-    places += [f"{place} in AFTER only" for place in right if place not in left]
+    places = [f"{place} in BEFORE only" for place in alone(left, right)]
+    places += [f"{place} in AFTER only" for place in alone(right, left)]
     for place, leaf in left.items():
         if place in right:
             told = difference(leaf, right[place], f"{name}: {place}", tolerance, tally)

@@ -101,7 +101,7 @@ def test_all_errors_of_a_file_come_in_one_message(tmp_path):
         "schema = 1\n[limits]\nvalid_share = { min = 0.9, max = 0.8 }\neta_zero = 0.1\n"
         "torque_eror_f = { max = 0.05 }\ninterval_f = { fail = [1], warn = [2, 1], max = nan }\n",
     )
-    head, *lines = refusal(path).splitlines()
+    head, *lines = refused(path).splitlines()
     assert head == f"{path}: 6 errors"
     assert [line.split(": ")[0] for line in lines] == [
         "  limits.eta_zero",

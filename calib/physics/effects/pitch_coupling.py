@@ -16,10 +16,10 @@ from calib.physics.lag import second_order
 from calib.physics.vehicle import Vehicle
 
 NATURAL_FREQUENCY = Parameter("natural_frequency", "rad/s", 3.0, 30.0, 2.6 * np.pi, 2.5)
-"""1.3 Hz: bodies pitch at 1 to 2 Hz (Gillespie, ch. 5)."""
+"""1.3 Hz, that of a usual body (Gillespie, ch. 5)."""
 
 DAMPING = Parameter("damping", "1", 0.05, 0.95, 0.3, 0.1)
-"""Dampers of passenger cars: 0.2 to 0.4 of critical (Gillespie, ch. 5)."""
+"""That of a usual body (Gillespie, ch. 5)."""
 
 ELASTIC_SHARE = Parameter("elastic_share", "1", 0.0, 1.5, 0.4, 0.4)
 """None on a stiff car, nearly all without anti-dive (Gillespie, ch. 7)."""

@@ -121,7 +121,9 @@ def test_a_channel_can_be_held_by_the_map(tmp_path):
     np.testing.assert_allclose(np.rad2deg(log["steering"]), expected)
     assert any("held" in note for note in log.notes)
     chart.write_text('schema = 1\n[channels.steering]\nsource = "steer"\nmethod = "spline"\n')
-    with pytest.raises(ChannelMapError, match="method 'spline'; expected one of linear, hold"):
+    with pytest.raises(
+        ChannelMapError, match=r"steering\.method: 'spline'; expected one of 'linear', "
+    ):
         read_log(path, chart)
 
 
