@@ -93,7 +93,7 @@ def by_name(title: str, entries: Mapping[str, Any], about: str) -> type[ByName]:
 
 
 @dataclass(frozen=True)
-class Quantity:
+class QuantityMark:
     """Marks a float of a file: written with a unit, stored in SI, plausible from low to high.
 
     ``si`` None allows any quantity; "1" is a plain number or a percentage. Bounds in SI.
@@ -184,13 +184,13 @@ class OneOf:
         return {"enum": list(self.known)}
 
 
-def quantities(section: type[Section]) -> dict[str, Quantity]:
+def quantities(section: type[Section]) -> dict[str, QuantityMark]:
     """Return SI unit and bounds of each field of a section that holds a quantity."""
     return {
         name: mark
         for name, field in section.model_fields.items()
         for mark in field.metadata
-        if isinstance(mark, Quantity)
+        if isinstance(mark, QuantityMark)
     }
 
 

@@ -13,7 +13,7 @@ from cli.outputs import refuse_folder, writing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from calib.plots.choose import Given
+    from calib.plots.choose import PlotInput
     from calib.plots.sheet import Sheet
 
 EPILOG = example(
@@ -84,11 +84,13 @@ def _check_out(out: Path | None) -> None:
     refuse_folder(out)
 
 
-def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path | None) -> "Given":
+def _read(
+    what: list[str], store: Path, vehicle: Path | None, channel_map: Path | None
+) -> "PlotInput":
     """Read everything; whatever is no log and no result is a table."""
     from calib.logs.read import FORMATS, REQUIRED, read_log
     from calib.logs.tables import ending_of
-    from calib.plots.choose import Given
+    from calib.plots.choose import PlotInput
     from calib.plots.result import is_result, read_result
     from calib.table.version import RECORD
 
@@ -106,7 +108,7 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
     _check_usage(len(names), len(logs), len(results), vehicle is not None)
     mapping = channel_map_of(channel_map)
     needed = REQUIRED if names else ()  # a log alone is drawn as far as it goes
-    return Given(
+    return PlotInput(
         tables=tuple(calib.Store(store).load(name) for name in names),
         logs=tuple(read_log(path, mapping, require=needed) for path in logs),
         results=tuple(read_result(path) for path in results),
@@ -125,7 +127,7 @@ def _check_usage(tables: int, logs: int, results: int, vehicle: bool) -> None:
         )
 
 
-def _draw(given: "Given", figure: str | None) -> "list[tuple[Sheet, dict[str, Figure]]]":
+def _draw(given: "PlotInput", figure: str | None) -> "list[tuple[Sheet, dict[str, Figure]]]":
     """Every sheet with its figures by name; the page itself has the name ''."""
     from calib.plots.choose import sheets
 

@@ -123,14 +123,14 @@ def draw(
     stored: Stored, fitted: list[Log], held: list[Log], other: Vehicle | None, where: Path
 ) -> None:
     """One page for the table with its ramps, one for each hold-out, as PNG."""
-    from calib.plots.choose import Given, sheets
+    from calib.plots.choose import PlotInput, sheets
     from calib.plots.save import save as save_figures
 
     where.mkdir(parents=True, exist_ok=True)
     ramps = tuple(log for log in fitted if "coast" not in log.name)
     pages = [
-        *sheets(Given(tables=(stored,), logs=ramps)),
-        *sheets(Given(tables=(stored,), logs=tuple(held), vehicle=other)),
+        *sheets(PlotInput(tables=(stored,), logs=ramps)),
+        *sheets(PlotInput(tables=(stored,), logs=tuple(held), vehicle=other)),
     ]
     save_figures({where / f"{sheet.name}.png": [sheet.overview()] for sheet in pages})
 

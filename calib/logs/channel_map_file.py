@@ -35,7 +35,7 @@ from calib.errors import ChannelMapError
 from calib.logs.channel_map import METHODS, ChannelMap, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 from calib.names import CHANNELS
-from calib.schema import FileSchema, OneOf, Quantity, Section, by_name, read_toml
+from calib.schema import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
 from calib.schema_errors import wrong
 from calib.units import UnknownUnit, spellings, unit_of
 
@@ -66,8 +66,8 @@ class MappingSection(Section):
     source: Annotated[str, BeforeValidator(_source)]
     unit: str | None = None
     sign: Annotated[Literal[1, -1], BeforeValidator(_sign)] = 1
-    scale: Annotated[float, Quantity("1"), AfterValidator(_scale)] = 1.0
-    offset: Annotated[float, Quantity("1")] = 0.0
+    scale: Annotated[float, QuantityMark("1"), AfterValidator(_scale)] = 1.0
+    offset: Annotated[float, QuantityMark("1")] = 0.0
     method: Annotated[str, OneOf(METHODS)] | None = None
 
 

@@ -49,7 +49,7 @@ from calib.physics.vehicle import Vehicle
 from calib.schema import (
     FileSchema,
     OneOf,
-    Quantity,
+    QuantityMark,
     Section,
     by_name,
     quantity_pattern,
@@ -58,8 +58,8 @@ from calib.schema import (
 from calib.schema_errors import wrong
 from calib.toml import quantity, toml_bytes, written_quantity
 
-Friction = Annotated[float, Quantity("1", 0.02, 1.0)]
-Factor = Annotated[float, Quantity("1", 0.05, 20.0)]
+Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
+Factor = Annotated[float, QuantityMark("1", 0.05, 20.0)]
 
 
 class PadsSection(Section):
@@ -72,11 +72,11 @@ class PadsSection(Section):
 class TyreSection(Section):
     """The tyre of both axles; wet asphalt for what is left out."""
 
-    stiffness: Annotated[float, Quantity("1", 1.0, 100.0)] | None = None
-    peak: Annotated[float, Quantity("1", 0.02, 2.0)] | None = None
+    stiffness: Annotated[float, QuantityMark("1", 1.0, 100.0)] | None = None
+    peak: Annotated[float, QuantityMark("1", 0.02, 2.0)] | None = None
     # 1 never falls past the peak, 2 falls to zero: outside, the closed inverse does not hold.
-    shape: Annotated[float, Quantity("1", 1.01, 1.99)] | None = None
-    load_exponent: Annotated[float, Quantity("1", -1.0, 1.0)] | None = None
+    shape: Annotated[float, QuantityMark("1", 1.01, 1.99)] | None = None
+    load_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
 
 
 def _start(written: object) -> tuple[float, str]:
@@ -121,7 +121,8 @@ class EmpiricalSection(Section):
 def _parameters(card: Card) -> type[Section]:
     """The schema of an effect: its parameters, each with the unit and the range of its card."""
     fields: dict[str, Any] = {
-        p.name: (Annotated[float, Quantity(p.unit, p.low, p.high)], ...) for p in card.parameters
+        p.name: (Annotated[float, QuantityMark(p.unit, p.low, p.high)], ...)
+        for p in card.parameters
     }
     return create_model(card.name, __base__=Section, __doc__=card.cause, **fields)
 

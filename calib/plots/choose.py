@@ -22,7 +22,7 @@ from calib.table.version import Stored
 
 
 @dataclass(frozen=True)
-class Given:
+class PlotInput:
     """What is to be drawn; ``vehicle`` gives nominal pads that are not the table's."""
 
     tables: tuple[Stored, ...] = ()
@@ -31,7 +31,7 @@ class Given:
     vehicle: Vehicle | None = None
 
 
-def sheets(given: Given) -> Iterator[Sheet]:
+def sheets(given: PlotInput) -> Iterator[Sheet]:
     """One sheet after the other, each ready to be drawn.
 
     At most two tables, and two only alone; a vehicle only where something is estimated with it or

@@ -20,7 +20,7 @@ from calib.physics.brakes import brakes_of
 from calib.physics.effects.combined import as_driven, as_read
 from calib.physics.history import RunHistory, at_rest
 from calib.physics.model import Model
-from calib.simulation.solver import Drive, State, end_of, history_of, solve
+from calib.simulation.solver import Drive, SolverState, end_of, history_of, solve
 
 Array = NDArray[np.float64]
 
@@ -125,7 +125,7 @@ def _first(channels: Mapping[str, Array], end: int) -> dict[str, Array]:
     return {name: values[:end].copy() for name, values in channels.items()}
 
 
-def _channels(run: Drive, state: State, history: RunHistory) -> dict[str, Array]:
+def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
     model, brakes = run.brakes.model, run.brakes
     a_x = as_read(model.vehicle, model.effects, history, -G * state.z)
     channels = {"time": run.time, "p_mc": run.rest.p_mc, "a_x": a_x}
@@ -135,7 +135,7 @@ def _channels(run: Drive, state: State, history: RunHistory) -> dict[str, Array]
     return channels | {"v": state.v}
 
 
-def _truth(run: Drive, state: State, history: RunHistory) -> dict[str, Array]:
+def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
     twins = {w: run.brakes.twin(w) for w in WHEELS}
     truth = {f"true_Tb_{w}": state.demand[twin].torque for w, twin in twins.items()}
     truth |= {f"true_Fx_{w}": state.force[twin] for w, twin in twins.items()}

@@ -74,7 +74,7 @@ class Drive:
 
 
 @dataclass(frozen=True)
-class State:
+class SolverState:
     """The result of one iteration: ``v`` [m/s], ``z`` [1], ``loads`` of the axles [N] (n,).
 
     By wheel: ``slip`` [1], ``demand`` its torque, moment and load, ``force`` [N], ``used`` slip
@@ -90,7 +90,7 @@ class State:
     used: dict[str, Array]
 
 
-def solve(run: Drive) -> State:
+def solve(run: Drive) -> SolverState:
     """Iterate until neither v nor slip changes before the end.
 
     Raises ModelError if it does not converge, or if fewer than two samples remain.
@@ -114,7 +114,7 @@ def solve(run: Drive) -> State:
     )
 
 
-def history_of(run: Drive, state: State) -> RunHistory:
+def history_of(run: Drive, state: SolverState) -> RunHistory:
     """The run as input of the effects, with wheel angles and dissipated heat."""
     if not run.brakes.model.effects:
         return run.rest
@@ -137,7 +137,7 @@ def history_of(run: Drive, state: State) -> RunHistory:
     )
 
 
-def end_of(run: Drive, state: State) -> tuple[int, str]:
+def end_of(run: Drive, state: SolverState) -> tuple[int, str]:
     """Number of valid samples, and the reason for the end."""
     weight = run.brakes.model.vehicle.weight
     limits = {
@@ -154,7 +154,7 @@ def end_of(run: Drive, state: State) -> tuple[int, str]:
     return end, f"ends before {run.time[end]:.3f} s at {pressure:.1f} bar: {reasons}"
 
 
-def _first(run: Drive) -> State:
+def _first(run: Drive) -> SolverState:
     """Start of the iteration: brakes only, no inertia, linear tyres."""
     vehicle, zero = run.brakes.model.vehicle, np.zeros_like(run.time)
     torque = run.brakes.torques(run.rest)
@@ -163,10 +163,10 @@ def _first(run: Drive) -> State:
     straight = np.clip(z / np.mean(run.brakes.model.tyre.stiffness), -0.02, 0.02)
     demand = {w: wheel.WheelDemand(T_b, zero, zero) for w, T_b in torque.items()}
     loads = forces.axle_loads(vehicle, z)
-    return State(run.speed(z), z, loads, dict.fromkeys(force, straight), demand, force, {})
+    return SolverState(run.speed(z), z, loads, dict.fromkeys(force, straight), demand, force, {})
 
 
-def _iterate(run: Drive, old: State) -> State:
+def _iterate(run: Drive, old: SolverState) -> SolverState:
     """Loads (6), (7), effects, one step of (1) for every wheel, (5), and v."""
     model, vehicle = run.brakes.model, run.brakes.model.vehicle
     history = history_of(run, old)
@@ -185,7 +185,7 @@ def _iterate(run: Drive, old: State) -> State:
         used[w] = tyre.used(slip[w])
     body = total_body_force(vehicle, model.effects, motion)
     z = (run.total(force) + body) / vehicle.weight  # (5)
-    return State(run.speed(z), z, _loads(run, z, history), slip, demand, force, used)
+    return SolverState(run.speed(z), z, _loads(run, z, history), slip, demand, force, used)
 
 
 def _loads(run: Drive, z: Array, history: RunHistory) -> Pair:
