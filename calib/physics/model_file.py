@@ -104,7 +104,7 @@ class SurfaceSection(Section):
 
 
 class EmpiricalSection(Section):
-    """What is added over what it depends on, in SI; its cause is not known."""
+    """Values at the knots of a driver, in SI; the cause is not known."""
 
     place: Annotated[str, OneOf(tuple(PLACES))]
     driver: Annotated[str, OneOf(tuple(DRIVERS))]
@@ -154,7 +154,7 @@ class OneOrMore:
 
 
 class ModelFile(FileSchema):
-    """What the simulation needs besides the vehicle."""
+    """The model of a simulation, besides the vehicle."""
 
     pads: PadsSection = PadsSection()
     tyre: TyreSection = TyreSection()
@@ -164,7 +164,7 @@ class ModelFile(FileSchema):
 
 
 def read_model(path: Path, vehicle: Vehicle) -> Model:
-    """Read a model file; what it leaves out is as in `default_model`.
+    """Read a model file; missing parts are as in `default_model`.
 
     Raises ModelError for a file that is missing, not TOML or of another schema; for an unknown key,
     effect or unit; for a missing parameter; for a value out of its range.

@@ -1,7 +1,7 @@
 """A vehicle as a TOML file: quantities with units, such as ``mass = "1744 kg"``.
 
-Bounds see slips of the unit and of the decimal point, not small errors: they reach from a microcar
-to a heavy coach, and a mass that is 10 % wrong passes.
+The bounds detect a wrong unit or decimal point, not small errors: they reach from a microcar to a
+heavy coach, and a mass that is 10 % wrong passes.
 """
 
 from collections.abc import Mapping
@@ -26,7 +26,7 @@ _FORBIDDEN_IN_NAME = frozenset('@/\\:*?"<>|')
 
 
 def _name(name: str) -> str:
-    """A table is named after its vehicle, so the name must do as a folder and before an ``@``."""
+    """A table has the name of its vehicle, so it must be valid as a folder and before an ``@``."""
     bad = not name.strip() or name.startswith(".") or name != name.strip()
     if bad or not name.isprintable() or _FORBIDDEN_IN_NAME & set(name):
         raise wrong(f"{name!r} cannot name a table", 'letters, digits, "-", "_" or "."')
@@ -85,7 +85,7 @@ KnownEffect = dict[str, Annotated[float, QuantityMark(None, -1e12, 1e12)]]
 
 
 class VehicleFile(FileSchema):
-    """A vehicle: Tables I and II of the paper, and the effects known beforehand.
+    """A vehicle: Tables I and II of the paper, and the known effects.
 
     The names of effects are not checked here: `calib.physics.model.default_model` does so.
     """

@@ -55,5 +55,5 @@ def test_a_log_or_a_result_alone(ramp):
 
 def test_too_many_tables_are_an_error(stored, ramp):
     for given in ({"tables": (stored,) * 3}, {"tables": (stored,) * 2, "logs": (ramp,)}):
-        with pytest.raises(ValueError, match="two tables go alone"):
+        with pytest.raises(ValueError, match="two tables are drawn without logs"):
             kinds(**given)
