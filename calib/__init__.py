@@ -1,6 +1,7 @@
 """Calibration of a brake-torque estimator from one ramped braking run.
 
-The workflow is here by name, each name with an example; whatever else there is lies in the rooms.
+The steps of the workflow can be imported from here; each has an example. All else is in the
+subpackages.
 
     read_log ──> check       what is in a log, and what it is good for
              ──> fit ──> Store ──> export     from ramps to a table, and to an ECU
@@ -56,8 +57,8 @@ _HOMES = {
     "simulate": "calib.simulation.simulate",
     "validate": "calib.validation.validate",
 }
-"""The module of each name. It is imported when the name is first used, so that nothing heavy loads
-before."""
+"""The module of each name. It is imported when the name is first used: ``import calib`` is
+fast."""
 
 
 def __getattr__(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""A SHA-256 over content, so that it does not depend on how a file format packs it."""
+"""SHA-256 over content: it does not depend on the file format or its compression."""
 
 import hashlib
 import json
@@ -21,5 +21,8 @@ def content_digest(record: dict[str, Any], curves: dict[str, dict[str, Array]]) 
 
 
 def canonical_json(record: dict[str, Any]) -> bytes:
-    """JSON with sorted keys, no spaces, no NaN: one content, one sequence of bytes."""
+    """JSON with sorted keys and no spaces, so that equal content gives equal bytes.
+
+    Raises ValueError for NaN and infinite numbers.
+    """
     return json.dumps(record, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()

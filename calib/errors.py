@@ -2,24 +2,24 @@
 
     BrakeCalError
     ├── InputError            exit code 3: a file the user gave
-    │   ├── LogError          a log: missing, unreadable, unfit for the job
+    │   ├── LogError          a log: missing, unreadable, unfit for the task
     │   ├── VehicleError      a vehicle file
     │   ├── ChannelMapError   a channel map
     │   ├── LimitsError       a limits file
     │   ├── ModelError        a model file
-    │   └── ExchangeError     a calibration file: DCM, CDF; the summary that goes with one
+    │   └── ExchangeError     a calibration file (DCM, CDF) or its validation summary
     ├── BatchError            exit code 2: the folder or the workers of a batch
     └── StoreError            exit code 4: the table store, or a table in it
         ├── TableNotFound     no table of that name or version
-        └── DamagedTable      the content is not what its digest says
+        └── DamagedTable      the content does not match its digest
 
-The command line catches only the root. A message says what was wrong, what came, what was
-expected and where to look. Several errors of one file come as one message of several lines.
+The command line catches only the root. A message says what was wrong, which value was given, what
+was expected and where to look. Several errors of one file are one message of several lines.
 """
 
 
 class BrakeCalError(Exception):
-    """Root of every error that a user can cause and mend."""
+    """Root of every error that a user can cause and correct."""
 
     exit_code = 1
 
@@ -28,9 +28,9 @@ class BrakeCalError(Exception):
 
         Parameters
         ----------
-        what : what was wrong and what came.
+        what : what was wrong, and the value that was given.
         where : the file, channel or key.
-        expected : what would have been right.
+        expected : what would have been valid.
         do : the next step for the user.
         """
         self.what, self.where, self.expected, self.do = what, where, expected, do
@@ -46,7 +46,7 @@ class InputError(BrakeCalError):
 
 
 class LogError(InputError):
-    """A log is missing, unreadable or unfit for the job."""
+    """A log is missing, unreadable or unfit for the task."""
 
 
 class VehicleError(InputError):
@@ -58,7 +58,7 @@ class ChannelMapError(InputError):
 
 
 class LimitsError(InputError):
-    """A limits file is unreadable or names an unknown figure."""
+    """A limits file is unreadable or names an unknown metric."""
 
 
 class ModelError(InputError):
@@ -70,13 +70,13 @@ class ExchangeError(InputError):
 
 
 class BatchError(BrakeCalError):
-    """A batch cannot begin there: other settings, in use, no such scheduler, other workers."""
+    """A batch cannot start: other settings, folder in use, no scheduler, unfit workers."""
 
     exit_code = 2
 
 
 class StoreError(BrakeCalError):
-    """The table store is damaged or refuses."""
+    """The table store is damaged or cannot do what was asked."""
 
     exit_code = 4
 
@@ -86,4 +86,4 @@ class TableNotFound(StoreError):
 
 
 class DamagedTable(StoreError):
-    """A table file does not hold what its digest promises."""
+    """The content of a table file does not match its digest."""

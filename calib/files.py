@@ -1,4 +1,4 @@
-"""Files that are either whole or not there, and their names in print."""
+"""Write files completely or not at all; print their names safely."""
 
 import os
 import re
@@ -9,9 +9,10 @@ from pathlib import Path
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write ``content`` to ``path`` in one step: a reader sees the old file or the new one.
+    """Write ``content`` to ``path`` in one step.
 
-    Raises OSError if the directory cannot be written.
+    A reader gets the old file or the new one, never a part. Raises OSError if the directory cannot
+    be written.
     """
     handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
@@ -26,11 +27,11 @@ def write_whole(path: Path, content: bytes) -> None:
 
 @contextmanager
 def workshop(out: Path) -> Iterator[Path]:
-    """A hidden folder in ``out`` to make its files in; gone afterwards, whatever happens.
+    """Make a hidden temporary folder in ``out``; it is always deleted afterwards.
 
-    It lies inside, since ``out`` may be another file system than the folder that it is in. ``out``
-    goes too if it was made for this and nothing was put there. Raises OSError at once if nothing
-    can be written there.
+    It is inside ``out``, because the parent folder may be on another file system. If ``out`` did
+    not exist before and stays empty, it is deleted too. Raises OSError at once if ``out`` cannot be
+    written.
     """
     made = not out.exists()
     out.mkdir(parents=True, exist_ok=True)
@@ -44,7 +45,7 @@ def workshop(out: Path) -> Iterator[Path]:
 
 
 def printable(text: str) -> str:
-    r"""Text in one line, without the half characters of a file name that is not UTF-8.
+    r"""Text in one line; control characters and bytes that are not UTF-8 are escaped.
 
     >>> print(printable(os.fsdecode(b"r\xfcck.csv")))
     r\udcfcck.csv
@@ -56,7 +57,7 @@ def printable(text: str) -> str:
 
 
 def _umask() -> int:
-    """The mask that a plain ``open`` would apply; mkstemp makes files private instead."""
+    """The permission mask that ``open`` applies; mkstemp makes files private instead."""
     mask = os.umask(0)
     os.umask(mask)
     return mask

@@ -1,6 +1,6 @@
-"""The one page of names: each quantity once, with symbol, unit and sign.
+"""The list of quantities: each once, with symbol, unit and sign.
 
-Everything inside the program is SI; bar, km/h, rpm and cm^2 exist only at the doors. Forces,
+Everything inside the program is SI; bar, km/h, rpm and cm^2 occur only in input and output. Forces,
 torques and slips are positive magnitudes when they brake. ``a_x`` keeps the sign of ISO 8855:
 forward positive, so that braking is negative; ``z = -a_x/g`` is positive when braking.
 """
@@ -21,10 +21,10 @@ class Quantity:
     Attributes
     ----------
     name : canonical channel name.
-    symbol : symbol in the paper, or the customary one.
+    symbol : symbol in the paper, or the usual one.
     unit : unit of the canonical log file.
     si : unit inside the program; the two differ only where a log is read or written.
-    meaning : what it is, with its sign.
+    meaning : description, with the sign convention.
     required : whether every log must have it.
     """
 
@@ -64,4 +64,5 @@ CHANNELS: dict[str, Quantity] = {
 """The canonical channels, in the order in which a log is written."""
 
 TRUTH_UNITS = {"true_Tb": "N*m", "true_Fx": "N", "true_Fz": "N", "true_mu_pad": "1"}
-"""Truth channels of a simulation, by prefix. Never read by fit, estimator or diagnosis."""
+"""SI unit of each truth channel of a simulation, by prefix. Fit, estimator and diagnosis never read
+them."""

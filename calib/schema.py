@@ -1,4 +1,4 @@
-"""What a file may hold, as pydantic models; all errors of a file come in one message of ours.
+"""What a file may contain, as pydantic models; all errors of a file are one message.
 
     class Pads(Section):                                       [pads]
         front: Annotated[float, Quantity("1", 0.02, 1.0)]      front = 0.38
@@ -6,8 +6,8 @@
     class ModelFile(FileSchema):                               schema = 1
         pads: Pads
 
-This module loads pydantic. Only the ``..._file.py`` of a room imports it, and only what reads or
-writes a file imports those.
+This module loads pydantic. Only the modules ``..._file.py`` import it, and only code that
+reads or writes a file imports those.
 """
 
 import math
@@ -48,16 +48,16 @@ S = TypeVar("S", bound="Section")
 
 
 class Section(BaseModel):
-    """A table of a file: it knows all its keys, and takes no value of another type."""
+    """A table of a file. Unknown keys and values of another type are errors."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
     written_as: ClassVar[str] = ""
-    """What a message says is expected in place of a value that is no table; its name by default."""
+    """What a message expects where a value is not a table; by default the table's name."""
 
 
 def _number(version: object) -> object:
-    """The version of a schema; true is not one, though Python takes it as 1."""
+    """The version of a schema; ``true`` is refused, although it equals 1 in Python."""
     if isinstance(version, bool):
         raise wrong(f"{version}", "a number")
     return version
@@ -70,7 +70,7 @@ class FileSchema(Section):
 
 
 class ByName(Section):
-    """A table of which every key may be left out; `entries` come in the order of the file."""
+    """A table whose keys are all optional; `entries` are in the order of the file."""
 
     _order: tuple[str, ...] = PrivateAttr(())
 
@@ -82,7 +82,7 @@ class ByName(Section):
         return section
 
     def entries(self) -> ItemsView[str, Any]:
-        """Name and value of each entry, as the file has them."""
+        """Name and value of each entry, in the order of the file."""
         return {name: getattr(self, name) for name in self._order}.items()
 
 
@@ -93,10 +93,10 @@ def by_name(title: str, entries: Mapping[str, Any], about: str) -> type[ByName]:
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """Marks a float of a file: written with a unit, kept in SI, believable from low to high.
+class QuantityMark:
+    """Marks a float of a file: written with a unit, stored in SI, plausible from low to high.
 
-    ``si`` None takes any quantity; "1" is a plain number or a percentage. Bounds in SI.
+    ``si`` None allows any quantity; "1" is a plain number or a percentage. Bounds in SI.
     """
 
     si: str | None
@@ -104,7 +104,7 @@ class Quantity:
     high: float = math.inf
 
     def read(self, written: object) -> float:
-        """Value [SI]. Raises `wrong` for what is no such quantity or not believable."""
+        """Value [SI]. Raises `wrong` for another quantity or a value out of bounds."""
         try:
             value = quantity(written, self.si, None, InputError)
         except InputError as cause:
@@ -146,14 +146,14 @@ class Quantity:
 
 
 def quantity_pattern(*si: str | None) -> str:
-    """A written quantity of one of these SI units as a regular expression; None for any."""
+    """Regular expression for a quantity in any unit of these SI units; None for any quantity."""
     units = "|".join(_unit_pattern(unit) for one in si for unit in spellings(one))
     may_be_left_out = "?" if {"1", None} & set(si) else ""
     return rf"^\s*{NUMBER}\s*(?:{units}){may_be_left_out}\s*$"
 
 
 def _unit_pattern(unit: str) -> str:
-    """A unit as a regular expression: raised and multiplied in all the ways that are read."""
+    """Regular expression for a unit, with every accepted sign for power and product."""
     return re.escape(unit).replace(r"\*", "[*·⋅×]").replace(r"\^2", r"(?:\^2|\*\*2|²)")
 
 
@@ -184,13 +184,13 @@ class OneOf:
         return {"enum": list(self.known)}
 
 
-def quantities(section: type[Section]) -> dict[str, Quantity]:
+def quantities(section: type[Section]) -> dict[str, QuantityMark]:
     """Return SI unit and bounds of each field of a section that holds a quantity."""
     return {
         name: mark
         for name, field in section.model_fields.items()
         for mark in field.metadata
-        if isinstance(mark, Quantity)
+        if isinstance(mark, QuantityMark)
     }
 
 
@@ -198,13 +198,13 @@ def read_toml(path: Path, schema: type[S], error: type[InputError]) -> S:
     """Read a TOML file of a schema.
 
     Raises ``error`` if there is no such file, if it is not TOML or of another version of the
-    schema; else with all that is wrong in it.
+    schema; else one ``error`` that lists all mistakes in the file.
     """
     return validated(load_toml(path, error), schema, path, error)
 
 
 def validated(document: object, schema: type[S], where: object, error: type[BrakeCalError]) -> S:
-    """Check a document of plain values. Raises ``error`` with all that is wrong in it."""
+    """Check a document of plain values. Raises one ``error`` that lists all mistakes."""
     try:
         return schema.model_validate(document)
     except ValidationError as cause:
@@ -212,7 +212,7 @@ def validated(document: object, schema: type[S], where: object, error: type[Brak
 
 
 def validated_json(data: bytes, schema: type[S], where: object, error: type[BrakeCalError]) -> S:
-    """Check a JSON document. Raises ``error`` for what is not JSON, or with all that is wrong."""
+    """Check a JSON document. Raises one ``error`` that lists all mistakes."""
     try:
         return schema.model_validate_json(data)
     except ValidationError as cause:
@@ -220,7 +220,7 @@ def validated_json(data: bytes, schema: type[S], where: object, error: type[Brak
 
 
 def json_schema(schema: type[Section]) -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of what a file may hold."""
+    """Return the JSON Schema (draft 2020-12) of a file."""
     return {
         "$schema": GenerateJsonSchema.schema_dialect,
         **schema.model_json_schema(schema_generator=_WithoutNull),
@@ -228,7 +228,7 @@ def json_schema(schema: type[Section]) -> dict[str, Any]:
 
 
 class _WithoutNull(GenerateJsonSchema):
-    """TOML has no null: what may be left out is left out."""
+    """TOML has no null: an optional key is left out instead."""
 
     def nullable_schema(self, schema: core_schema.NullableSchema) -> JsonSchemaValue:
         return self.generate_inner(schema["schema"])

@@ -1,4 +1,4 @@
-"""What is wrong in a file: the errors of pydantic in our words, all of them in one message."""
+"""The mistakes in a file: pydantic's errors in plain words, all in one message."""
 
 from dataclasses import is_dataclass
 from types import UnionType
@@ -32,40 +32,40 @@ Place = tuple[int | str, ...]
 
 
 def wrong(what: str, expected: str = "", do: str = "") -> PydanticCustomError:
-    """Return what a validator raises: what came, what was expected, what to do."""
+    """Return the error for a validator to raise: value given, value expected, what to do."""
     return PydanticCustomError("wrong", "{what}", {"what": what, "expected": expected, "do": do})
 
 
 def one_error(
     cause: ValidationError, schema: type[BaseModel], where: object, error: type[BrakeCalError]
 ) -> BrakeCalError:
-    """Return one error of ours that says all that is wrong in the file ``where``."""
+    """Return one error that lists all mistakes in the file ``where``."""
     details = cause.errors(include_url=False)
     version = [d for d in details if _is_version(schema, d["loc"])]
     meant = {_meant(schema, d["loc"]) for d in details if d["type"] in _UNKNOWN}
     mistakes = [
         _mistake(detail, schema)
         for detail in version or details
-        # A misspelt key is also a missing one, and the spelling is the thing to mend.
+        # A misspelt key is also reported as missing; only the spelling error is kept.
         if detail["type"] not in _MISSING or detail["loc"] not in meant
     ]
     if len(mistakes) == 1:
         (only,) = mistakes
         at = ": ".join(str(part) for part in (where, only.place) if part)
-        return only.told(error, at or None)
-    lines = [str(mistake.told(error, mistake.place or None)) for mistake in mistakes]
+        return only.as_error(error, at or None)
+    lines = [str(mistake.as_error(error, mistake.place or None)) for mistake in mistakes]
     return error("\n  ".join([f"{len(lines)} errors", *lines]), where=where)
 
 
 class _Mistake(NamedTuple):
-    """Key path, what came, what was expected, what to do."""
+    """Key path, value given, value expected, what to do."""
 
     place: str
     what: str
     expected: str = ""
     do: str = ""
 
-    def told(self, error: type[BrakeCalError], where: str | None) -> BrakeCalError:
+    def as_error(self, error: type[BrakeCalError], where: str | None) -> BrakeCalError:
         return error(self.what, where=where, expected=self.expected, do=self.do)
 
 
@@ -103,24 +103,24 @@ def _is_version(schema: type[BaseModel], loc: Place) -> bool:
 
 
 def _meant(schema: type[BaseModel], loc: Place) -> Place:
-    """Where an unknown key was meant to be."""
+    """Path of the known key that is most like an unknown one."""
     return (*loc[:-1], nearest(str(loc[-1]), _keys(schema, loc[:-1])) or loc[-1])
 
 
 def _path(loc: Place) -> str:
-    """``surfaces[0].start``."""
+    """Path as text, such as ``surfaces[0].start``."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc)
     return text.removeprefix(".")
 
 
 def shown(value: object) -> str:
-    """Return what came, as a message shows it."""
+    """Return a given value as a message shows it."""
     text = repr(value)
     return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
 
 
 def _keys(schema: type[BaseModel], loc: Place) -> list[str]:
-    """The keys that the table at ``loc`` may have."""
+    """The allowed keys of the table at ``loc``."""
     kind = _kind_at(schema, loc)
     if _is_section(kind):
         return [field.alias or name for name, field in kind.model_fields.items()]
@@ -128,7 +128,7 @@ def _keys(schema: type[BaseModel], loc: Place) -> list[str]:
 
 
 def _kind_at(schema: type[BaseModel], loc: Place) -> Any:
-    """The type that a schema gives to the place ``loc``."""
+    """The type of the value at ``loc`` in a schema."""
     kind: Any = schema
     for key in loc:
         if _is_section(kind):
@@ -151,7 +151,7 @@ def _plain(kind: Any) -> Any:
 
 
 def _inner(kind: Any) -> Any:
-    """What a list or dict holds."""
+    """The type of the items of a list or dict."""
     held = [a for a in get_args(kind) if a is not Ellipsis]
     return _plain(held[-1]) if held else None
 

@@ -1,4 +1,4 @@
-"""TOML text, quantities with units, and the word that was meant."""
+"""TOML text, quantities with units, and suggestions for misspelt words."""
 
 import difflib
 import math
@@ -18,7 +18,7 @@ _QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 
 
 def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
-    """Read a TOML file as it stands.
+    """Read a TOML file without any check of its content.
 
     Raises ``error`` if there is no such file or if it is not TOML.
     """
@@ -32,9 +32,9 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
 
 
 def toml_bytes(document: Mapping[str, Any]) -> bytes:
-    """Return a document of plain values as TOML in UTF-8; every number reads back exactly.
+    """Return a document of plain values as TOML in UTF-8; every number is read back exactly.
 
-    Each table of the document has its own header, also where it holds tables only.
+    Each table has its own header, even if it contains only tables.
     """
     import tomlkit
 
@@ -50,26 +50,26 @@ def toml_bytes(document: Mapping[str, Any]) -> bytes:
 
 
 def nearest(word: str, known: Collection[str]) -> str | None:
-    """Return the known word that ``word`` is most like; None if no known word is near."""
+    """Return the known word that is most like ``word``; None if none is similar."""
     close = difflib.get_close_matches(word, known, n=1)
     return close[0] if close else None
 
 
 def did_you_mean(word: str, known: Collection[str]) -> str:
-    """``did you mean 'mass'?``, or nothing if no known word is near."""
+    """``did you mean 'mass'?``, or "" if no known word is similar."""
     close = nearest(word, known)
     return f"did you mean {close!r}?" if close else ""
 
 
 def quantity(value: object, si: str | None, where: object, error: type[InputError]) -> float:
-    """A number in SI from what a TOML file says, such as ``"28.84 cm^2"``.
+    """A number in SI from a quantity in a TOML file, such as ``"28.84 cm^2"``.
 
     Parameters
     ----------
-    value : a string with number and unit, or a plain number where it has no dimension.
-    si : SI unit wanted; None if any quantity will do.
+    value : a string with number and unit, or a plain number if the quantity is dimensionless.
+    si : SI unit wanted; None for any quantity.
     where : file and key, for the message.
-    error : what to raise if the value is no number, has no unit or one of another quantity.
+    error : raised if the value is no finite number, has no unit or a unit of another quantity.
     """
     dimensionless = si in ("1", None)
     if isinstance(value, int | float) and not isinstance(value, bool):
@@ -93,6 +93,6 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
 
 
 def written_quantity(value: float, si: str) -> str | float:
-    """A value in SI as `quantity` reads it back exactly: ``"1744.0 kg"``; a number without unit."""
+    """Text that `quantity` reads back exactly, ``"1744.0 kg"``; a plain number for ``si`` "1"."""
     number = value if isinstance(value, int) else float(value)
     return number if si == "1" else f"{number!r} {si}"

@@ -1,8 +1,8 @@
-"""Written units and their SI meaning: strict tables, one per quantity.
+"""Written units and their conversion to SI: one table per quantity.
 
-A unit is only understood where its quantity is expected. So ``g`` is gravity on an acceleration
-and nothing on a mass, ``Hz`` is revolutions per second on a wheel speed, and ``Nm`` is never a
-length. What is not in a table raises `UnknownUnit`.
+A unit is accepted only where its quantity is expected. So ``g`` is gravity for an acceleration and
+an error for a mass, ``Hz`` is revolutions per second for a wheel speed, and ``Nm`` is never a
+length. A unit that is not in the table raises `UnknownUnit`.
 """
 
 import difflib
@@ -25,8 +25,8 @@ class UnknownUnit(ValueError):
 class Unit:
     """SI value = written * scale / per + offset.
 
-    Two factors instead of one, so that a decimal mostly stays one: ``28.84 / 1e4`` is the nearest
-    number to 0.002884, ``28.84 * 1e-4`` is not.
+    Two factors instead of one reduce rounding: ``28.84 / 1e4`` is the floating-point number nearest
+    to 0.002884, ``28.84 * 1e-4`` is not.
     """
 
     scale: float = 1.0
@@ -152,14 +152,14 @@ _SIGNS = str.maketrans({"²": "^2", "·": "*", "⋅": "*", "×": "*", " ": None}
 
 
 def spelling(unit: str) -> str:
-    """The one spelling of a unit that the tables hold: ``m/s²`` becomes ``m/s^2``."""
+    """The spelling of a unit in the tables: ``m/s²`` becomes ``m/s^2``."""
     text = unit.strip().replace("N.m", "N*m").replace("**", "^")
     text = text.replace("⁻²", "^-2").replace("⁻¹", "^-1").translate(_SIGNS)
     return SPELLINGS.get(text, text)
 
 
 def unit_of(unit: str, si: str) -> Unit:
-    """Look a written unit up among those of one quantity, named by its SI unit.
+    """Return the conversion of a written unit; ``si`` is the SI unit of the quantity.
 
     Raises `UnknownUnit` naming the unit, the quantity wanted and its known units.
     """
@@ -185,7 +185,7 @@ def _refusal(unit: str, written: str, quantity: str, table: dict[str, Unit]) -> 
 
 
 def spellings(si: str | None) -> list[str]:
-    """Return the written units of one quantity, or of any: ``%`` and ``percent`` for ``"1"``."""
+    """Return all spellings of the units of one quantity, or of all if ``si`` is None."""
     tables = [table for key, (_, table) in QUANTITIES.items() if si in (key, None)]
     known = [unit for table in tables for unit in table]
     return [*known, *(other for other, unit in SPELLINGS.items() if unit in known)]
@@ -194,7 +194,7 @@ def spellings(si: str | None) -> list[str]:
 def si_of(unit: str) -> str:
     """The SI unit of the quantity that a written unit belongs to: ``"cm^2"`` gives ``"m^2"``.
 
-    For values whose quantity is not known beforehand. Raises `UnknownUnit`.
+    For values whose quantity is not known yet. Raises `UnknownUnit`.
     """
     written = spelling(unit)
     for si, (_, table) in QUANTITIES.items():
@@ -215,7 +215,7 @@ def to_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | ND
     ----------
     values : written values, any shape.
     unit : their unit as written, in any known spelling.
-    si : SI unit wanted; it names the quantity, so that ``g`` is gravity for ``"m/s^2"``.
+    si : SI unit wanted; it names the quantity: ``g`` is gravity for ``"m/s^2"``.
 
     Returns
     -------
@@ -243,7 +243,7 @@ def from_si(values: float | NDArray[np.float64], unit: str, si: str) -> float | 
 
 
 def is_unit(text: str, si: str | None = None) -> bool:
-    """Whether ``text`` is a known unit: of the quantity with SI unit ``si``, or of any.
+    """Whether ``text`` is a known unit of the quantity with SI unit ``si``, or of any if None.
 
     >>> is_unit("bar"), is_unit("bar", "m/s"), is_unit("front")
     (True, False, False)

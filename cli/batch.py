@@ -1,4 +1,4 @@
-"""`brake-cal batch`: one command on many logs, one row a log."""
+"""`brake-cal batch`: one command on many logs, one row per log."""
 
 import signal
 import time
@@ -48,10 +48,10 @@ def batch(
     fresh: Fresh = False,
     json: Json = False,
 ) -> None:
-    """Run one command on many logs: one row a log in DIR/results.parquet.
+    """Run one command on many logs: one row per log in DIR/results.parquet.
 
-    A log that cannot be read is a row with its error and changes no exit code, unless none can be.
-    A run that was stopped goes on where it was when it is started again. `fit` stores no tables.
+    A log that cannot be read is a row with its error; it changes the exit code only if no log can
+    be read. A run that was stopped continues when it is started again. `fit` stores no tables.
     Exit code 0 if no log fails its limits, 1 if one does, 3 if none could be read, 130 if stopped.
     """
     if workers is not None and scheduler is not None:
@@ -67,7 +67,7 @@ def batch(
         with _progress() as report, writing(out):
             done = run_batch(job, logs, out, executor, report, fresh)
     except KeyboardInterrupt:
-        say("stopped; the same line typed again goes on where it was")
+        say("stopped; the same command continues where it was")
         raise
     finally:
         executor.close()
@@ -79,7 +79,7 @@ def batch(
 
 
 def _check_logs(logs: list[str], job: "Job", out: Path) -> None:
-    """Say what names no log before any worker is started."""
+    """Raise an error for names without a log, before any worker is started."""
     from calib.fleet.find import find_logs
 
     for argument in logs:
@@ -109,7 +109,7 @@ def _tell(done: "Batch", json: bool) -> None:
 
 @contextmanager
 def _progress() -> "Iterator[Callable[[Pace], None]]":
-    """Show rate and remaining time on stderr: a bar while a person looks, or a line at times."""
+    """Show rate and remaining time on stderr: a bar on a terminal, else lines at intervals."""
     from calib.fleet.pace import words
 
     if is_watched():

@@ -1,4 +1,4 @@
-"""`brake-cal check`: what is in a log, is it usable, and for what."""
+"""`brake-cal check`: what a log contains, and for what it can be used."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -20,11 +20,11 @@ EPILOG = example("brake-cal check sample_logs/sedan/*.csv")
 
 USELESS, UNREADABLE = 1, 3
 
-Logs = Annotated[list[Path], typer.Argument(metavar="LOG...", help="logs to look at")]
+Logs = Annotated[list[Path], typer.Argument(metavar="LOG...", help="logs to check")]
 
 
 def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
-    """Say what is in each log, whether it is usable, and for what.
+    """Show what each log contains, and for what it can be used.
 
     Exit code 1 if a log is usable for nothing, 3 if one cannot be read.
     """
@@ -49,7 +49,7 @@ def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
 def _look(
     logs: list[Path], mapping: "ChannelMap | None"
 ) -> "tuple[list[Findings], list[tuple[Path, InputError]]]":
-    """Check every log; one that cannot be read does not keep the others from being seen."""
+    """Check every log; one that cannot be read does not stop the check of the others."""
     from calib.checks.check import check as look_at
     from calib.checks.computed_channels import computed_channels
     from calib.errors import InputError
@@ -60,7 +60,7 @@ def _look(
     found, errors = [], []
     for path in logs:
         try:
-            # a bus carries thousands of signals: there nobody looks for copies of a pressure
+            # a bus has thousands of signals: no search for copies of a pressure among them
             if ending_of(path) in RECORDINGS:
                 found.append(look_at(read_log(path, mapping, require=())))
             else:

@@ -1,4 +1,4 @@
-"""What a command says and where: results on stdout, everything else on stderr.
+"""Output of the commands: results on stdout, everything else on stderr.
 
 rich is imported only where something is drawn, so that `--help` does not wait for it.
 """
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
 PIPED_WIDTH = 120
-"""Columns for what does not go to a terminal, unless COLUMNS says otherwise."""
+"""Columns of output that does not go to a terminal, if COLUMNS is not set."""
 
 
 def console() -> "Console":
-    """Console on stderr; without colour where NO_COLOR is set or nobody looks."""
+    """Console on stderr; without colour where NO_COLOR is set or stderr is no terminal."""
     return _console(sys.stderr)
 
 
 def say(message: str) -> None:
-    """Tell the user on stderr what is being done; ``message`` is printed as it is."""
+    """Print on stderr what is being done; ``message`` is printed without markup."""
     console().print(message, soft_wrap=True)
 
 
@@ -39,17 +39,17 @@ def complain(message: str) -> None:
 
 
 def emit(renderable: "RenderableType") -> None:
-    """Print a result on stdout; a string as it is, anything else as rich draws it."""
+    """Print a result on stdout; a string without markup, anything else drawn by rich."""
     _console(sys.stdout).print(renderable, soft_wrap=isinstance(renderable, str))
 
 
 def emit_json(document: object) -> None:
-    """Print ``document`` as the one JSON document on stdout, see `plain` for what it may hold."""
+    """Print ``document`` as the only JSON document on stdout; its types are those of `plain`."""
     print(json_text(document), end="", flush=True)  # noqa: T201
 
 
 def emit_line(text: str) -> None:
-    """Print a line on stdout at once, as it is."""
+    """Print a line on stdout at once, without markup."""
     print(text, flush=True)  # noqa: T201
 
 
@@ -64,7 +64,7 @@ def json_line(document: object) -> str:
 
 
 def plain(value: object) -> Any:
-    """Turn ``value`` into what JSON has: dataclasses, mappings, sequences, paths, numpy, numbers.
+    """Convert ``value`` to JSON types: dataclasses, mappings, sequences, paths, numpy, numbers.
 
     A number that is not finite becomes null. Raises TypeError for anything else.
     """
@@ -87,9 +87,9 @@ def plain(value: object) -> Any:
 
 @contextmanager
 def progress(task: str, total: int) -> Iterator[Callable[[], None]]:
-    """Show a bar for ``total`` steps on stderr while a person looks; yields the call for one step.
+    """Show a bar for ``total`` steps on stderr; yields the function to call after each step.
 
-    Where nobody can see a bar it says the task once and draws nothing.
+    Without a terminal it prints the task once and draws nothing.
     """
     if not is_watched():
         say(task)
@@ -106,9 +106,9 @@ def is_watched() -> bool:
 
 
 def progress_bar(task: str, total: int | None, time_left: bool = True) -> "Progress":
-    """Return a bar of one task on stderr, gone at the end; ``task`` is printed as it is.
+    """Return a bar of one task on stderr, removed at the end; ``task`` is printed without markup.
 
-    ``time_left`` shows the time that is left as rich estimates it.
+    ``time_left`` shows the remaining time as rich estimates it.
     """
     from rich.progress import Progress, TextColumn
 
@@ -124,5 +124,5 @@ def _console(stream: IO[str]) -> "Console":
     from rich.console import Console
 
     width = None if stream.isatty() or "COLUMNS" in os.environ else PIPED_WIDTH
-    # Names and remarks of users may hold brackets and colons: nothing in a string is markup.
+    # Names and remarks of users may hold brackets and colons, so no string is taken as markup.
     return Console(file=stream, width=width, highlight=False, markup=False, emoji=False)

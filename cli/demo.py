@@ -1,4 +1,4 @@
-"""`brake-cal demo`: all of it on the sample logs."""
+"""`brake-cal demo`: the whole program on the sample logs."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -18,13 +18,13 @@ FOLDER = Path("brake-cal-demo")
 
 
 def demo(
-    out: Annotated[Path, out_folder("Folder for everything.")] = FOLDER,
+    out: Annotated[Path, out_folder("Folder for all files.")] = FOLDER,
     json: Json = False,
 ) -> None:
     """Check, fit, validate and draw the sample logs, and print the paper's two studies.
 
-    At the end a car in which something is hidden: the gap, its name, the gap shrunk.
-    Everything goes into one folder: the sample logs, the store, results and figures.
+    At the end it diagnoses a car with a hidden effect: the gap, the effect, the gap with it.
+    All files go into one folder: the sample logs, the store, results and figures.
     """
     from calib.demo.demo import hidden_story, run, section_five, section_four
     from calib.diagnosis.document import to_dict
@@ -52,8 +52,8 @@ def demo(
     emit(_four(four))
     emit("\nSection V: stops of the reference car, nominal pads 0.38")
     emit(_five(five))
-    emit("The last column is near one for any table; it validates nothing.")
-    emit("\nA car that holds more than its vehicle file tells")
+    emit("The last column is near 1 for any table; it validates nothing.")
+    emit("\nA car with an effect that its vehicle file does not have")
     emit(_hidden(story))
     emit(f"\ntables    {out / 'tables'}")
     emit(f"results   {out / 'results'}")
@@ -62,7 +62,7 @@ def demo(
 
 
 def _hidden(story: "Story") -> str:
-    """The verdict, the gap, and what it is worth to the pads."""
+    """The verdict, the gap, and the gain in the agreement of the pads."""
     from calib.diagnosis import words
 
     pads = [
@@ -74,7 +74,7 @@ def _hidden(story: "Story") -> str:
             words.verdict(story.found),
             words.gap(story.found),
             f"Pads of the stops differ by up to {pads[0]};",
-            f"with a table that knows of it, by {pads[1]}.",
+            f"with a table that accounts for it, by {pads[1]}.",
         )
     )
 

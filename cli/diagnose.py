@@ -1,4 +1,4 @@
-"""`brake-cal diagnose`: where a model and the measured runs disagree, why, and what closes it."""
+"""`brake-cal diagnose`: where a model and the measured runs disagree, and the missing effect."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -24,29 +24,29 @@ HOLDOUT = "--holdout"
 
 
 class Greedy(TyperCommand):
-    """A command whose ``--holdout`` takes every log up to the next option, as a shell's * gives."""
+    """A command whose ``--holdout`` takes all logs up to the next option, as from a shell's *."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Say ``--holdout`` once for each of its logs, then parse as ever."""
-        said: list[str] = []
+        """Repeat ``--holdout`` before each of its logs, then parse as usual."""
+        repeated: list[str] = []
         held = False
         for arg in args:
             if arg.startswith("-"):
                 held = arg == HOLDOUT
-            elif held and said[-1] != HOLDOUT:
-                said.append(HOLDOUT)
-            said.append(arg)
-        return super().parse_args(ctx, said)
+            elif held and repeated[-1] != HOLDOUT:
+                repeated.append(HOLDOUT)
+            repeated.append(arg)
+        return super().parse_args(ctx, repeated)
 
 
 def diagnose(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Logs to search in.")],
     *,
-    vehicle: Annotated[Path, vehicle_file("Vehicle as the datasheet has it.")],
+    vehicle: Annotated[Path, vehicle_file("Vehicle file with datasheet values.")],
     out: Annotated[Path, out_folder("Write diagnosis, model and report here.")],
     holdout: Annotated[
         list[Path] | None,
-        typer.Option(HOLDOUT, metavar="LOG...", help="Logs to prove it on."),
+        typer.Option(HOLDOUT, metavar="LOG...", help="Logs to confirm it on."),
     ] = None,
     channel_map: Map = None,
     json: Json = False,
@@ -67,7 +67,7 @@ def diagnose(
     mapping = channel_map_of(channel_map)
     calibration = [read_log(path, mapping) for path in logs]
     held = [read_log(path, mapping) for path in kept]
-    say(f"searching {len(logs)} logs, proving on {len(kept)}")
+    say(f"searching {len(logs)} logs, confirming on {len(kept)}")
     found = find(car, calibration, held)
     with writing(out):
         write_folder(found, text_of(found), report_html(found, car.name), out)
@@ -79,7 +79,7 @@ def diagnose(
 
 
 def _told(found: "Diagnosis") -> str:
-    """The answer in sentences, as the report has them."""
+    """The diagnosis in the sentences of the report."""
     from calib.diagnosis import words
 
     lines = [words.verdict(found)]

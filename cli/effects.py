@@ -1,4 +1,4 @@
-"""`brake-cal effects`: the causes that the catalogue knows, one line each, or one card whole."""
+"""`brake-cal effects`: the effects of the catalogue, one line each, or the card of one."""
 
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,7 +18,7 @@ EPILOG = example("brake-cal effects", "brake-cal effects hydraulic_lag")
 
 def effects(
     name: Annotated[
-        str | None, typer.Argument(metavar="NAME", help="One effect; all without it.")
+        str | None, typer.Argument(metavar="NAME", help="One effect; if not given, all.")
     ] = None,
     json: Json = False,
 ) -> None:

@@ -34,7 +34,7 @@ def export_table(
     out: Annotated[Path, out_file("File to write.")],
     points: Annotated[
         int | None,
-        typer.Option(metavar="N", help="Breakpoints on each axis, placed best; all rows without."),
+        typer.Option(metavar="N", help="Breakpoints on each axis, least error; else all rows."),
     ] = None,
     bits: Annotated[
         int | None,
@@ -45,15 +45,15 @@ def export_table(
         typer.Option(metavar="SUMMARY", help="summary.json of `validate --out`, for the state."),
     ] = None,
     force: Annotated[
-        bool, typer.Option("--force", help="Replace FILE; somebody may rely on what it holds.")
+        bool, typer.Option("--force", help="Replace FILE, whatever it holds.")
     ] = False,
     store: Store = STORE,
     json: Json = False,
 ) -> None:
     """Write a table for a calibration tool, an ECU or another program.
 
-    Every file carries the table's id, version and digest, the checksum of its numbers, and says
-    what holds beyond the ends of an axis.
+    Every file states the table's id, version and digest, the checksum of its numbers, and which
+    value holds beyond the ends of an axis.
     """
     form = _known(form)
     _check_usage(form, out, bits)
@@ -83,10 +83,10 @@ def _known(form: str) -> str:
 
 
 def _refuse_foreign(out: Path, stored: "Stored") -> None:
-    """An earlier export of the same version may be written anew, nothing else."""
+    """Refuse to replace any file but an earlier export of the same version."""
     if out.exists() and stored.digest.encode() not in out.read_bytes():
         raise typer.BadParameter(
-            f"{out} exists and is no export of {stored.id}; --force replaces it",
+            f"{out} exists and is not an export of {stored.id}; --force replaces it",
             param_hint="--out",
         )
 

@@ -30,9 +30,9 @@ def fit(
 ) -> None:
     """Fit the look-up table of a vehicle from one or more ramped brakings.
 
-    A LOG without braking serves to find drag and rolling resistance. Effects that the vehicle file
-    or --model knows are taken out of the logs first. The table goes into the store
-    as a new version; the same logs give the same version again.
+    From a LOG without braking drag and rolling resistance are estimated. Effects of the vehicle
+    file or of --model are removed from the logs first. The table goes into the store as a new
+    version; the same logs give the same version again.
     """
     from calib.fitting.fit import fit as fit_table
     from calib.logs.read import read_log

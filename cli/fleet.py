@@ -1,4 +1,4 @@
-"""`brake-cal fleet`: what the results of a batch say of a fleet and its line."""
+"""`brake-cal fleet`: a fleet and its line, from the results of a batch."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from calib.fleet.summary import Summary
 
 SHOWN = 10
-"""Outliers printed; fleet.json has all."""
+"""Number of outliers that are printed; fleet.json has all."""
 
 app = typer.Typer(
     rich_markup_mode=None,
@@ -24,7 +24,7 @@ app = typer.Typer(
 
 @app.callback()
 def fleet() -> None:
-    """Look at many cars at once."""
+    """Evaluate many cars together."""
 
 
 @app.command(
@@ -35,11 +35,11 @@ def fleet() -> None:
 )
 def report(
     results: Annotated[
-        Path, typer.Argument(metavar="RESULTS.parquet", help="What `brake-cal batch` wrote.")
+        Path, typer.Argument(metavar="RESULTS.parquet", help="Results of `brake-cal batch`.")
     ],
     *,
     order: Annotated[
-        str | None, typer.Option(metavar="COLUMN", help="Column that orders the line, else names.")
+        str | None, typer.Option(metavar="COLUMN", help="Column that orders the logs, else names.")
     ] = None,
     metric: Annotated[
         list[str] | None,
@@ -66,7 +66,7 @@ def report(
 
 
 def _write(found: "Summary", results: Path, out: Path) -> None:
-    """Draw everything first, then write it."""
+    """Draw all files first, then write them."""
     from calib.files import printable, write_whole
     from calib.plots.fleet import picture_name
     from calib.reports.fleet import document, report_html
@@ -106,7 +106,7 @@ def _pictures(found: "Summary") -> dict[str, bytes]:
 
     looks = [look for look in found.looks if look.values.size]
     pictures = {}
-    with progress(f"drawing {len(looks)} figures", len(looks)) as done:
+    with progress(f"drawing {len(looks)} metrics", len(looks)) as done:
         for look in looks:
             pictures[look.metric.name] = render(sheet(found, look).overview(), ".png")
             done()

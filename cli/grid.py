@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 
 def grid(*heads: str, right: Collection[str] = (), fold: bool = False) -> "Table":
-    """Columns by their heads, left but for ``right``; ``fold`` breaks long cells into lines."""
+    """Columns by their heads, left-aligned except ``right``; ``fold`` wraps long cells."""
     from rich.table import Table
 
     made = Table(box=None, header_style="bold", pad_edge=False)
@@ -22,7 +22,7 @@ def grid(*heads: str, right: Collection[str] = (), fold: bool = False) -> "Table
 
 
 def facts_grid() -> "Table":
-    """Two columns without heads: what it is, in bold, and what is so."""
+    """Two columns without heads: name in bold, and value."""
     from rich.table import Table
 
     made = Table(box=None, show_header=False, pad_edge=False)

@@ -1,4 +1,4 @@
-"""Files that a command may be given or not, and names that it must know."""
+"""Optional input files of commands, and checks of names."""
 
 from collections.abc import Collection
 from pathlib import Path
@@ -20,14 +20,14 @@ def channel_map_of(path: Path | None) -> "ChannelMap | None":
 
 
 def vehicle_of(path: Path | None) -> "Vehicle | None":
-    """The vehicle of a ``--vehicle`` that may be left out."""
+    """The vehicle of an optional ``--vehicle``."""
     from calib.physics.vehicle_file import read_vehicle
 
     return read_vehicle(path) if path else None
 
 
 def limits_of_stops(path: Path | None) -> "tuple[Limit, ...]":
-    """The limits of a file that hold for single stops; by default where there is no file."""
+    """The limits of a file for single stops; the default limits without a file."""
     from calib.errors import LimitsError
     from calib.validation.limits import DEFAULTS
     from calib.validation.metrics import METRICS
@@ -43,7 +43,7 @@ def limits_of_stops(path: Path | None) -> "tuple[Limit, ...]":
 
 
 def limits_of_car(path: Path | None) -> "tuple[Limit, ...]":
-    """The limits of a file that hold for a car and its stops; by default without a file."""
+    """The limits of a file for a car and its stops; the default limits without a file."""
     from calib.station.advice import LIMITS
 
     return _limits(path) if path else LIMITS
@@ -57,10 +57,10 @@ def _limits(path: Path) -> "tuple[Limit, ...]":
     return read_limits(path, {*OF_STOPS, *OF_CAR})
 
 
-def unknown_format(form: str, said: str, known: Collection[str], option: str) -> typer.BadParameter:
-    """The refusal of an export format that is not known; ``said`` is ``form`` without its case."""
+def unknown_format(form: str, name: str, known: Collection[str], option: str) -> typer.BadParameter:
+    """The error for an unknown export format; ``name`` is ``form`` in the case of ``known``."""
     from calib.toml import did_you_mean
 
-    near = did_you_mean(said, known)
+    near = did_you_mean(name, known)
     what = f"unknown format {form!r}; {near} " if near else f"unknown format {form!r}; "
     return typer.BadParameter(f"{what}known: {', '.join(known)}", param_hint=option)

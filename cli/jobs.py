@@ -1,4 +1,4 @@
-"""What is done with each of many logs, as `batch` and `watch` are told it."""
+"""The job of `batch` and `watch`: the command for each log, and its options."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,8 +22,8 @@ def _command(written: str) -> Command:
     known = [str(command) for command in Command]
     if written not in known:
         near = did_you_mean(written, known)
-        told = f"{written!r} is not one of {', '.join(known)}"
-        raise typer.BadParameter(f"{told}; {near}" if near else told)
+        refusal = f"{written!r} is not one of {', '.join(known)}"
+        raise typer.BadParameter(f"{refusal}; {near}" if near else refusal)
     return Command(written)
 
 
@@ -41,13 +41,13 @@ Workers = Annotated[
     typer.Option("--workers", metavar="N", min=1, max=512, help="Processes; else all cores."),
 ]
 Fresh = Annotated[
-    bool, typer.Option("--fresh", help="Throw away what DIR of --out holds and begin anew.")
+    bool, typer.Option("--fresh", help="Delete the results in DIR of --out and start again.")
 ]
 
 
 @dataclass(frozen=True)
 class JobOptions:
-    """What a command on many logs rests on."""
+    """Inputs of a command on many logs."""
 
     table: Annotated[
         str | None,
@@ -59,7 +59,7 @@ class JobOptions:
     channel_map: Map = None
 
     def job(self, command: Command, out: Path) -> "Job":
-        """Read once what every log needs. Refuse what is missing, and what would be left unused."""
+        """Read the inputs once for all logs. Refuse missing inputs and those that are not used."""
         self._check(command)
         refuse_file(out)
         from calib.fleet.job import Job

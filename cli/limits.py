@@ -1,4 +1,4 @@
-"""`brake-cal limits`: the documented limits file."""
+"""`brake-cal limits`: write the limits file with its explanations."""
 
 from pathlib import Path
 from typing import Annotated
@@ -15,13 +15,13 @@ app = typer.Typer(no_args_is_help=True, help="Limits of a car and of its stops."
 
 @app.command(epilog=EPILOG)
 def init(
-    out: Annotated[Path | None, out_file("File to write; stdout without.", "L.toml")] = None,
+    out: Annotated[Path | None, out_file("File to write; else stdout.", "L.toml")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
     json: Json = False,
 ) -> None:
     """Write every limit with its meaning, unit, default and reason, ready to be edited.
 
-    With --json the same as one document, beside the file if there is one.
+    With --json also as one JSON document on stdout.
     """
     from calib.station.advice import ADVICE
     from calib.station.limits_file import limits_file

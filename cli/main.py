@@ -32,25 +32,25 @@ from cli.console import complain
 from cli.options import example
 
 PIPE_CLOSED = 141
-"""What a shell reports of a program ended by SIGPIPE."""
+"""Exit code of a program that SIGPIPE ended, as in a shell."""
 
 
 class Commands(TyperGroup):
-    """The commands; ends quietly when whoever reads its output has had enough."""
+    """The group of commands; it ends without a message when the reader of its output closes."""
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command that was asked for, and flush while an error can still be handled."""
+        """Run the command, and flush its output while an error can still be handled."""
         try:
             result = super().invoke(ctx)
             sys.stdout.flush()
         except BrokenPipeError:
-            # The interpreter flushes once more at exit; let that go nowhere.
+            # The interpreter flushes once more at exit; this discards it.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(PIPE_CLOSED) from None
         return result
 
 
-# Plain help: typer's boxes would cost the import of rich, half of the time that --help may take.
+# Plain help: typer's boxes import rich, which takes half of the time that --help may take.
 app = typer.Typer(
     name="brake-cal",
     cls=Commands,
@@ -101,10 +101,10 @@ def options(
 def main() -> None:
     """Run the command line; the only place that turns a BrakeCalError into an exit code.
 
-    Usage errors end with 2 and an interrupt with 130, which typer sees to.
+    typer ends usage errors with 2 and an interrupt with 130.
     """
     for library in ("OPENBLAS", "OMP", "MKL"):
-        # arrays are small here: threads of the linear algebra cost more than they bring
+        # arrays are small here: threads of the linear algebra take more time than they save
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     try:
         app(prog_name="brake-cal")

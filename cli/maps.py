@@ -41,32 +41,32 @@ def suggest(
         typer.Option(
             "--take",
             metavar="CHANNEL=NAME",
-            help="What a channel is, 'p_mc=Brake [bar]'; none of them with an empty NAME.",
+            help="Source of a channel, 'p_mc=Brake [bar]'; empty NAME: no source.",
         ),
     ] = None,
     radius: Annotated[
         float | None,
-        typer.Option(metavar="M", help="Radius [m] behind wheel speeds in km/h.", min=0.1, max=1.0),
+        typer.Option(metavar="M", help="Radius [m] for wheel speeds in km/h.", min=0.1, max=1.0),
     ] = None,
     channel_map: Map = None,
-    out: Annotated[Path | None, out_file("Write the map there.", "M.toml")] = None,
+    out: Annotated[Path | None, out_file("Map file to write.", "M.toml")] = None,
     json: Json = False,
 ) -> None:
-    """Propose a channel map for a LOG from names, units and physics, and say how sure it is.
+    """Propose a channel map for a LOG from names, units and physics, with its confidence.
 
     Prints the map on stdout and the reasons on stderr. Where something is ambiguous it lists the
-    candidates, writes no map and ends with 3. Of --map only what it says of the format is used.
+    candidates, writes no map and ends with 3. Of --map only the file format is used.
     """
     from calib.logs.read import open_log
     from calib.suggest.propose import suggest as propose
     from calib.suggest.written import to_toml
 
-    told = dict(_pair(text) for text in take or [])
+    taken = dict(_pair(text) for text in take or [])
     if out is not None:
         refuse_folder(out)
         refuse_overwriting([out], [log], [channel_map])
     source = open_log(log, channel_map_of(channel_map)).source
-    found = propose(source, str(log), told=told, radius=radius)
+    found = propose(source, str(log), told=taken, radius=radius)
     if json:
         emit_json({"schema": 1, "certain": not found.doubts, **_document(found)})
     else:
@@ -88,7 +88,7 @@ def suggest(
 def _pair(text: str) -> tuple[str, str]:
     channel, equals, name = text.partition("=")
     if not equals:
-        raise typer.BadParameter(f"{text!r} is no CHANNEL=NAME", param_hint="--take")
+        raise typer.BadParameter(f"{text!r} is not CHANNEL=NAME", param_hint="--take")
     return channel.strip(), name.strip()
 
 

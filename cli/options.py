@@ -1,6 +1,6 @@
-"""Options that several commands share, each defined once, and options that go together.
+"""Options that several commands share, each defined once, and groups of options.
 
-An option whose help depends on the command is a function of that help.
+An option whose help text depends on the command is a function of that text.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on s
 KnownModel = Annotated[
     Path | None,
     typer.Option(
-        "--model", metavar="M.toml", help="Model of `diagnose`, whose effects are known beforehand."
+        "--model", metavar="M.toml", help="Model of `diagnose`, whose effects are then known."
     ),
 ]
 TableVersion = Annotated[
@@ -29,34 +29,34 @@ TableVersion = Annotated[
 ]
 
 
-def vehicle_file(said: str = "Vehicle file.") -> Any:
+def vehicle_file(text: str = "Vehicle file.") -> Any:
     """Option ``--vehicle``."""
-    return typer.Option("--vehicle", metavar="V.toml", help=said)
+    return typer.Option("--vehicle", metavar="V.toml", help=text)
 
 
-def limits_file(said: str) -> Any:
+def limits_file(text: str) -> Any:
     """Option ``--limits``."""
-    return typer.Option("--limits", metavar="L.toml", help=said)
+    return typer.Option("--limits", metavar="L.toml", help=text)
 
 
-def out_folder(said: str) -> Any:
+def out_folder(text: str) -> Any:
     """Option ``--out`` of a command that writes several files."""
-    return typer.Option("--out", metavar="DIR", help=said)
+    return typer.Option("--out", metavar="DIR", help=text)
 
 
-def out_file(said: str, metavar: str = "FILE") -> Any:
+def out_file(text: str, metavar: str = "FILE") -> Any:
     """Option ``--out`` of a command that writes one file."""
-    return typer.Option("--out", metavar=metavar, help=said)
+    return typer.Option("--out", metavar=metavar, help=text)
 
 
 VehicleFile = Annotated[Path, vehicle_file()]
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
-    """Let a frozen record of options stand as one parameter of ``command``.
+    """Allow frozen records of options as parameters of ``command``.
 
-    A parameter whose type is a dataclass gives way to the fields of the record, each an option;
-    the command is called with the record made of them.
+    A parameter whose type is a dataclass is replaced by its fields, each an option. The command is
+    called with the record made of them.
     """
     hints = get_type_hints(command, include_extras=True)
     records: dict[str, Callable[..., Any]] = {
@@ -83,5 +83,5 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def example(*lines: str) -> str:
-    """Epilog of a command's help: ``lines`` as they can be typed in the folder of the demo."""
+    """Epilog of a command's help: ``lines`` that can be run in the folder of the demo."""
     return "\n".join(("\b", "Example:", *(f"  {line}" for line in lines)))

@@ -1,4 +1,4 @@
-"""What ``--out`` names: refused before the work where it could not be written after it."""
+"""Checks of ``--out`` before the work, so that its files can be written after it."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ def refuse_file(out: Path | None) -> None:
 
 
 def refuse_folder(out: Path) -> None:
-    """Refuse a folder, and a file in no folder, where a file will be written."""
+    """Refuse a folder, and a file in a missing folder, where a file will be written."""
     if out.is_dir():
         raise typer.BadParameter(f"cannot write {out}: it is a directory", param_hint=OUT)
     if not out.absolute().parent.is_dir():
@@ -35,14 +35,14 @@ def refuse_overwriting(
 
 
 def stems_of(logs: Iterable[Path], param_hint: str, called: str = "logs") -> list[str]:
-    """Names of the logs without their endings, each of which names a file in ``--out``."""
+    """Names of the logs without their endings; each is the name of a file in ``--out``."""
     from calib.logs.tables import stem_of
 
     stems = [stem_of(path) for path in logs]
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})
     if twice:
         raise typer.BadParameter(
-            f"two {called} are named {twice[0]}, and --out has one file a name",
+            f"two {called} are named {twice[0]}, and --out has one file per name",
             param_hint=param_hint,
         )
     return stems
@@ -50,9 +50,9 @@ def stems_of(logs: Iterable[Path], param_hint: str, called: str = "logs") -> lis
 
 @contextmanager
 def writing(out: Path | None) -> Iterator[None]:
-    """Turn an OSError of what is done within into a usage error that names ``out``.
+    """Turn an OSError within the context into a usage error that names ``out``.
 
-    A reader of our output that went away is not meant: BrokenPipeError goes on.
+    A BrokenPipeError, from a closed reader of stdout, is passed on.
     """
     try:
         yield

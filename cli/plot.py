@@ -13,7 +13,7 @@ from cli.outputs import refuse_folder, writing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from calib.plots.choose import Given
+    from calib.plots.choose import PlotInput
     from calib.plots.sheet import Sheet
 
 EPILOG = example(
@@ -23,7 +23,7 @@ EPILOG = example(
     "brake-cal plot sedan-2up@1 sedan-2up@2 --figure f1-f2 --out f1f2.svg",
 )
 ALL = "all"
-"""What `--figure` says for every figure on a page of its own."""
+"""Value of `--figure` for each figure on its own page."""
 
 
 def plot(
@@ -41,19 +41,19 @@ def plot(
     ] = None,
     figure: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="One figure of the page, or 'all' one by one."),
+        typer.Option(metavar="NAME", help="One figure of the page; 'all': each on its own."),
     ] = None,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
-    """Draw what is given.
+    """Draw tables, logs and results.
 
-    A table: its curves, and with the ramps it was made of, what they measured. Two tables: one
-    against the other. A table and another log: the stop as the estimator saw it, or the simulation
-    where the log knows the truth. A log or a result: itself.
+    A table: its curves, and with the ramps it was made of, their measured points. Two tables: one
+    against the other. A table and another log: the stop with the estimate, or the simulation if the
+    log has the truth. A log or a result: its channels.
 
-    One page for each; a PDF holds all pages, of PNG and SVG there is a file for each. Without
-    --out they are PNG in this directory, named after what they show.
+    One page for each; a PDF holds all pages, of PNG and SVG there is one file per page. Without
+    --out they are PNG files in this directory, named after their content.
     """
     _check_out(out)
     from calib.plots.save import save
@@ -84,11 +84,13 @@ def _check_out(out: Path | None) -> None:
     refuse_folder(out)
 
 
-def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path | None) -> "Given":
-    """Read everything; whatever is no log and no result is a table."""
+def _read(
+    what: list[str], store: Path, vehicle: Path | None, channel_map: Path | None
+) -> "PlotInput":
+    """Read all inputs; a name that is no log and no result is a table."""
     from calib.logs.read import FORMATS, REQUIRED, read_log
     from calib.logs.tables import ending_of
-    from calib.plots.choose import Given
+    from calib.plots.choose import PlotInput
     from calib.plots.result import is_result, read_result
     from calib.table.version import RECORD
 
@@ -105,8 +107,8 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
     names = [w for w, p in zip(what, files, strict=True) if p not in results and p not in logs]
     _check_usage(len(names), len(logs), len(results), vehicle is not None)
     mapping = channel_map_of(channel_map)
-    needed = REQUIRED if names else ()  # a log alone is drawn as far as it goes
-    return Given(
+    needed = REQUIRED if names else ()  # a log alone is drawn with the channels that it has
+    return PlotInput(
         tables=tuple(calib.Store(store).load(name) for name in names),
         logs=tuple(read_log(path, mapping, require=needed) for path in logs),
         results=tuple(read_result(path) for path in results),
@@ -117,7 +119,7 @@ def _read(what: list[str], store: Path, vehicle: Path | None, channel_map: Path 
 def _check_usage(tables: int, logs: int, results: int, vehicle: bool) -> None:
     if tables > 2 or (tables == 2 and logs):
         raise typer.BadParameter(
-            "give one table with its logs, or two tables alone", param_hint="TABLE"
+            "give one table with its logs, or two tables without logs", param_hint="TABLE"
         )
     if vehicle and not results and not (tables and logs):
         raise typer.BadParameter(
@@ -125,7 +127,7 @@ def _check_usage(tables: int, logs: int, results: int, vehicle: bool) -> None:
         )
 
 
-def _draw(given: "Given", figure: str | None) -> "list[tuple[Sheet, dict[str, Figure]]]":
+def _draw(given: "PlotInput", figure: str | None) -> "list[tuple[Sheet, dict[str, Figure]]]":
     """Every sheet with its figures by name; the page itself has the name ''."""
     from calib.plots.choose import sheets
 
@@ -149,22 +151,22 @@ def _draw(given: "Given", figure: str | None) -> "list[tuple[Sheet, dict[str, Fi
 def _files(
     drawn: "list[tuple[Sheet, dict[str, Figure]]]", out: Path | None, figure: str | None
 ) -> "dict[Path, list[Figure]]":
-    """Where each figure goes: one PDF for all, else a file for each, named after what it shows."""
+    """Figures by file: one PDF for all, else one file for each, named after its content."""
     if out is not None and out.suffix.lower() == ".pdf":
         return {out: [f for _, figures in drawn for f in figures.values()]}
     files: dict[Path, list[Figure]] = {}
     for sheet, figures in drawn:
         for name, found in figures.items():
-            told = sheet.name if out is None or len(drawn) > 1 else ""
+            prefix = sheet.name if out is None or len(drawn) > 1 else ""
             part = name if out is None or figure == ALL else ""
-            stem = "-".join(p for p in (out.stem if out else "", told, part) if p)
+            stem = "-".join(p for p in (out.stem if out else "", prefix, part) if p)
             place = (out or Path("x.png")).with_name(f"{stem}{out.suffix if out else '.png'}")
             files[_unused(place, files)] = [found]
     return files
 
 
 def _unused(path: Path, taken: "dict[Path, list[Figure]]") -> Path:
-    """``path``, numbered where logs of one name from several directories would meet."""
+    """``path``, with a number where logs from several directories have the same name."""
     number, found = 1, path
     while found in taken:
         number += 1

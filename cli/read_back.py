@@ -1,4 +1,4 @@
-"""`brake-cal tables import`: what a DCM or CDF file holds, and whether it is what it claims."""
+"""`brake-cal tables import`: content of a DCM or CDF file, compared with the table it names."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -20,14 +20,14 @@ EPILOG = example("brake-cal tables import sedan.dcm")
 
 
 def import_table(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="DCM or CDF that was exported.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Exported DCM or CDF file.")],
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Read a DCM or CDF file back and hold it against the table that it names.
+    """Read a DCM or CDF file back and compare it with the table that it names.
 
-    Nothing is stored: such a file holds the curves of a table, not what they rest on. Exit code 3
-    if it is cut off or damaged, 4 if it is not what its checksum or its digest promises.
+    Nothing is stored: such a file holds the curves of a table, not their origin. Exit code 3 if it
+    is cut off or damaged, 4 if it does not agree with its checksum or its digest.
     """
     from calib.table.exports.read import differences, parent, read_back, refuse
 

@@ -29,11 +29,11 @@ FAILED = 1
 def repeatability(
     logs: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="LOG", help="Ramps; all of the plan if none."),
+        typer.Argument(metavar="LOG", help="Ramps; if none, all of the plan."),
     ] = None,
     *,
     vehicle: Annotated[
-        Path | None, vehicle_file("Vehicle, unless the plan names one a log.")
+        Path | None, vehicle_file("Vehicle, if the plan names none per log.")
     ] = None,
     plan: Annotated[
         Path | None, typer.Option(metavar="P.csv", help="Columns log, car, station, vehicle.")
@@ -55,7 +55,7 @@ def repeatability(
 ) -> None:
     """Judge the calibration as a gauge, from repeated ramps of several cars.
 
-    Every ramp is fitted by itself; analysis of variance then parts the scatter of each metric into
+    Every ramp is fitted alone; analysis of variance then splits the scatter of each metric into
     repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
     """
     from calib.gauge.study import DEFAULTS, METRICS, known_limits, study
@@ -97,7 +97,7 @@ def _places(logs: list[Path], plan: Path | None, folders: str | None) -> "tuple[
     if plan is not None:
         return chosen(read_plan(plan), logs, plan)
     if not logs:
-        raise typer.BadParameter("name the ramps, or a --plan that does", param_hint="LOG...")
+        raise typer.BadParameter("name the ramps, or give a --plan with ramps", param_hint="LOG...")
     if folders is not None and folders not in LAYOUTS:
         raise typer.BadParameter(f"one of {', '.join(LAYOUTS)}", param_hint="--folders")
     for log in logs:
@@ -105,8 +105,8 @@ def _places(logs: list[Path], plan: Path | None, folders: str | None) -> "tuple[
     layout = folders or certain_layout(logs)
     places = places_from_folders(logs, layout)
     cars, stations = sorted({p.car for p in places}), sorted({p.station for p in places} - {""})
-    told = f"; stations {', '.join(stations)}" if stations else ""
-    say(f"folders as {layout}: cars {', '.join(cars)}{told}")
+    named = f"; stations {', '.join(stations)}" if stations else ""
+    say(f"folders as {layout}: cars {', '.join(cars)}{named}")
     return places
 
 
@@ -141,7 +141,7 @@ def _vehicles(places: "tuple[Place, ...]", vehicle: Path | None) -> "dict[Path |
     files = {place.vehicle or vehicle for place in places}
     if None in files:
         raise typer.BadParameter(
-            "needed, as not every log has one in a plan", param_hint="--vehicle"
+            "needed: not every log has one in the plan", param_hint="--vehicle"
         )
     return {file: read_vehicle(file) for file in files if file is not None}
 
@@ -169,11 +169,11 @@ def _document(found: "GaugeStudy") -> dict[str, object]:
 
 
 def _entry(result: "GaugeResult") -> dict[str, object]:
-    told: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": result.judgements}
+    entry: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": result.judgements}
     if result.analysis is None or result.gauge is None:
-        return told | {"components": None, "grr": None, "ndc": None}
+        return entry | {"components": None, "grr": None, "ndc": None}
     g = result.gauge
-    return told | {
+    return entry | {
         "mean": float(result.values.mean()),
         "anova": [
             {"source": s.name, "df": s.df, "ss": s.ss, "ms": s.ms, "effective_df": s.effective_df}

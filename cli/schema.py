@@ -16,14 +16,14 @@ EPILOG = example("brake-cal schema", "brake-cal schema vehicle")
 
 def schema(
     name: Annotated[
-        str | None, typer.Argument(metavar="NAME", help="One kind of file; a list without it.")
+        str | None, typer.Argument(metavar="NAME", help="One kind of file; if not given, the list.")
     ] = None,
     json: Json = False,
 ) -> None:
     """Print the JSON Schema (draft 2020-12) of a file, or list the files that have one.
 
-    It says keys, units and ranges. What one value means for another, such as a disc that fits into
-    the wheel, only the program checks.
+    It gives keys, units and ranges. Conditions between two values, such as a disc that fits into
+    the wheel, are checked by the program only.
     """
     if name is None:
         _list(json)
@@ -88,9 +88,9 @@ def _summary() -> "type[Section]":
 SCHEMAS: "dict[str, tuple[str, Callable[[], type[Section]]]]" = {
     "vehicle": ("vehicle.toml: masses, lengths and brakes of a car", _vehicle),
     "model": ("model.toml: pads, tyre, effects and roads of a simulation", _model),
-    "limits": ("limits.toml: how large each figure may be", _limits),
+    "limits": ("limits.toml: the allowed range of each metric", _limits),
     "channel-map": ("map.toml: which column of a foreign log is which channel", _channel_map),
     "table": ("record.json: a stored table without its curves", _table),
     "summary": ("summary.json of a validation, as far as an export reads it", _summary),
 }
-"""Kinds of files: what they hold, and their schema."""
+"""Kinds of files: their content and their schema."""

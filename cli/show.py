@@ -1,4 +1,4 @@
-"""`brake-cal tables show`: what a table rests on, how good it is, and its curves."""
+"""`brake-cal tables show`: the origin of a table, its quality, and its curves."""
 
 from typing import TYPE_CHECKING
 
@@ -19,7 +19,7 @@ ROWS = 12
 
 
 def show(table: TableVersion, store: Store = STORE, json: Json = False) -> None:
-    """Print what a table rests on, how good it is, and its curves."""
+    """Print the origin of a table, its quality, and its curves."""
     stored = calib.Store(store).load(table)
     if json:
         emit_json(_document(stored))
@@ -78,7 +78,7 @@ def _interval(value: "Value") -> str:
 
 
 def _unit(effect: str, parameter: str) -> str:
-    """Unit on the effect's card; an effect of another catalogue is in SI all the same."""
+    """Unit on the effect's card; "SI" for an effect that is not in the catalogue."""
     from calib.physics.effects.catalogue import CATALOGUE
 
     card = CATALOGUE[effect].card if effect in CATALOGUE else None

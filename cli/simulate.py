@@ -1,4 +1,4 @@
-"""`brake-cal simulate`: a log driven again by a model, or a manoeuvre that nobody has driven."""
+"""`brake-cal simulate`: a model driven with the pressure of a log, or through a manoeuvre."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -18,7 +18,7 @@ EPILOG = example(
     "brake-cal simulate ramp.csv --vehicle sample_logs/sedan/vehicle.toml --out again.csv",
 )
 SPEED, RATE = "120 km/h", 200.0
-"""What is driven when nothing is said."""
+"""Default first speed of a manoeuvre."""
 
 
 def simulate(
@@ -54,7 +54,7 @@ def simulate(
     """Drive a model of the vehicle with the pressure of a LOG, or through a manoeuvre.
 
     A log is replayed open loop: its pressures (of the wheels, where logged) from its first speed,
-    on its own clock. The result has the channels of a log and the truth behind them.
+    at its own times. The result has the channels of a log and the true values.
     """
     _check_usage(log, manoeuvre, {"--speed": speed, "--pressure": pressure, "--rate": rate}, out)
     if channel_map is not None and log is None:
@@ -70,12 +70,12 @@ def simulate(
         result = _replay(driven, log, channel_map)
     else:
         result = _drive(driven, str(manoeuvre), speed, pressure, RATE if rate is None else rate)
-    seen = result if noise is None else add_noise(result, noise)
-    _write(seen, out)
-    for note in seen.notes:
+    output = result if noise is None else add_noise(result, noise)
+    _write(output, out)
+    for note in output.notes:
         say(f"note: {note}")
     if json:
-        emit_json({**_document(result, out, model), "digest": seen.digest, "notes": seen.notes})
+        emit_json({**_document(result, out, model), "digest": output.digest, "notes": output.notes})
     else:
         first, last = result["v"][0], result["v"][-1]
         emit(f"{out}: {result.time.size} samples, {first:.1f} to {last:.1f} m/s")

@@ -56,7 +56,7 @@ class MoreLogs:
 
 @dataclass(frozen=True)
 class IdentityOptions:
-    """What the line knows the car by."""
+    """Identifiers of the car at the line."""
 
     serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None
     vin: Annotated[str | None, typer.Option(metavar="V", help="Vehicle identification.")] = None
@@ -68,7 +68,7 @@ class IdentityOptions:
     ] = None
 
     def identity(self) -> "Identity":
-        """The identity of the run; refuses a word that cannot be one."""
+        """The identity of the run; refuses an identifier that is not valid."""
         from calib.station.identity import Identity
 
         identity = Identity(self.serial, self.vin, self.name, self.rxswin)
@@ -91,7 +91,7 @@ class ExportOptions:
     ] = None
 
     def forms(self) -> list[str]:
-        """The formats; refuses an unknown one, and a date that is missing or none."""
+        """The formats; refuses an unknown one, and a date that is missing or not valid."""
         from calib.station.write import DATED
         from calib.table.exports.formats import ENDINGS
 
@@ -109,20 +109,20 @@ class ExportOptions:
                 day.fromisoformat(self.date)
             except ValueError:
                 raise typer.BadParameter(
-                    f"{self.date!r} is no date such as 2025-03-31", param_hint="--date"
+                    f"{self.date!r} is not a date such as 2025-03-31", param_hint="--date"
                 ) from None
         return forms
 
 
 @grouped
 def station(
-    ramp: Annotated[Path, typer.Argument(metavar="RAMP", help="The ramp that the table is of.")],
+    ramp: Annotated[Path, typer.Argument(metavar="RAMP", help="Ramp for the fit of the table.")],
     holdouts: Annotated[
-        list[Path], typer.Argument(metavar="HOLDOUT...", help="Stops to prove it on.")
+        list[Path], typer.Argument(metavar="HOLDOUT...", help="Stops to validate it on.")
     ],
     *,
     vehicle: VehicleFile,
-    out: Annotated[Path, out_folder("Write everything here.")],
+    out: Annotated[Path, out_folder("Write all files here.")],
     limits: Annotated[Path | None, limits_file("Limits, see `brake-cal limits init`.")] = None,
     more: MoreLogs,
     golden: Annotated[
@@ -134,11 +134,11 @@ def station(
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
-    """Fit, prove and judge one car: the first log is its ramp, the others are hold-outs.
+    """Fit, validate and judge one car: the first log is its ramp, the others are hold-outs.
 
     Exit code 0 if every limit holds, with warnings or without, 1 if one does not. The table goes
-    into the store either way; a car that failed gets no exports. A log that will not do ends it
-    with 3, and nothing is stored. The same command gives the same bytes again and no new version.
+    into the store in both cases; a car that failed gets no exports. With a log that cannot be used
+    it ends with 3 and stores nothing. The same command gives the same bytes and no new version.
     """
     from calib.checks.gates import refuse_twice
     from calib.files import workshop
@@ -160,7 +160,7 @@ def station(
     if reference:
         require_same_vehicle(reference.table, car, vehicle)
     mapping = channel_map_of(channel_map)
-    with progress(f"fitting {car.name}, proving on {len(holdouts)}", len(holdouts) + 1) as done:
+    with progress(f"fitting {car.name}, validating on {len(holdouts)}", len(holdouts) + 1) as done:
         ramp_logs = [read_log(path, mapping) for path in ramps]
         coast_logs = [read_log(path, mapping) for path in coasts]
         table = table_of(car, ramp_logs, coast_logs, identity)
@@ -185,7 +185,7 @@ def station(
 
 
 def _check_golden(golden: str | None) -> None:
-    """Refuse a table without its version: the next car would be compared with this one."""
+    """Refuse a table without version: every car adds one, so the next car would compare with it."""
     if golden is not None and "@" not in golden and not Path(golden).is_dir():
         raise typer.BadParameter(
             f"{golden!r} names no version, and every car adds one; give {golden}@N or a path",
@@ -194,7 +194,7 @@ def _check_golden(golden: str | None) -> None:
 
 
 def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
-    """Every file that will be written; refuses names that two of them would have."""
+    """Every file that will be written; refuses two files of the same name."""
     from calib.station.folder import FIXED
     from calib.station.write import export_name
 
@@ -214,7 +214,7 @@ def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None
     for check in found.with_verdict("failed") + found.with_verdict("warning"):
         emit(f"{check.verdict}: {sentence(check)}. {action(check.figure)}")
     if forms and not found.passed:
-        emit("no exports: nothing of a car that failed must reach an ECU")
+        emit("no exports: a table of a car that failed must not reach an ECU")
     emit(f"{HEADINGS[found.verdict]}: {stored.id}, {summary(found)}")
 
 

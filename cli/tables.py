@@ -1,4 +1,4 @@
-"""`brake-cal tables`: the commands that look into a store, and the list of what it holds."""
+"""`brake-cal tables`: the commands on a store, and the list of its versions."""
 
 import typer
 
@@ -15,7 +15,7 @@ app = typer.Typer(
 
 @app.callback()
 def tables() -> None:
-    """Look into the store of tables."""
+    """List, show, compare, verify, export and import tables of the store."""
 
 
 @app.command("list", epilog=example("brake-cal tables list"))

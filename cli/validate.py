@@ -1,4 +1,4 @@
-"""`brake-cal validate`: the estimator with a table on hold-out logs, scored and judged."""
+"""`brake-cal validate`: the estimator with a table on hold-out logs, its metrics and verdict."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -49,7 +49,7 @@ def validate(
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
-    """Run the estimator on logs that the table has not seen, and judge it.
+    """Run the estimator on logs that are not part of the table's fit, and judge it.
 
     Exit code 0 if every log holds its limits, 1 if one does not.
     """
@@ -83,7 +83,7 @@ def validate(
 
 
 def _with_known(table: "Table", path: Path) -> "Table":
-    """The table with the effects of a model known beside its own; its pads stay the table's."""
+    """The table with the effects of a model added to its own; its pads stay the table's."""
     from dataclasses import replace
 
     from calib.physics.model import with_effects

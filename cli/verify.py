@@ -11,11 +11,11 @@ from cli.options import STORE, Json, Store, example
 
 EPILOG = example("brake-cal tables verify")
 DAMAGED = 4
-"""Exit code of a damaged store, as `StoreError` has it."""
+"""Exit code of a damaged store, that of `StoreError`."""
 
 
 def verify(
-    name: Annotated[str | None, typer.Argument(help="one table; all without it")] = None,
+    name: Annotated[str | None, typer.Argument(help="one table; if not given, all")] = None,
     store: Store = STORE,
     json: Json = False,
 ) -> None:

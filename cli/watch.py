@@ -1,4 +1,4 @@
-"""`brake-cal watch`: one command on every log that a bench drops into a folder."""
+"""`brake-cal watch`: one command on every new log in a folder."""
 
 import signal
 from collections.abc import Callable, Iterator, Mapping
@@ -25,24 +25,25 @@ EPILOG = example("brake-cal watch check sample_logs/sedan --out watched")
 def watch(
     command: Commands,
     folder: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Where logs appear.", exists=True, file_okay=False)
+        Path, typer.Argument(metavar="DIR", help="Folder of logs.", exists=True, file_okay=False)
     ],
     *,
     out: Out,
     workers: Workers = None,
     options: JobOptions,
     fresh: Fresh = False,
-    every: Annotated[float, typer.Option(metavar="S", min=0.05, help="Seconds between looks.")] = 1,
+    every: Annotated[float, typer.Option(metavar="S", min=0.05, help="Seconds between scans.")] = 1,
     settle: Annotated[
-        float, typer.Option(metavar="S", min=0.0, help="A log is whole when unchanged so long.")
+        float, typer.Option(metavar="S", min=0.0, help="Seconds unchanged until a log is complete.")
     ] = 2,
-    json: Annotated[bool, typer.Option("--json", help="One JSON document a log and line.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="One line of JSON per log.")] = False,
 ) -> None:
-    """Do every log that appears in DIR, once, until Ctrl-C or SIGTERM.
+    """Process every log that appears in DIR, once, until Ctrl-C or SIGTERM.
 
-    A second one ends it at once. Prints a line a log, after its row is on the disk. Rows are kept
-    as by `batch`, named by their path within DIR: a watch that was stopped or killed goes on where
-    it was; a log that changes is done again, one that is taken away keeps its row. Exit code 0.
+    A second signal ends it at once. Prints a line per log, after its row is on the disk. Rows are
+    kept as by `batch`, named by their path within DIR: a watch that was stopped or killed continues
+    where it was; a log that changes is processed again; one that is deleted keeps its row. Exit
+    code 0.
     """
     if command is Command.DIAGNOSE:
         raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")
@@ -75,7 +76,7 @@ def watch(
 
 @contextmanager
 def _stopped() -> Iterator[Event]:
-    """An event that Ctrl-C and SIGTERM set; what is under way is finished. A second one kills."""
+    """An event that Ctrl-C and SIGTERM set; logs in work are finished. A second signal kills."""
     stop = Event()
     handlers: dict[signal.Signals, Any] = {}
 
@@ -96,7 +97,7 @@ def _stopped() -> Iterator[Event]:
 
 
 def _teller(command: Command, json: bool) -> "Callable[[Row], None]":
-    """How a row is shown: its status and error, and the pads where it has them."""
+    """The function that prints a row: its status and error, and the pads where it has them."""
     from calib.fleet.columns import COLUMNS
 
     names = [column.name for column in COLUMNS[command]]

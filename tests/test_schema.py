@@ -12,7 +12,7 @@ from calib.errors import LimitsError
 from calib.schema import (
     FileSchema,
     OneOf,
-    Quantity,
+    QuantityMark,
     Section,
     by_name,
     json_schema,
@@ -30,7 +30,7 @@ SI = ("s", "Pa", "m/s^2", "rad/s", "m/s", "degC", "rad", "N*m", "kg", "m^2", "kg
 class Wheel(Section):
     """A wheel."""
 
-    radius: Annotated[float, Quantity("m", 0.1, 1.0)]
+    radius: Annotated[float, QuantityMark("m", 0.1, 1.0)]
     make: Annotated[str, OneOf(("round", "square"))] = "round"
 
 
@@ -55,7 +55,7 @@ def refusal(**changes):
 
 def test_quantities_come_in_si():
     assert validated(WHOLE, CarFile, "car", LimitsError).wheels[0].radius == 0.3
-    assert quantities(Wheel) == {"radius": Quantity("m", 0.1, 1.0)}
+    assert quantities(Wheel) == {"radius": QuantityMark("m", 0.1, 1.0)}
 
 
 def test_a_table_by_name_keeps_the_order_of_the_file():

@@ -1,1 +1,1 @@
-"""What is in a log, whether it is usable, and for what."""
+"""Checks of a log: its content, and the purposes it is usable for."""

@@ -1,4 +1,4 @@
-"""What is in a log, whether it is usable, and for what."""
+"""Check a log: its content, and the purposes it is usable for."""
 
 import math
 from collections.abc import Iterator
@@ -20,7 +20,7 @@ from calib.units import from_si, to_si
 
 @dataclass(frozen=True)
 class LogVerdict:
-    """Whether a log serves a purpose; ``reasons`` why not, each with what to do instead."""
+    """Whether a log is usable for a purpose; ``reasons`` why not, each with what to do instead."""
 
     purpose: str
     usable: bool
@@ -29,7 +29,7 @@ class LogVerdict:
 
 @dataclass(frozen=True)
 class Taken:
-    """What a channel was made of: SI value = factor * written + offset; ``low``, ``high`` in SI."""
+    """Source of a channel: SI value = factor * written + offset; ``low``, ``high`` in SI."""
 
     channel: str
     source: str
@@ -47,7 +47,7 @@ class Taken:
 
     @property
     def as_it_stands(self) -> bool:
-        """Whether the file has the channel under its own name, in the unit of our own files."""
+        """Whether the file has the channel under its canonical name and unit."""
         quantity = CHANNELS[self.channel]
         plain = to_si(1.0, quantity.unit, quantity.si) - to_si(0.0, quantity.unit, quantity.si)
         same = self.source == self.channel and math.isclose(self.factor, plain)
@@ -56,18 +56,18 @@ class Taken:
 
 @dataclass(frozen=True)
 class Findings:
-    """What `check` found in one log.
+    """Result of `check` for one log.
 
     Attributes
     ----------
-    log, source, digest : which one.
-    truth, ignored : its truth channels; columns that were not taken.
-    seen : what is in it [SI].
-    notes : what was done on reading.
-    warnings : what the user should know although it is not fatal.
+    log, source, digest : name, path and SHA-256 of the log.
+    truth, ignored : its truth channels; columns that are not used.
+    seen : observations on clock, sensors and driving [SI].
+    notes : what was changed while reading.
+    warnings : problems that do not make the log unusable.
     verdicts : one for each purpose.
-    taken : which column each channel was made of.
-    uses : what can be learnt from it, whatever it is unfit for.
+    taken : source column of each channel.
+    uses : quantities that can be determined from the log, also if it is not usable.
     """
 
     log: str
@@ -95,32 +95,32 @@ class Findings:
 
     @property
     def usable(self) -> bool:
-        """Whether the log serves any purpose."""
+        """Whether the log is usable for at least one purpose."""
         return any(verdict.usable for verdict in self.verdicts)
 
 
 def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
-    """Look at a log and judge it for each purpose.
+    """Check a log and judge it for each purpose.
 
-    Works on whatever `calib.logs.read.read_log` gives, also with ``require=()``. It judges the
-    driving and the sensors; whether the vehicle file fits the car it cannot know.
+    Works on every `Log`, also if channels are missing (``require=()`` of `read_log`). It judges the
+    driving and the sensors, not whether the vehicle file fits the car.
 
     Parameters
     ----------
     log : the run.
-    copies : pressures of the log that were computed from something else, see
-        `calib.checks.computed_channels`; they make it useless for every purpose.
+    copies : pressures of the log that were computed from another column, see
+        `calib.checks.computed_channels`; they make it unusable for every purpose.
 
     Returns
     -------
-    The findings; they print as the command shows them.
+    The findings; ``repr`` gives the text that the command prints.
 
     >>> import calib
     >>> findings = calib.check(calib.read_log(calib.sample_logs() / "sedan" / "coast.csv"))
     >>> [verdict.purpose for verdict in findings.verdicts if verdict.usable]
     ['diagnose']
     >>> findings.verdicts[0].reasons
-    ('no braking: drive a slow pressure ramp of 3 to 8 s; a coast log goes beside one',)
+    ('no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition',)
     """
     seen = observe(log)
     verdicts = []
@@ -155,7 +155,7 @@ def _taken(log: Log, origin: Origin) -> Taken:
 def problems_for(log: Log, purpose: str) -> list[str]:
     """Reasons to refuse a log for "fit", "validate" or "diagnose"; empty if it is usable.
 
-    For "fit" a log must hold a ramp itself: a coast or a stop beside it is judged as "diagnose".
+    For "fit" a log must contain a ramp; extra coast or stop logs are judged as "diagnose".
     """
     return problems(observe(log, noise=False), purpose)
 
@@ -166,7 +166,7 @@ def to_dict(findings: Findings) -> dict[str, Any]:
 
 
 def facts(findings: Findings) -> Iterator[tuple[str, str]]:
-    """Label and text of what was found, without warnings and verdicts; units of a log file."""
+    """Label and text of each finding except warnings and verdicts; units of a log file."""
     seen, clock = findings.seen, findings.seen.clock
     yield "channels", ", ".join(seen.present) + (" + truth" if findings.truth else "")
     absent = [name for name in OPTIONAL if name not in seen.present]
@@ -186,7 +186,7 @@ def facts(findings: Findings) -> Iterator[tuple[str, str]]:
 
 
 def _driving(findings: Findings) -> Iterator[tuple[str, str]]:
-    """What was driven, where ``a_x`` and the wheel speeds are there to tell."""
+    """Findings on the driving, if ``a_x`` and the wheel speeds are logged."""
     seen = findings.seen
     if seen.axles is None:
         return
@@ -226,5 +226,5 @@ def _event(event: BrakeEvent) -> str:
 
 def _percent(estimate: IntervalEstimate | None) -> str:
     if estimate is None:
-        return "not seen"
+        return "unknown"
     return f"{100 * estimate.value:+.3f} +- {100 * estimate.half:.3f} %"

@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 GAP = 3.0
-"""A step longer than this many median steps is a gap: two samples in a row are lost."""
+"""A step longer than this many median steps is a gap: two consecutive samples are lost."""
 
 
 @dataclass(frozen=True)
 class Clock:
-    """When samples were taken.
+    """Sampling of a log.
 
     ``duration`` [s]; ``rate`` of the median step [Hz]; ``jitter`` root mean square deviation of
-    the steps from the median, gaps apart [s]; ``gaps`` (when [s], how long [s]).
+    the steps from the median, without gaps [s]; ``gaps`` as (start [s], length [s]).
     """
 
     samples: int
@@ -27,7 +27,7 @@ class Clock:
 
 
 def clock_of(time: Array) -> Clock:
-    """Look at a strictly increasing time [s], shape (n,)."""
+    """Sampling of a strictly increasing time [s], shape (n,)."""
     steps = np.diff(time)
     median = float(np.median(steps))
     wide = steps > GAP * median

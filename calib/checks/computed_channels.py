@@ -1,4 +1,4 @@
-"""Channels that are another column times a number: computed, not measured."""
+"""Detect channels that are another column times a number: computed, not measured."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ from calib.units import UnknownUnit, si_of, spelling
 Array = NDArray[np.float64]
 
 ALIKE = 1e-3
-"""Difference of a channel and its original, over its range [1]: both were printed in decimals."""
+"""Largest difference of a channel and its source, over its range [1]: rounding of decimals."""
 PRESSURES = ("p_mc", "p_fl", "p_fr", "p_rl", "p_rr")
-"""The channels that are looked at: a car's bus has the torque its brake system wants, not always
-a pressure, and decoders divide the one to get something that looks like the other."""
+"""The channels that are checked. The bus of some cars has the demanded brake torque and no
+pressure, and some decoders divide this torque by a constant to get a pressure."""
 
 
 @dataclass(frozen=True)
@@ -33,12 +33,12 @@ class ComputedChannel:
     def __str__(self) -> str:
         return (
             f"{self.channel} in bar is {self.factor:.4g} times {self.source} [{self.unit}]: it was "
-            "computed from that and is no pressure: log the pressure itself"
+            "computed from that and is not a measured pressure: log the pressure itself"
         )
 
 
 def factor_between(channel: Array, other: Array) -> float | None:
-    """The number that makes ``other`` into ``channel``, or None: shapes (n,).
+    """The factor with which ``other`` gives ``channel``, or None; both of shape (n,).
 
     >>> factor_between(np.array([0.0, 1.0, 3.0, 2.0]), np.array([0.0, 100.0, 300.0, 200.0]))
     0.01
@@ -52,9 +52,9 @@ def factor_between(channel: Array, other: Array) -> float | None:
 
 
 def computed_channels(log: Log, source: ColumnSource) -> tuple[ComputedChannel, ...]:
-    """The pressures of a log that are a column of another quantity times a number.
+    """The pressures of a log that equal a column of another quantity times a number.
 
-    ``source`` is the opened file of ``log``. Columns of pressure are no originals here: a logger
+    ``source`` is the opened file of ``log``. Columns of pressure do not count as sources: a logger
     may write one pressure in two units.
     """
     return tuple(_copies(log, source))
@@ -77,7 +77,7 @@ def _copies(log: Log, source: ColumnSource) -> Iterator[ComputedChannel]:
 
 
 def _other_quantity(unit: str | None) -> bool:
-    """Whether a unit is known and measures something else than pressure."""
+    """Whether a unit is known and is not a unit of pressure."""
     try:
         return unit is not None and si_of(unit) != CHANNELS["p_mc"].si
     except UnknownUnit:

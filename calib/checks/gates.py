@@ -1,4 +1,4 @@
-"""What a set of logs must fulfil before anything is computed from it: each rule once."""
+"""Requirements that a set of logs must fulfil before anything is computed from it."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,25 +12,25 @@ from calib.signals.blocks import Blocks
 from calib.signals.driving_record import SETTLE
 
 RADIUS_TOLERANCE = 0.03
-"""How far v/(R omega) may be from one on the unbraked part: tyre wear and pressure make 2 %."""
+"""Largest deviation of v/(R omega) from 1 without braking: tyre wear and pressure cause 2 %."""
 
 
 def refuse_twice(logs: list[Log]) -> None:
-    """Refuse a run given twice: it would count double. Raises LogError."""
+    """Raise LogError for a run that is given twice: it would count twice."""
     seen: dict[str, str] = {}
     for log in logs:
         if log.digest in seen:
             raise LogError(
                 f"the same run as {seen[log.digest]}", where=log.source, do="give each run once"
             )
-        if log.digest:  # a run that was never a file may have none
+        if log.digest:  # a run that is not from a file may have none
             seen[log.digest] = log.source
 
 
 def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:
-    """Refuse a log whose wheels do not roll with the radii of the vehicle, where v is known.
+    """Raise LogError if the wheels do not roll with the radii of the vehicle.
 
-    Raises LogError. A log of another car with the same wheels cannot be told.
+    Without ``v`` nothing is checked. A log of another car with the same wheels is not detected.
     """
     if s.v is None or not s.lead_in.any():
         return
@@ -47,10 +47,10 @@ def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:
 
 
 def eta_rise(b: Blocks, use: NDArray[np.bool_]) -> tuple[float, float]:
-    """Median of eta over ``use`` less that of the lead-in, and its standard error, both [1].
+    """Median of eta over ``use`` minus that of the lead-in, and its standard error, both [1].
 
-    A median, so that a wheel that locks at times does not decide. NaN with fewer than four blocks
-    on either side.
+    The median is robust against wheels that lock for a short time. NaN with fewer than four blocks
+    in one of the two parts.
     """
     sides = [b.eta[b.lead_in], b.eta[use]]
     if min(side.size for side in sides) < 4:
@@ -61,6 +61,6 @@ def eta_rise(b: Blocks, use: NDArray[np.bool_]) -> tuple[float, float]:
 
 
 def bitten(b: Blocks) -> float:
-    """Time from which on the brakes are applied and settled [s]; infinite if they never are."""
+    """Time after which the brakes are applied and settled [s]; infinite if they never are."""
     braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
     return float(b.end[braked[0]]) + SETTLE if braked.size else np.inf

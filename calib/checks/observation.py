@@ -1,4 +1,4 @@
-"""Everything that is looked at in a log before it is judged."""
+"""Observations on a log, on which its verdicts depend."""
 
 from dataclasses import dataclass
 
@@ -14,24 +14,24 @@ from calib.signals.driving_record import STEADY, BrakeEvent, brake_events, drivi
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 OPTIONAL = tuple(q.name for q in CHANNELS.values() if not q.required)
 STANDING = 0.5
-"""Wheel speed [rad/s] below which a car stands: 0.15 m/s."""
+"""Wheel speed [rad/s] below which a car stands still: 0.15 m/s."""
 
 
 @dataclass(frozen=True)
 class Observation:
-    """What is in a log, in SI.
+    """Content of a log, in SI.
 
     Attributes
     ----------
     present, missing : canonical channels; ``missing`` only those that every log must have.
-    clock, sensors : see there; ``time`` has no sensor.
+    clock, sensors : see `Clock` and `Sensor`; ``time`` has no sensor.
     events : applications of the brake, by pressure, or by deceleration where there is none.
     lead_in : unbraked, steady and moving time before the first event [s].
     coasting : all unbraked, steady and moving time [s].
     lead_in_driven : whether the car was accelerated in it.
-    standing : time in which all wheels stand [s].
-    speed : highest [m/s]; rough without ``v``.
-    z : highest deceleration [1].
+    standing : time in which no wheel turns [s].
+    speed : highest speed [m/s]; approximate without ``v``.
+    z : highest deceleration, in g [1].
     axles, slipping : None where ``a_x`` or a wheel speed is missing; so are the times above.
     """
 
@@ -55,9 +55,9 @@ class Observation:
 
 
 def observe(log: Log, *, noise: bool = True) -> Observation:
-    """Look at a log; without ``a_x`` and all wheel speeds only at its clock and sensors.
+    """Observe a log; without ``a_x`` and all wheel speeds only its clock and sensors.
 
-    Without ``noise`` the sensors' noise and steps, which no purpose hangs on, stay unknown (NaN).
+    With ``noise`` false, noise and resolution of the sensors are NaN; no verdict depends on them.
     """
     present = tuple(name for name in CHANNELS if name in log)
     missing = tuple(name for name in REQUIRED if name not in log)

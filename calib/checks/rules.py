@@ -1,4 +1,4 @@
-"""Is a log usable, and for what: each rule in words that say what to drive or mend instead."""
+"""Rules for the use of a log; each reason says what to drive or correct."""
 
 from collections.abc import Iterator
 
@@ -9,20 +9,20 @@ from calib.signals.driving_record import BITE_Z, BrakeEvent
 
 PURPOSES = ("fit", "validate", "diagnose")
 
-# The slowest and fastest clocks that must work, with a little slack for a rate that is not exact.
+# The lowest and highest sample rates that must work, with a tolerance for inexact rates.
 RATES = (38.0, 1050.0)
 LEAD_IN_FIT, LEAD_IN_GOOD, LEAD_IN_VALIDATE = 0.5, 1.0, 0.25  # [s]
 RAMP_Z, RAMP_TIME, RAMP_RISE = 0.25, 2.0, 1.0  # [g], braking [s], of which rising [s]
 BRAKING = 1.0  # [s] above 3 m/s
-COASTING = 2.0  # [s]; a coast of that length shows the zero of eta and the drag
-RADIUS = (0.12, 0.9)  # [m] that a_x over wheel deceleration may look like
-PRESSURE = 350e5  # [Pa] that no master cylinder reaches
-GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] that no road car reaches
-HOLE = 0.1  # [s] that may be missing within a braking
+COASTING = 2.0  # [s]; a coast of that length gives the zero of eta and the drag
+RADIUS = (0.12, 0.9)  # [m] range of plausible a_x over wheel deceleration
+PRESSURE = 350e5  # [Pa] above the pressure of any master cylinder
+GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
+HOLE = 0.1  # [s] longest gap within a braking
 
 
 def problems(seen: Observation, purpose: str) -> list[str]:
-    """Reasons why a log cannot serve a purpose, each with what to do; empty if it can.
+    """Reasons why a log is not usable for a purpose, each with what to do; empty if it is.
 
     ``purpose`` is "fit", "validate" or "diagnose".
     """
@@ -32,7 +32,7 @@ def problems(seen: Observation, purpose: str) -> list[str]:
 
 
 def _unusable(seen: Observation) -> Iterator[str]:
-    """What makes a log useless for everything."""
+    """Reasons why a log is unusable for every purpose."""
     for name in seen.missing:
         yield f"{name} is missing: record it" + (
             ", in bar, at the master cylinder" if name == "p_mc" else ""
@@ -42,16 +42,16 @@ def _unusable(seen: Observation) -> Iterator[str]:
     if set(seen.missing) - {"p_mc"}:
         return
     if seen.speed < 3.0:
-        yield f"the car stands or crawls ({seen.speed:.1f} m/s at most): drive at 30 km/h or more"
+        yield f"the car is too slow ({seen.speed:.1f} m/s at most): drive at 30 km/h or more"
     for sensor in seen.sensors:
         if sensor.stuck and sensor.channel in ("a_x", "p_mc", *_wheels(seen)):
-            yield f"{hanging(sensor)}: mend the sensor and drive again"
+            yield f"{hanging(sensor)}: repair the sensor and drive again"
     for sensor in seen.sensors:
         top = GREATEST.get(sensor.channel.split("_f")[0].split("_r")[0])
         if top is not None and max(sensor.high, -sensor.low) > top:
             yield (
-                f"{sensor.channel} reaches {max(sensor.high, -sensor.low):.4g}, no road car does: "
-                "mend the sensor, or its unit in the channel map"
+                f"{sensor.channel} reaches {max(sensor.high, -sensor.low):.4g}; no road car does: "
+                "repair the sensor, or correct its unit in the channel map"
             )
     yield from _wrong_a_x(seen)
     yield from _wrong_pressure(seen)
@@ -62,9 +62,9 @@ def _wheels(seen: Observation) -> list[str]:
 
 
 def hanging(sensor: Sensor) -> str:
-    """Where a sensor hangs, in words."""
+    """When a sensor does not change, in words."""
     times = ", ".join(f"{a:.2f} to {b:.2f} s" for a, b in sensor.stuck)
-    return f"{sensor.channel} hangs from {times} while the others move"
+    return f"{sensor.channel} does not change from {times} while others do"
 
 
 def _wrong_a_x(seen: Observation) -> Iterator[str]:
@@ -73,8 +73,8 @@ def _wrong_a_x(seen: Observation) -> Iterator[str]:
         return
     if slope < 0:
         yield (
-            "a_x is positive while the wheels slow down: turn it round in a channel map "
-            "(sign = -1); forward is positive"
+            "a_x is positive while the wheels slow down: reverse its sign in a channel "
+            "map (sign = -1); forward is positive"
         )
     if not RADIUS[0] <= abs(slope) <= RADIUS[1]:
         yield (
@@ -100,7 +100,7 @@ def _wrong_pressure(seen: Observation) -> Iterator[str]:
 
 def _not_for_fit(seen: Observation) -> Iterator[str]:
     if not seen.events:
-        yield "no braking: drive a slow pressure ramp of 3 to 8 s; a coast log goes beside one"
+        yield "no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition"
         return
     yield from _short_lead_in(seen, LEAD_IN_FIT, "ramp")
     ramp = ramp_of(seen)
@@ -120,7 +120,7 @@ def _short_lead_in(seen: Observation, least: float, braking: str) -> Iterator[st
 
 
 def ramp_of(seen: Observation) -> BrakeEvent | None:
-    """The widest ramp of the log, or None: the braking rises steadily, long and far enough."""
+    """The ramp with the widest range, or None if no braking rises steadily, long and far enough."""
     good = [e for e in seen.events if e.braking >= RAMP_TIME and e.rise >= RAMP_RISE]
     best = max(good, key=lambda e: e.rise_z, default=None)
     return best if best is not None and best.rise_z >= RAMP_Z else None
@@ -130,7 +130,7 @@ def _no_ramp(event: BrakeEvent) -> Iterator[str]:
     if event.rise < RAMP_RISE:
         yield (
             f"the brake is applied within {event.rise:.1f} s: press slowly, over 3 to 8 s, "
-            "so that every level is visited"
+            "so that every level is covered"
         )
     elif event.braking < RAMP_TIME:
         yield (
@@ -139,32 +139,32 @@ def _no_ramp(event: BrakeEvent) -> Iterator[str]:
         )
     else:
         yield (
-            f"the ramp spans {event.rise_z:.2f} g: go on to {RAMP_Z + 0.1:.2f} g or more, "
+            f"the ramp spans {event.rise_z:.2f} g: brake up to {RAMP_Z + 0.1:.2f} g or more, "
             "without ABS"
         )
 
 
 def _blurred_eta(seen: Observation) -> Iterator[str]:
-    """A table is a curve over eta: with its zero unknown by half of its rise there is none."""
+    """A table is a curve over eta: the zero of eta must be known to half of its rise."""
     axles = seen.axles
     if axles is None or axles.front_rear is None or axles.eta_braked is None:
         return
     zero, rise = axles.front_rear, axles.eta_braked
     if zero.half > 0.5 * abs(rise.value):
         yield (
-            f"eta rises by {100 * rise.value:.2f} % under braking and its zero is only known to "
+            f"eta rises by {100 * rise.value:.2f} % under braking and its zero is known only to "
             f"{100 * zero.half:.2f} %: log the wheel speeds finer and faster, or coast longer"
         )
 
 
 def _disturbed(seen: Observation, ramp: BrakeEvent) -> Iterator[str]:
-    """What spoils a ramp although it is one."""
+    """Reasons why a ramp is not usable."""
     slips = seen.slipping
     if slips and any(ramp.start <= t <= ramp.end for _, t in slips.cycles):
         when = min(t for _, t in slips.cycles if t >= ramp.start)
-        yield f"ABS works from {when:.2f} s on: end the ramp before, or use a road with more grip"
+        yield f"ABS works from {when:.2f} s on: end the ramp earlier, or use a road with more grip"
     if slips and slips.locked:
-        yield f"wheel {', '.join(slips.locked)} locks: end the ramp before"
+        yield f"wheel {', '.join(slips.locked)} locks: end the ramp earlier"
     for name in ("p_mc", "a_x", *_wheels(seen)):
         sensor = seen.sensor(name)
         if sensor and sensor.saturated:

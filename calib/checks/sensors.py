@@ -1,4 +1,4 @@
-"""What each channel says of its sensor: range, steps, noise, and whether it hangs or saturates."""
+"""Properties of each channel's sensor: range, resolution, noise, stuck values, saturation."""
 
 from dataclasses import dataclass
 
@@ -13,11 +13,11 @@ from calib.signals.filters import centred_mean, runs
 Array = NDArray[np.float64]
 
 HANGING = 1.0
-"""A value that stays the same for longer than this while others move is not measured [s]."""
+"""A value that is constant for longer than this while others change is stuck [s]."""
 HELD = 0.1
-"""A highest value that is held for longer than this may be the end of the range [s]."""
+"""A highest value that is constant for longer than this may be the end of the range [s]."""
 HIGH_PASS = 0.2
-"""Noise is what is faster than this [s]: a braking takes longer to build up."""
+"""Variations faster than this are noise [s]: a braking builds up more slowly."""
 
 UNKNOWN = (float("nan"),) * 3
 
@@ -29,14 +29,14 @@ class Sensor:
     Attributes
     ----------
     low, high : range.
-    resolution : step of the values; 0 where none is seen.
-    noise : standard deviation of what is faster than 0.2 s, on the unbraked part; NaN if that is
-        too short.
-    white : its part that differs from sample to sample.
+    resolution : step of the values; 0 if none is detected.
+    noise : standard deviation of variations faster than 0.2 s, without braking; NaN if the
+        unbraked part is too short.
+    white : its uncorrelated part.
     autocorrelation : of the noise, from one sample to the next [1].
-    flat : share of the unbraked part in which it has its commonest value there [1].
-    stuck : (from, to) where it hangs while others move [s].
-    saturated : seconds for which it holds its highest (``a_x``: lowest) value, if that is odd.
+    flat : share of the unbraked samples that have their most frequent value [1].
+    stuck : (from, to) where it is constant while others change [s].
+    saturated : time for which it stays at its highest (``a_x``: lowest) value, if unusual [s].
     """
 
     channel: str
@@ -54,9 +54,9 @@ class Sensor:
 def sensors_of(
     log: Log, driving: DrivingRecord | None, *, noise: bool = True
 ) -> tuple[Sensor, ...]:
-    """Look at every measured channel but time. Without a ``driving`` nothing is known to move.
+    """Sensors of all measured channels except ``time``. ``stuck`` needs ``driving``.
 
-    Without ``noise`` its figures, ``resolution`` and ``flat`` are NaN: they take most of the time.
+    With ``noise`` false, the noise metrics, ``resolution`` and ``flat`` are NaN, which is faster.
     """
     names = [name for name in CHANNELS if name in log and name != "time"]
     return tuple(_sensor(name, log[name], log, driving, noise) for name in names)
@@ -83,8 +83,8 @@ def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: 
 def resolution_of(x: Array) -> float:
     """The step of which all values are multiples, or 0 if there is none.
 
-    Takes the smallest difference between two values and believes it if the other differences are
-    whole multiples of it. Fails, with 0, on values that were filtered or interpolated.
+    Takes the smallest difference between two values if the other differences are whole multiples of
+    it. Returns 0 for values that were filtered or interpolated.
     """
     gaps = np.diff(np.unique(x))
     gaps = gaps[gaps > 1e-9 * max(np.ptp(x), 1e-12)]
@@ -101,14 +101,14 @@ def noise_of(x: Array, quiet: Mask, step: float) -> tuple[float, float, float]:
     Parameters
     ----------
     x : a channel, shape (n,).
-    quiet : where it carries little but noise.
+    quiet : mask of the samples with hardly any signal, shape (n,).
     step : sampling time [s].
 
     Returns
     -------
-    Three numbers, NaN with fewer than 20 quiet samples. Outliers beyond five times the usual are
-    left out. The high-pass takes about 1/k of the variance with it, k samples in 0.2 s; that is
-    put back, exactly so for white noise.
+    Standard deviation, its white part [unit of x], and autocorrelation [1]; NaN with fewer than 20
+    quiet samples. Outliers beyond five times the usual size are left out. The high-pass removes
+    about 1/k of the variance, with k samples in 0.2 s; this is corrected, exactly for white noise.
     """
     if quiet.sum() < 20:
         return float("nan"), float("nan"), float("nan")
@@ -117,7 +117,7 @@ def noise_of(x: Array, quiet: Mask, step: float) -> tuple[float, float, float]:
     usual = np.quantile(np.abs(rest), 0.84)
     rest = rest[np.abs(rest) <= 5.0 * usual] if usual > 0 else rest
     variance = float(np.mean(rest**2))
-    if variance <= (1e-12 * max(np.abs(x).max(), 1e-12)) ** 2:  # rounding of the mean
+    if variance <= (1e-12 * max(np.abs(x).max(), 1e-12)) ** 2:  # only rounding errors of the mean
         return 0.0, 0.0, 0.0
     white = float(np.sqrt(np.mean(np.diff(rest) ** 2) / 2.0))
     colour = float(np.mean(rest[1:] * rest[:-1])) / variance
@@ -125,14 +125,14 @@ def noise_of(x: Array, quiet: Mask, step: float) -> tuple[float, float, float]:
 
 
 def flatness(x: Array) -> float:
-    """Share of the samples that have the commonest value [1]; 0 without samples."""
+    """Share of the samples that have the most frequent value [1]; 0 without samples."""
     return float(np.unique(x, return_counts=True)[1].max() / x.size) if x.size else 0.0
 
 
 def saturation(x: Array, step: float) -> float:
-    """Seconds for which the highest value is held, if no other value is ever held so long; else 0.
+    """Time at the highest value [s], if no other value is constant for as long; else 0.
 
-    A value held from the first sample on is a signal at rest, not one at its limit.
+    A value that is constant from the first sample on is a signal at rest, not saturation.
     """
     if np.ptp(x) == 0:
         return 0.0
@@ -149,7 +149,7 @@ def saturation(x: Array, step: float) -> float:
 def _stuck(
     name: str, x: Array, log: Log, driving: DrivingRecord
 ) -> tuple[tuple[float, float], ...]:
-    """Stretches of one value, longer than a second, while the car says otherwise."""
+    """Intervals of a constant value, longer than a second, in which the car does change."""
     same = np.concatenate([[False], np.diff(x) == 0])
     found = []
     for start, end in runs(same, int(HANGING / driving.step) - 1):
@@ -160,12 +160,12 @@ def _stuck(
 
 
 def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
-    """Whether the other channels say that this one should have changed."""
+    """Whether this channel should have changed, by the other channels."""
     if name == "v" or name.startswith("omega"):
         others = [w for w in log.channels if w.startswith("omega") and w != name]
         wheel = np.mean([log[w][part] for w in others], axis=0)
         return bool(np.ptp(wheel) > max(1.0, 0.05 * wheel.max()))
-    # Smoothing reaches across both ends of the stretch: look inside.
+    # Smoothing mixes in samples from outside: leave out both ends of the interval.
     edge = round(SMOOTH / driving.step)
     inside = slice(part.start + edge, part.stop - edge)
     moving = driving.moving[inside]

@@ -1,15 +1,15 @@
-"""What a log can give, whatever it is unfit for: also one without a brake pressure."""
+"""Quantities that a log can give, also if it has no brake pressure."""
 
 from collections.abc import Iterator
 
 from calib.checks.observation import Observation
 
 TABLE = 5e-4
-"""Uncertainty of the zero of eta [1] that a table bears: eta rises by 0.1 to 0.8 %."""
+"""Largest uncertainty of the zero of eta for a table [1]: eta rises by 0.1 to 0.8 %."""
 
 
 def uses(seen: Observation) -> Iterator[str]:
-    """What can be learnt from a log, each with how well, in words."""
+    """Quantities that can be determined from a log, with their accuracy, in words."""
     axles = seen.axles
     if axles is None:
         return

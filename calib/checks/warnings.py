@@ -1,4 +1,4 @@
-"""What the user should know of a log although it is usable."""
+"""Warnings on a usable log."""
 
 import math
 from collections.abc import Iterator
@@ -7,21 +7,21 @@ from calib.checks.observation import Observation
 from calib.checks.rules import LEAD_IN_GOOD, LEAD_IN_VALIDATE, hanging
 
 SLOW = 95.0
-"""Rate [Hz] below which the build-up of the brake, 0.1 to 0.2 s long, is only guessed at."""
+"""Lowest rate [Hz] that resolves the build-up of the brake, 0.1 to 0.2 s."""
 RADII, TYRES = 1e-3, 8e-3
-"""Mismatch of the axles [1] that costs 3 to 8 % of torque if not zeroed; that no wear explains."""
+"""Mismatch of the axles [1] that costs 3 to 8 % of torque if not zeroed; that wear cannot cause."""
 SIDES = 5e-3
-"""Difference of left and right [1]: a bend of 300 m at a track of 1.5 m."""
+"""Difference of left and right [1]: as in a bend of 300 m radius with a track of 1.5 m."""
 ZERO = 5e-4
-"""Uncertainty of eta [1] that counts: eta rises by 0.1 to 0.8 %."""
+"""Uncertainty of eta [1] that is too large: eta rises by 0.1 to 0.8 %."""
 FLAT = 0.85
-"""Share of zeros without braking; a noisy pressure sensor cut off at 0 shows two thirds."""
+"""Share of zeros without braking [1]; a noisy pressure sensor that is cut off at 0 has 2/3."""
 STIFF = 500e5
-"""Pressure per g [Pa] that no car needs."""
+"""Pressure per g [Pa] that is too high for any car."""
 
 
 def warnings_of(seen: Observation) -> list[str]:
-    """What the user should know of a log that is usable nevertheless."""
+    """Warnings on a log, in words."""
     rules = (_clock, _lead_in, _radii, _swapped, _limits, _sensors, _pressure)
     return [text for rule in rules for text in rule(seen)]
 
@@ -84,15 +84,15 @@ def _limits(seen: Observation) -> Iterator[str]:
 
 def _sensors(seen: Observation) -> Iterator[str]:
     if "v" not in seen.present:
-        yield "no reference speed v: slip stiffness and the ratio of the pads stay entangled"
+        yield "no reference speed v: slip stiffness and the ratio of the pads cannot be separated"
     for sensor in seen.sensors:
         if sensor.stuck and sensor.channel == "v":
             yield hanging(sensor)
         if sensor.saturated:
-            yield f"{sensor.channel} holds its extreme for {sensor.saturated:.2f} s: saturated?"
+            yield f"{sensor.channel} stays at its extreme for {sensor.saturated:.2f} s: saturated?"
     blur = _blur(seen)
     if blur > ZERO:
-        yield f"the wheel speeds are coarse: eta is blurred by {100 * blur:.2f} % over 0.2 s"
+        yield f"the wheel speeds are coarse: eta has noise of {100 * blur:.2f} % over 0.2 s"
 
 
 def _blur(seen: Observation) -> float:
@@ -112,6 +112,6 @@ def _pressure(seen: Observation) -> Iterator[str]:
     if pressure is None or a_x is None or not seen.events:
         return
     if pressure.flat > FLAT and pressure.low == 0.0 and a_x.noise > 0.01:
-        yield "p_mc is exactly 0 without braking, free of noise: is it computed, not measured?"
+        yield "p_mc is exactly 0 without braking, without noise: is it computed, not measured?"
     if seen.z > 0.1 and pressure.high / seen.z > STIFF:
         yield f"p_mc takes {pressure.high / seen.z / 1e5:.0f} bar for each g: is it a pressure?"

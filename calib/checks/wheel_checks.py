@@ -1,4 +1,4 @@
-"""What the four wheels say of each other: radii, swapped axles, sign of a_x, ABS, locked wheels."""
+"""Compare the four wheels: radii, swapped axles, sign of a_x, ABS, locked wheels."""
 
 from dataclasses import dataclass
 
@@ -14,12 +14,12 @@ from calib.signals.filters import block_mean, centred_mean, runs
 Array = NDArray[np.float64]
 
 BLOCK = 0.2
-"""Wheel noise is averaged over this before an interval is made of it [s]."""
+"""Wheel noise is averaged over this before an interval is computed [s]."""
 
 
 @dataclass(frozen=True)
 class IntervalEstimate:
-    """A figure with its 95 % interval: value +- half."""
+    """An estimate with its 95 % interval: value +- half."""
 
     value: float
     half: float
@@ -28,8 +28,8 @@ class IntervalEstimate:
 def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | None:
     """Ratio b/a - 1 of two wheel speeds where ``mask`` holds [1], from means over 0.2 s.
 
-    None with fewer than three blocks. The interval takes the blocks as independent; a slow drift,
-    such as of a car on a long bend, it does not see.
+    None with fewer than three blocks. The interval assumes independent blocks: it does not include
+    a slow drift, such as on a long bend.
     """
     n = max(1, round(BLOCK / step))
     count = int(mask.sum()) // n
@@ -45,15 +45,15 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
 
 @dataclass(frozen=True)
 class Axles:
-    """How the wheels agree.
+    """Comparison of the wheels.
 
     Attributes
     ----------
     front_rear : eta - 1 on the unbraked part [1]: positive if the rear radius is the smaller.
     left_right_f, left_right_r : right over left wheel speed - 1, unbraked [1].
     slope : change of ``-a_x`` with the wheels' deceleration [m]: the rolling radius if all is
-        right; negative for a wrong sign. None if it cannot be told.
-    eta_braked : eta over its unbraked value - 1, mean while braked with 0.2 to 0.5 g [1].
+        correct; negative for a wrong sign. None if it cannot be determined.
+    eta_braked : eta over its unbraked value - 1, mean while braking with 0.2 to 0.5 g [1].
     """
 
     front_rear: IntervalEstimate | None
@@ -86,10 +86,10 @@ def axles_of(log: Log, driving: DrivingRecord) -> Axles:
 
 
 def _against_wheels(driving: DrivingRecord) -> float | None:
-    """Slope of the measured deceleration against that of the wheels [m].
+    """Slope of the measured deceleration over that of the wheels [m].
 
-    Both are smoothed over 0.3 s, because slip builds up faster in a wheel than the car slows. A
-    correlation below 0.8 gives None: a wet road with much slip, or an ``a_x`` that is none.
+    Both are smoothed over 0.3 s, because the slip of a wheel changes faster than the speed of the
+    car. None for a correlation below 0.8: a wet road with much slip, or a wrong ``a_x``.
     """
     width = max(1, round(0.3 / driving.step)) | 1
     spin = centred_mean(driving.wheel_z * G / NOMINAL_RADIUS, width)[driving.moving]
@@ -102,26 +102,26 @@ def _against_wheels(driving: DrivingRecord) -> float | None:
 
 
 DEEP, BACK = 0.15, 0.07
-"""A wheel whose slip exceeds DEEP and comes back below BACK has been let go by an ABS [1]."""
+"""If the slip of a wheel exceeds DEEP and falls below BACK again, the ABS released it [1]."""
 LOCKED = 0.9
-"""Slip of a wheel that stands while the car moves [1]."""
+"""Slip from which a wheel counts as locked [1]."""
 CYCLE = 1.5
-"""A wheel that needs longer than this to come back was not controlled [s]."""
+"""Longest time with large slip in an ABS cycle [s]."""
 
 
 @dataclass(frozen=True)
 class Slipping:
-    """What wheels did at their limit: ABS cycles as (wheel, start [s]); wheels that locked."""
+    """Wheels at their limit: ABS cycles as (wheel, start [s]); wheels that locked."""
 
     cycles: tuple[tuple[str, float], ...]
     locked: tuple[str, ...]
 
 
 def slipping(log: Log, driving: DrivingRecord, events: tuple[BrakeEvent, ...]) -> Slipping:
-    """Look for ABS and locked wheels within the brake events.
+    """Find ABS cycles and locked wheels within the brake events.
 
-    Slip is against the reference speed; without one against the fastest wheel, which misses the
-    moments in which all four slip together.
+    Slip is relative to the reference speed; without one, to the fastest wheel. Then it is not
+    detected when all four wheels slip at the same time.
     """
     slips = _slips(log, driving)
     inside = np.zeros(driving.time.size, bool)
@@ -141,7 +141,7 @@ def slipping(log: Log, driving: DrivingRecord, events: tuple[BrakeEvent, ...]) -
 
 
 def _slips(log: Log, driving: DrivingRecord) -> dict[str, Array]:
-    """Slip of each wheel [1], smoothed over 30 ms, zero on the unbraked part where that is seen."""
+    """Slip of each wheel [1], smoothed over 30 ms; zero on the unbraked part if there is one."""
     width = max(1, round(0.03 / driving.step)) | 1
     omega = {w: centred_mean(log[f"omega_{w}"], width) for w in WHEELS}
     free = driving.unbraked

@@ -1,8 +1,8 @@
 """The whole program on the sample logs: check, fit, validate, draw, the paper's two studies, and a
 car in which something is hidden.
 
-Section IV is judged against the truth of its simulation. Section V has no truth on the road: what
-counts there is that the pads come out where they should be and agree with themselves.
+Section IV is judged against the truth of its simulation. Section V has no truth on the road: it
+counts there whether the pad friction is as expected and the same in all stops on one road.
 """
 
 import shutil
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 Say = Callable[[str], None]
 
 HIDDEN = "hidden/case_2"
-"""A car whose logs hold more than its vehicle file tells."""
+"""A car with an effect that its vehicle file does not have."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class PaperStudy:
     held_out: tuple[str, ...]
     vehicle: str = "vehicle.toml"
     before: tuple[str, ...] = ()
-    """Logs of an earlier version of the table: what one ramp alone gives."""
+    """Logs of an earlier version of the table, fitted from one ramp alone."""
 
 
 STUDIES = (
@@ -81,7 +81,7 @@ STUDIES = (
 
 @dataclass(frozen=True)
 class StudyOutcome:
-    """What one study gave: the table, the validations, the figures drawn."""
+    """Result of one study: the table, the validations, the figures drawn."""
 
     study: PaperStudy
     stored: Stored
@@ -123,14 +123,14 @@ def draw(
     stored: Stored, fitted: list[Log], held: list[Log], other: Vehicle | None, where: Path
 ) -> None:
     """One page for the table with its ramps, one for each hold-out, as PNG."""
-    from calib.plots.choose import Given, sheets
+    from calib.plots.choose import PlotInput, sheets
     from calib.plots.save import save as save_figures
 
     where.mkdir(parents=True, exist_ok=True)
     ramps = tuple(log for log in fitted if "coast" not in log.name)
     pages = [
-        *sheets(Given(tables=(stored,), logs=ramps)),
-        *sheets(Given(tables=(stored,), logs=tuple(held), vehicle=other)),
+        *sheets(PlotInput(tables=(stored,), logs=ramps)),
+        *sheets(PlotInput(tables=(stored,), logs=tuple(held), vehicle=other)),
     ]
     save_figures({where / f"{sheet.name}.png": [sheet.overview()] for sheet in pages})
 
@@ -223,9 +223,10 @@ def _stop(result: Validation, car: Vehicle) -> SectionFive:
 
 @dataclass(frozen=True)
 class Story:
-    """A hidden effect found: the diagnosis, and how the pads of the stops agree.
+    """A car with a hidden effect: the diagnosis, and how the pads of the stops agree.
 
-    ``blind`` with a table that knows of nothing, ``told`` with one fitted with the model found.
+    ``blind`` with a table fitted without the effect, ``told`` with one fitted with the model of the
+    diagnosis.
     """
 
     found: "Diagnosis"
@@ -234,7 +235,7 @@ class Story:
 
 
 def hidden_story(out: Path, say: Say) -> Story:
-    """Diagnose a car into ``out``/diagnosis, draw it, fit with and without what is found."""
+    """Diagnose a car into ``out``/diagnosis, draw it, fit with and without the named effect."""
     from calib.diagnosis.diagnose import diagnose
     from calib.diagnosis.document import text_of
     from calib.diagnosis.folder import write_folder

@@ -1,4 +1,4 @@
-"""Where the sample logs are, in a checkout and in an installed package alike."""
+"""Folder of the sample logs, in a checkout and in an installed package."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from calib.errors import InputError
 def sample_logs() -> Path:
     """Directory of the sample logs. Raises InputError when the program was installed without them.
 
-    A wheel carries them in this room; in a checkout they lie beside the package.
+    An installed package holds them in this folder; in a checkout they lie beside the package.
 
     >>> import calib
     >>> sorted(file.name for file in (calib.sample_logs() / "simulation_study").glob("*.parquet"))

@@ -1,1 +1,1 @@
-"""Where simulation and measurement disagree: find it, name it, add it, show the gap shrink."""
+"""The gap between simulation and measurement: find its cause, name it, add it to the model."""

@@ -1,9 +1,9 @@
 """A candidate explanation: the base parameters and up to two effects, fitted to all runs together.
 
-Base parameters are re-fitted with every candidate, so that pads, mass and drag cannot trade places
-unseen. The fit is least squares in the whitened channels (`calib.diagnosis.channels`) with bounds
-from the cards and weak priors where a run may not say anything: the peak of a tyre that was never
-near it, the second parameter of an effect.
+Base parameters are re-fitted with every candidate: pads, mass and drag can replace each other in
+part. The fit is least squares in the whitened channels (`calib.diagnosis.channels`), with bounds
+from the cards. Weak priors hold parameters that a run may not determine: the peak of a tyre that
+was never near it, the second parameter of an effect.
 """
 
 from collections.abc import Callable
@@ -29,10 +29,10 @@ from calib.physics.vehicle import Vehicle
 Array = NDArray[np.float64]
 
 STIFFNESS, PEAK = 25.0, 0.95
-"""Where the tyre of a passenger car starts: per unit of slip, and its peak, both per load [1]."""
+"""Start of the fit for the tyre: slip stiffness and peak of a passenger car, both per load [1]."""
 
 BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35])
-"""Priors on the logarithms of pads, stiffness and peak: wide, but not without end."""
+"""Standard deviations of the priors on the logarithms of pads, stiffness and peak: wide."""
 
 SECOND_SIGMA = 2.0
 """Prior on the further parameters of an effect, in spreads of their cards."""
@@ -54,7 +54,7 @@ class Problem:
         ]
 
     def flat(self, base: Base, effects: Effects) -> Array:
-        """All innovations in one row."""
+        """All innovations as one array (n,)."""
         return np.concatenate([c for run in self.whitened(base, effects) for c in run])
 
 
@@ -76,12 +76,12 @@ class Candidate:
 
     @property
     def reduced(self) -> float:
-        """Mean squared innovation: one if nothing is left to explain."""
+        """Mean squared innovation [1]; 1 if the model explains everything but noise."""
         return self.chi2 / self.count
 
 
 def problem_of(vehicle: Vehicle, runs: list[ObservedRun]) -> Problem:
-    """Set a problem up: the noise comes from the unbraked parts, where no base parameter acts."""
+    """Build a problem; its noise is that of the unbraked parts, where no base parameter acts."""
     nominal = base_of(vehicle, np.zeros(4))
     parts = []
     for run in runs:
@@ -95,7 +95,7 @@ def problem_of(vehicle: Vehicle, runs: list[ObservedRun]) -> Problem:
 def turned_to_ripple(
     vehicle: Vehicle, base: Base, run: ObservedRun, noise: ChannelNoise
 ) -> ObservedRun:
-    """Count the wheel angle of a run from where its torque ripples, if it does.
+    """Set the origin of a run's wheel angle by the phase of its torque ripple, if it has one.
 
     Every run begins at another angle of the disc. Where the front torque is high, the car and its
     front wheels slow: a_x and front less rear go with -sin(angle).
@@ -111,7 +111,7 @@ def turned_to_ripple(
 
 
 def base_of(vehicle: Vehicle, x: Array) -> Base:
-    """Base parameters from the first four of the vector, logarithms over the nominal."""
+    """Base parameters from the first four of the vector: logarithms of the ratio to nominal."""
     return Base(
         pad_friction_f=vehicle.front.pad_friction * float(np.exp(x[0])),
         pad_friction_r=vehicle.rear.pad_friction * float(np.exp(x[1])),
@@ -121,9 +121,10 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
 
 
 def unpack(vehicle: Vehicle, names: tuple[str, ...], x: Array) -> tuple[Base, Effects]:
-    """Base and effects from a vector: four logarithms, then parameters in spreads from neutral.
+    """Base and effects from a vector: four logarithms, then the parameters of the effects.
 
-    A strength counts from where it is neutral, any other parameter from its typical value.
+    A parameter is in units of its spread. A strength counts from its neutral value, any other
+    parameter from its typical value.
     """
     effects, i = {}, 4
     for name in names:
@@ -176,7 +177,7 @@ def fit(
 ) -> Candidate:
     """Fit base and effects from ``start`` (a vector of `unpack`).
 
-    With a ``term``, its values at so many knots stand at the end of the vector.
+    With a ``term``, its values at the knots are the last ones of the vector.
     """
     from scipy.optimize import least_squares
 
@@ -189,7 +190,7 @@ def fit(
     def objective(x: Array) -> Array:
         base, effects = unpack(problem.vehicle, names, x[:own])
         present = replace(effects, terms=(term[0](x[own:]),)) if term else effects
-        # a term is only as bent as it must be
+        # a prior on the bends of a term: it stays straight where the data do not need a bend
         bent = np.diff(x[own:]) / 0.5
         rows = [problem.flat(base, present), prior_rows(names, x[:own]), bent]
         return np.concatenate([*rows, x[own:] / 2.0])

@@ -1,4 +1,4 @@
-"""Six channels of evidence from a run, and what their noise is.
+"""Six channels of evidence from a run, and their noise.
 
     a_x          accelerometer                       [m/s^2]
     v            speed against the integral of a_x   [m/s]     drift of the speed
@@ -7,8 +7,8 @@
     front_sides  left less right, front              [rad/s]
     rear_sides   left less right, rear               [rad/s]
 
-The noise is read from the unbraked parts, as an AR process per channel, and taken out: a whitened
-residual is white with variance one if the model is right. The drift of v is a random walk under
+The noise of each channel is an AR process fitted to the unbraked parts. A residual is whitened with
+it: the result is white with variance 1 if the model is right. The drift of v is a random walk under
 white noise; its whitening filter is (1 - B)/(1 - 0.9 B).
 """
 
@@ -32,10 +32,10 @@ ORDER = 3
 """Order of the AR noise: road-coloured noise of 0.1 s at 50 Hz needs two to three."""
 
 WALK = 0.9
-"""Pole of the whitening filter of v: lets the model drift by about a tenth of the noise a step."""
+"""Pole of the whitening filter of v: allows a drift of about a tenth of the noise per step."""
 
 FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
-"""Least innovation believed of each channel, in its unit: a noise-free log is a simulation."""
+"""Lower limit of the innovation's sd by channel, in its unit; simulated logs may have no noise."""
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,13 @@ class ChannelNoise:
     sigma: Array
 
 
-def residuals(run: ObservedRun, told: Prediction) -> Array:
+def residuals(run: ObservedRun, predicted: Prediction) -> Array:
     """Measured less predicted, (6, m) at the clock of the evidence, as long as the car moves."""
-    w = run.omega - told.omega
-    drift = run.v - told.gained
+    w = run.omega - predicted.omega
+    drift = run.v - predicted.gained
     stacked = np.stack(
         [
-            run.a_x - told.a_x,
+            run.a_x - predicted.a_x,
             drift,
             w.mean(axis=0),
             0.5 * (w[0] + w[1] - w[2] - w[3]),
@@ -64,7 +64,7 @@ def residuals(run: ObservedRun, told: Prediction) -> Array:
 
 
 def _thin(run: ObservedRun, x: Array) -> Array:
-    """Means over the steps of the evidence, up to where the car crawls."""
+    """Means over the steps of the evidence, up to the time at which the car is nearly at rest."""
     n = max(1, round(STEP / run.step))
     stop = np.flatnonzero(run.v_smooth < MOVING)
     length = int(stop[0]) if stop.size else run.time.size
@@ -72,7 +72,7 @@ def _thin(run: ObservedRun, x: Array) -> Array:
 
 
 def thinned(run: ObservedRun, x: Array) -> Array:
-    """A driver (n,) on the clock of the evidence, (m,)."""
+    """Return a driver ``x`` (n,) as means on the clock of the evidence (m,)."""
     return _thin(run, x)
 
 
@@ -84,7 +84,7 @@ def unbraked_length(run: ObservedRun) -> int:
 
 
 def noise_of(parts: list[Array]) -> ChannelNoise:
-    """Noise from unbraked residuals, (6, m) each; a parabola is taken out of every part."""
+    """Noise from unbraked residuals, (6, m) each; a parabola is subtracted from every part."""
     coefficients, sigma = [], []
     for c in range(len(CHANNELS)):
         rows, sides = [], []

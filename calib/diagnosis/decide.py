@@ -1,11 +1,11 @@
-"""From fitted candidates to a verdict: nothing, one effect, two, a set that cannot be told apart,
-or something that the catalogue does not know.
+"""From fitted candidates to a verdict: no effect, one, two, a set that the logs cannot
+distinguish, or a cause that is not in the catalogue.
 
     base ──> gap? ──> best single ──> enough? ──> best second ──> enough? ──> unknown
               no: no_gap       yes: named or ambiguous      yes: named
 
-What is judged is the excess of the mean squared innovation over one. An effect must earn its place
-in innovations, explain the better part of the excess, and help on hold-outs it was not fitted to.
+The measure is the excess of the mean squared innovation over 1. An effect is named if it reduces
+the innovations enough, explains most of the excess, and helps on hold-outs it was not fitted to.
 """
 
 from dataclasses import dataclass
@@ -20,62 +20,62 @@ from calib.diagnosis.search import refine
 Array = NDArray[np.float64]
 
 DETECT = 0.004
-"""Gain in the mean squared innovation from which an effect is seen. Without any effect the best of
-all names gains up to 0.0013 on a plant that is not this program's (tests/studies/naming.py)."""
+"""Gain in the mean squared innovation above which an effect counts as present. On an independent
+plant without any effect the best name gains up to 0.0013 (tests/studies/naming.py)."""
 
 FAINT = 0.0015
-"""Gain from which an effect may be there: it counts if the hold-outs, which may excite it more,
-show it beyond doubt."""
+"""Gain above which an effect may be present. It counts only if the hold-outs, which may excite it
+more, show it clearly."""
 
 QUIET = 1.06
-"""Mean squared innovation below which nothing is left to explain: no tyre curve is exact."""
+"""Mean squared innovation below which nothing is left to explain; no tyre curve is exact."""
 
 STRANGE = 1.15
-"""Mean squared innovation from which something is there, whatever the catalogue says."""
+"""Mean squared innovation above which a cause is present, even if no known effect explains it."""
 
 PARAMETER = 0.001
-"""What a further parameter must gain in the mean squared innovation: an effect that can mimic a
-simpler one is not preferred to it."""
+"""Gain in the mean squared innovation that each further parameter must bring. So an effect that can
+imitate a simpler one is not preferred to it."""
 
 HURTS = 0.35
-"""Rise of the mean squared innovation of one channel in one run that no true cause brings: five
-sigma of the difference of two runs of 450 steps."""
+"""Rise of the mean squared innovation of one channel in one run above which a cause is refuted:
+five sigma of the difference of two runs of 450 steps."""
 
 ENOUGH = 0.80
-"""Share of the excess over QUIET that an explanation must close to stand."""
+"""Share of the excess over QUIET that an explanation must close to be accepted."""
 
 FELT_POWER = 50.0
-"""What an effect must do to a channel for the channel to have a say, in squared sigma: where it is
-not there it makes the sum of squares worse by as much, seven sigma of its chance."""
+"""Least change by an effect, in squared sigma, for a channel to count in the test of that effect. A
+wrong effect raises the channel's sum of squares by as much, which is seven sigma of chance."""
 
 FLOOR = 1.03
-"""What the best of models leaves on a plant that is not itself."""
+"""Mean squared innovation that the best model leaves on an independent plant."""
 
 SECOND = 0.02
 """Least gain in the mean squared innovation of a second effect."""
 
 SECOND_OF_ALL = 0.03
-"""Least share of the whole gap that what is left must show along any further effect to count."""
+"""Least share of the whole gap that a further effect must explain of the rest to count."""
 
 SECOND_SHARE = 0.6
-"""Share of what the first left over that a second must close."""
+"""Share of the excess left by the first effect that a second must close."""
 
 FAINT_SECOND = 0.002
-"""Gain from which a second effect may be there; it counts if the hold-outs show it beyond doubt. A
-second that is not there gains up to 0.003, or 0.009 beside one whose form is not the plant's; and
-on the hold-outs up to 0.012."""
+"""Gain above which a second effect may be present. It counts only if the hold-outs show it clearly.
+A wrong second effect gains up to 0.003, or 0.009 where the form of the first differs from the
+plant's; on the hold-outs up to 0.012."""
 
 CONFUSABLE = 0.004
-"""Rivals whose mean squared innovation lies within this of the best cannot be told from it."""
+"""Rivals whose mean squared innovation is within this of the best are indistinguishable from it."""
 
 
 @dataclass(frozen=True)
 class Decision:
     """The verdict with its candidates.
 
-    ``verdict`` as in diagnosis.json; ``base`` without effects; ``best`` the explanation that stands
-    or comes nearest; ``rivals`` the other fitted ones of the last step, best first. ``faint`` is a
-    decision for two effects that only the hold-outs can make.
+    ``verdict`` as in diagnosis.json; ``base`` without effects; ``best`` the explanation that was
+    accepted or comes nearest; ``rivals`` the other fitted ones of the last step, best first.
+    ``faint`` is the decision for two effects that replaces this one if the hold-outs confirm it.
     """
 
     verdict: str
@@ -87,7 +87,7 @@ class Decision:
 
 
 def decide(problem: Problem, base: Candidate) -> Decision:
-    """Search and judge."""
+    """Search for one or two effects and judge them; ``base`` is the fit without any."""
     singles = simplest_first(refine(problem, base))
     if not singles or gain(base, singles[0]) < FAINT:
         verdict = "no_gap" if base.reduced < STRANGE else "unknown"
@@ -103,7 +103,7 @@ def decide(problem: Problem, base: Candidate) -> Decision:
         return Decision("unknown", base, pairs[0], tuple(pairs[1:]), faint=faint)
     verdict = standing(problem, base, first, singles[1:])
     if verdict == "unknown" and base.reduced < STRANGE and gain(base, first) < SECOND:
-        # hardly felt here, so that there is no excess to explain; the hold-outs may hold one
+        # too weak here for an excess; the hold-outs may excite it more
         shown = "ambiguous" if confusable(first, singles[1:]) else "named"
         faint = faint or Decision(shown, base, first, tuple(singles[1:]), first=base)
     return Decision(verdict, base, first, tuple(singles[1:]), faint=faint)
@@ -112,7 +112,7 @@ def decide(problem: Problem, base: Candidate) -> Decision:
 def _faint(
     problem: Problem, base: Candidate, first: Candidate, pairs: list[Candidate]
 ) -> Decision | None:
-    """A decision for the best pair, if it may stand."""
+    """A decision for the best pair, None if the pair cannot be accepted."""
     if not pairs or gain(first, pairs[0]) < FAINT_SECOND:
         return None
     verdict = standing(problem, base, pairs[0], pairs[1:])
@@ -138,18 +138,18 @@ def seconds(problem: Problem, singles: list[Candidate]) -> list[Candidate]:
 
 
 def simplest_first(found: list[Candidate]) -> list[Candidate]:
-    """Best first; every further parameter must be worth `PARAMETER`."""
+    """Best first; every further parameter must gain `PARAMETER`."""
     return sorted(found, key=lambda candidate: candidate.reduced + PARAMETER * candidate.x.size)
 
 
 def second_earns(first: Candidate, pair: Candidate) -> bool:
-    """Whether the second effect is worth its name."""
+    """Whether the second effect of a pair explains enough to be named."""
     left = max(first.reduced - FLOOR, 1e-9)
     return gain(first, pair) / left > SECOND_SHARE
 
 
 def standing(problem: Problem, base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
-    """Named, ambiguous or unknown."""
+    """The verdict on the best explanation: named, ambiguous or unknown."""
     closed = gain(base, best) / max(base.reduced - QUIET, 1e-9)
     if best.reduced > QUIET and closed < ENOUGH:
         return "unknown"
@@ -161,10 +161,10 @@ def standing(problem: Problem, base: Candidate, best: Candidate, rivals: list[Ca
 
 
 def contradicted(problem: Problem, best: Candidate) -> bool:
-    """Whether a channel says no to an effect that others ask for.
+    """Whether a channel refutes an effect that fits the other channels.
 
-    What an effect does to a channel, it must take away there. Teeth that are not evenly spaced
-    ripple in the wheel speeds as a disc of uneven thickness does, but the car does not feel them.
+    The effect must reduce the residual of every channel that it changes. Example: unevenly spaced
+    teeth ripple in the wheel speeds as a disc of uneven thickness does, but not in a_x.
     """
     after = problem.whitened(best.base, best.effects)
     for name in best.names:
@@ -185,7 +185,7 @@ def cells(problem: Problem, candidate: Candidate) -> Array:
 
 
 def confusable(best: Candidate, rivals: list[Candidate] | tuple[Candidate, ...]) -> list[Candidate]:
-    """Rivals that the data cannot tell from the best and that are no more complicated."""
+    """Rivals that the data cannot distinguish from the best, with no more parameters than it."""
     return [
         rival
         for rival in rivals

@@ -1,4 +1,4 @@
-"""The diagnosis of a car: find the gap, name its cause, add it, show it shrink on hold-outs.
+"""The diagnosis of a car: find the gap, name its cause, add it, measure the gap on hold-outs.
 
 calibration logs ──> problem ──> decide ──> (unknown: locate) ──> model
 hold-out logs ────────────────── confirm ──────────────────────── replays, gap
@@ -48,11 +48,11 @@ from calib.statistics.intervals import Z95
 Array = NDArray[np.float64]
 
 INFLATION = 2.0
-"""Factor on the formal sigma of a parameter: the plant is not the model, see
+"""Factor on the formal sigma of a parameter, for the error of the model itself; see
 tests/studies/naming.py."""
 
 SYSTEMATIC = 0.015
-"""Relative sigma of every parameter for what all runs share: density of air, geometry, sensors."""
+"""Relative sigma of every parameter for common errors of all runs: air, geometry, sensors."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class ParameterEstimate:
 
 @dataclass(frozen=True)
 class Where:
-    """Where an effect bites: the channel that shows it most, and the range in which it does, SI."""
+    """Where an effect acts: the channel that shows it most, and the ranges of its action, SI."""
 
     channel: str
     axle: str
@@ -77,11 +77,12 @@ class Where:
 
 @dataclass(frozen=True)
 class Named:
-    """An effect that stands, with its evidence.
+    """An effect that was accepted, with its evidence.
 
-    ``gain`` fall of the mean squared innovation that it brings, on calibration and on hold-outs;
-    ``runner_up`` the next best name and its gain; ``indistinguishable_from`` names that the data
-    cannot tell from it; ``separate_by`` the feasible test that would.
+    ``gain`` fall of the mean squared innovation that it brings on the calibration logs,
+    ``gain_holdout`` on the hold-outs; ``runner_up`` the next best name and its gain;
+    ``indistinguishable_from`` names that fit the data as well; ``separate_by`` the feasible test
+    that would distinguish them.
     """
 
     name: str
@@ -128,17 +129,17 @@ class Diagnosis:
 
 
 def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Diagnosis:
-    """Find where a car and its model disagree, name the missing effect, and prove it.
+    """Find where a car and its model disagree, name the missing effect, and confirm it.
 
     Parameters
     ----------
     vehicle : the car as its datasheet has it.
-    calibration : two logs or more that differ; here the effect is searched.
-    holdout : one or more; here it must close the gap.
+    calibration : two or more logs of different manoeuvres, in which the effect is searched.
+    holdout : one or more logs, on which the effect must close the gap.
 
     Returns
     -------
-    The diagnosis. Its ``model_after`` is the car with what was identified, for `calib.simulate`.
+    The diagnosis. Its ``model_after`` is the car with the identified effects, for `calib.simulate`.
 
     Raises LogError when there is no hold-out, when a log is given twice, lacks ``v`` or is of
     another car, or when nothing in the logs is braked.
@@ -151,7 +152,7 @@ def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Di
     >>> [effect.name for effect in diagnosis.effects]
     ['aerodynamic_drag']
     >>> low, high = diagnosis.effects[0].parameters["drag_area"].ci95
-    >>> low < 0.7444 < high  # m^2, what was hidden
+    >>> low < 0.7444 < high  # m^2, the hidden value
     True
     """
     check_logs(calibration, holdout)
@@ -171,7 +172,7 @@ def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Di
     last = first if after == before else tuple(replays(after, holdout))
     gap = gap_of(first, last, holdout)
     if unexplained is not None and gap.closed <= 0.0:
-        # a term that does not help on the hold-outs is no part of the model
+        # a term that does not help on the hold-outs is left out of the model
         after, last, gap = before, first, gap_of(first, first, holdout)
     stands = decision.verdict in ("named", "ambiguous")
     return Diagnosis(
@@ -199,7 +200,7 @@ def held_out(problem: Problem, logs: list[Log]) -> Problem:
 
 
 def check_logs(calibration: list[Log], holdout: list[Log]) -> None:
-    """Refuse what cannot give an answer."""
+    """Raise LogError for logs from which no diagnosis can be made."""
     if not holdout:
         raise LogError("no hold-out log", expected="--holdout LOG...", do="keep two stops back")
     if len(calibration) < 2:
@@ -227,15 +228,15 @@ PROOF, BEYOND_DOUBT = 0.003, 0.02
 """Least gain on the hold-outs of an effect that the calibration shows, and of one that is faint."""
 
 FELT, FELT_PART = 10.0, 0.02
-"""Change of the sum of squares of a hold-out from which the effect is felt in it: three sigma, and
-a part of what it is where it is felt most."""
+"""Change of the sum of squares above which a hold-out shows the effect: three sigma, and a share of
+the change in the hold-out that shows it most."""
 
 
 def confirm(decision: Decision, held: Problem) -> Decision:
     """Withdraw an effect that does not help on the hold-outs, log by log.
 
-    A log in which the effect is not felt has no say. What stays is no gap only if neither the
-    calibration nor the hold-outs are strange without it.
+    A log that does not show the effect is not counted. After a withdrawal the verdict is `no_gap`
+    only if neither the calibration logs nor the hold-outs have a gap without the effect.
     """
     if decision.faint is not None and second_shown(decision.faint, held):
         return without_refuted(decision.faint, held)
@@ -243,8 +244,8 @@ def confirm(decision: Decision, held: Problem) -> Decision:
         return decision
     fall = chi2_by_run(held, decision.base) - chi2_by_run(held, decision.best)
     count = count_of(held, decision.base)
-    seen = gain(decision.base, decision.best) >= DETECT
-    if np.sum(fall) / count > (PROOF if seen else BEYOND_DOUBT) and helps(fall):
+    detected = gain(decision.base, decision.best) >= DETECT
+    if np.sum(fall) / count > (PROOF if detected else BEYOND_DOUBT) and helps(fall):
         return without_refuted(decision, held)
     left = max(float(np.sum(chi2_by_run(held, decision.base))) / count, decision.base.reduced)
     verdict = "no_gap" if left < STRANGE else "unknown"
@@ -252,7 +253,7 @@ def confirm(decision: Decision, held: Problem) -> Decision:
 
 
 def without_refuted(decision: Decision, held: Problem) -> Decision:
-    """Drop rivals that the hold-outs refute; what was ambiguous may then be named."""
+    """Drop rivals that the hold-outs refute; an ambiguous effect may then become a named one."""
     count = count_of(held, decision.base)
     own = float(np.sum(chi2_by_run(held, decision.best)))
     refuted = [
@@ -268,18 +269,18 @@ def without_refuted(decision: Decision, held: Problem) -> Decision:
 
 
 def helps(fall: Array) -> bool:
-    """Whether most of the hold-outs (n,) in which an effect is felt are the better for it."""
+    """Whether most of the hold-outs (n,) that show an effect are explained better with it."""
     felt = fall[np.abs(fall) > max(FELT, FELT_PART * float(np.max(np.abs(fall))))]
     return bool(np.mean(felt > 0.0) > 0.5) if felt.size else False
 
 
 SECOND_PROOF, SECOND_PART = 0.05, 0.01
-"""Least gain on the hold-outs of a faint second effect, and its least part of what the first gains:
-a first whose form is not quite right leaves half a percent of itself to any second."""
+"""Least gain on the hold-outs of a faint second effect, and its least share of the first's gain: if
+the form of the first is not exact, any second effect takes half a percent of its gain."""
 
 
 def second_shown(pair: Decision, held: Problem) -> bool:
-    """Whether the hold-outs show a second effect beyond doubt, and it explains most of the rest."""
+    """Whether the hold-outs show a second effect clearly, and it explains most of the rest."""
     assert pair.first is not None
     count = count_of(held, pair.base)
     none, first, both = (chi2_by_run(held, c) / count for c in (pair.base, pair.first, pair.best))
@@ -300,7 +301,7 @@ def chi2_by_run(problem: Problem, candidate: Candidate) -> Array:
 
 
 def count_of(problem: Problem, candidate: Candidate) -> int:
-    """Number of innovations."""
+    """Number of innovations of a candidate in a problem."""
     return sum(c.size for run in problem.whitened(candidate.base, Effects()) for c in run)
 
 
@@ -337,19 +338,19 @@ def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, .
 
 
 def standard_errors(candidate: Candidate) -> Array:
-    """Sigma of the vector of a candidate, for the model's own error too."""
+    """Sigma of a candidate's vector, the error of the model itself included."""
     formal = np.sqrt(np.maximum(np.diag(candidate.covariance), 0.0))
     return np.asarray(INFLATION * np.sqrt(max(candidate.reduced, 1.0)) * formal)
 
 
 def gain_without(problem: Problem, best: Candidate, name: str) -> float:
-    """How much the mean squared innovation rises when the effect is taken away."""
+    """Rise of the mean squared innovation when the effect is removed."""
     innovations = problem.flat(best.base, best.effects.without(name))
     return float(innovations @ innovations) / best.count - best.reduced
 
 
 def where_of(problem: Problem, best: Candidate, name: str) -> Where:
-    """Where taking the effect away changes the innovations most."""
+    """The channel and the ranges in which removing the effect changes the innovations most."""
     rest = best.effects.without(name)
     power = np.zeros(len(CHANNELS))
     rows = []
@@ -373,7 +374,7 @@ def where_of(problem: Problem, best: Candidate, name: str) -> Where:
 
 
 def _change(problem: Problem, best: Candidate, rest: Effects, run: ObservedRun) -> Array:
-    """Change of the whitened channels (6, m) of a run without an effect; common length."""
+    """Change of the whitened channels (6, m) of a run when an effect is removed; common length."""
     parts = [
         whiten(residuals(run, predict(problem.vehicle, best.base, effects, run)), problem.noise)
         for effects in (best.effects, rest)
@@ -383,7 +384,7 @@ def _change(problem: Problem, best: Candidate, rest: Effects, run: ObservedRun) 
 
 
 def _axle(problem: Problem, best: Candidate, name: str) -> str:
-    """Which axle's torque or wheels an effect changes: front, rear, both, or body."""
+    """Whose torque or wheels an effect changes: front, rear, both, or body."""
     if not acts_on_wheels(effect_named(name)):
         return "body"
     rest = best.effects.without(name)
@@ -439,7 +440,7 @@ def model_of(vehicle: Vehicle, candidate: Candidate) -> Model:
 
 
 def after_model(vehicle: Vehicle, decision: Decision, unexplained: UnexplainedTerm | None) -> Model:
-    """The vehicle with what was found in it."""
+    """The vehicle as a model with the accepted effects, and the empirical term if there is one."""
     if unexplained is None:
         return model_of(vehicle, decision.best)
     model = model_of(vehicle, unexplained.at)

@@ -1,4 +1,4 @@
-"""diagnosis.json: the answer as the contract has it."""
+"""diagnosis.json: a diagnosis as a JSON document of a fixed schema."""
 
 import json
 import math
@@ -27,7 +27,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
 
 
 def text_of(found: Diagnosis) -> str:
-    """The document as it is written; a number that is not finite is null."""
+    """The text of diagnosis.json; a number that is not finite is null."""
     return json.dumps(_finite(to_dict(found)), indent=2, allow_nan=False) + "\n"
 
 

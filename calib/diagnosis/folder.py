@@ -1,4 +1,4 @@
-"""What a diagnosis leaves behind: document, model, report and replays, all of them or none.
+"""The files of a diagnosis: document, model, report and replays, all of them or none.
 
 DIR/diagnosis.json  model.toml  report.html  sim/before/<log>.csv  sim/after/<log>.csv
 """
@@ -28,8 +28,8 @@ def files_of(stems: list[str]) -> list[Path]:
 def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> list[Path]:
     """Write everything to ``out`` and return the paths.
 
-    All is made in a hidden folder within ``out`` first and then moved into place, file by file;
-    what else lies in ``out`` stays. Raises OSError if it cannot be written.
+    The files are made in a hidden folder within ``out`` and then moved into place, one by one.
+    Other files in ``out`` stay. Raises OSError if ``out`` cannot be written.
     """
     made = not out.exists()
     with workshop(out) as work:
@@ -61,5 +61,5 @@ def _fill(found: Diagnosis, document: str, report: str, work: Path) -> None:
 
 
 def _replayed(sim: Log) -> Log:
-    """A replay with the channels that are told, and no truth."""
+    """A replay with the channels of `REPLAYED` only, without the truth."""
     return replace(sim, channels={name: sim[name] for name in COLUMNS}, truth={})

@@ -1,8 +1,8 @@
-"""The gap on hold-outs: open-loop replays against what was measured, over the sensors' noise.
+"""The gap on hold-outs: open-loop replays less measurement, over the sensors' noise.
 
-A replay knows the pressure and the first speed only, so an error of force adds up in v. The noise
-of a channel is what its differences from sample to sample show; it is taken out in squares, so that
-a perfect model has no gap.
+A replay uses the pressure and the first speed only, so an error of force adds up in v. The noise of
+a channel is estimated from its differences between samples. Its square is subtracted, so that a
+perfect model has no gap.
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ UNITS = {"a_x": "m/s^2", "v": "m/s", **{f"omega_{w}": "rad/s" for w in WHEELS}}
 
 @dataclass(frozen=True)
 class ChannelGap:
-    """Rms of replay less measurement before and after, its noise taken out; unit of the channel."""
+    """Rms of replay less measurement before and after, without noise; unit of the channel."""
 
     before: float
     after: float
@@ -35,7 +35,7 @@ class ChannelGap:
 class Gap:
     """Gap over all hold-outs, channels in units of their noise.
 
-    ``before`` without, ``after`` with the effects; ``closed`` share of it that is gone [1];
+    ``before`` without, ``after`` with the effects; ``closed`` the share of it that is closed [1];
     ``by_channel``, ``by_log`` (before, after).
     """
 
@@ -47,7 +47,7 @@ class Gap:
 
 
 def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log]) -> Gap:
-    """Compare replays with their logs; a replay that ends early is compared as far as it goes."""
+    """Compare replays with their logs; a replay that ends early is compared up to its end."""
     noise = {c: float(np.median([noise_of(log[c]) for log in measured])) for c in CHANNELS}
     squares = {"before": squares_of(before, measured), "after": squares_of(after, measured)}
     floor = np.array([noise[c] for c in CHANNELS])
@@ -80,15 +80,15 @@ def squares_of(simulated: Sequence[Log], measured: Sequence[Log]) -> Array:
 
 
 def noise_of(x: Array) -> float:
-    """Sd of the noise of a channel: its third differences hold almost no motion.
+    """Sd of the noise of a channel, from its third differences, which hold almost no motion.
 
-    The slow part of a coloured noise is missed; 1.3 makes up for the colour of road noise.
+    They do not show the slow part of coloured noise; the factor 1.3 corrects for that of the road.
     """
     return max(1.3 * float(np.std(np.diff(x, 3)) / np.sqrt(20.0)), 1e-4)
 
 
 def square(simulated: Log, measured: Log, channel: str) -> float:
-    """Mean square of replay less measurement over what both have, above 1 m/s."""
+    """Mean square of replay less measurement over their common samples above 1 m/s."""
     n = min(simulated.time.size, measured.time.size)
     return float(np.mean((simulated[channel][:n] - measured[channel][:n]) ** 2))
 

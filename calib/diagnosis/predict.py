@@ -1,13 +1,13 @@
-"""What a model says the sensors should read, along the speed that was measured.
+"""The sensor readings that a model predicts, along the measured speed.
 
     p_mc --> pressures --> torques --> tyre forces --> z --> a_x, v
                                          |
                                          +--> slips --> wheel speeds
 
-The measured speed stands where the state would be, so nothing drifts and a whole run is one pass of
-arrays: cheap enough to ask it a thousand times. The open-loop replay (`calib.simulation.simulate`)
-is for showing; this is for fitting. The wheel follows its torque with the time constant J v/(R^2
-F_z K) of 2 to 10 ms, the slope K taken at rest.
+The prediction uses the measured speed instead of integrating its own, so it does not drift, and a
+whole run is computed in array operations, fast enough to be repeated a thousand times in a fit. The
+open-loop replay (`calib.simulation.simulate`) is used to show the result. The wheel follows its
+torque with the time constant J v/(R^2 F_z K) of 2 to 10 ms, with the slope K at zero slip.
 """
 
 from dataclasses import dataclass
@@ -43,7 +43,7 @@ GRID = 0.01
 """Clock on which a run is predicted [s]; a disc turns at most 20 times a second."""
 
 SHAPE = 1.65
-"""Shape factor of the Magic Formula that stands for any tyre here."""
+"""Shape factor C of the Magic Formula, the same for every tyre in a diagnosis [1]."""
 
 EDGE = 0.985
 """Share of the peak up to which the rising branch is inverted; forces past it are held there."""
@@ -51,7 +51,7 @@ EDGE = 0.985
 
 @dataclass(frozen=True)
 class Base:
-    """What is re-identified always: pad friction of the axles [1], tyre stiffness and peak [1]."""
+    """Parameters that are always re-identified [1]: pad friction by axle, tyre stiffness, peak."""
 
     pad_friction_f: float
     pad_friction_r: float
@@ -91,7 +91,7 @@ class Prediction:
 
 
 def run_of(log: Log) -> ObservedRun:
-    """Put a log on the grid. Raises LogError without a reference speed."""
+    """Average a log onto the grid. Raises LogError if it has no reference speed."""
     if "v" not in log:
         raise LogError(
             "no reference speed v",
@@ -125,7 +125,7 @@ def run_of(log: Log) -> ObservedRun:
 
 
 def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) -> Prediction:
-    """Predict a run. Loads and what depends on them are computed in three iterations."""
+    """Predict a run. Loads and the values that depend on them are computed in three iterations."""
     car = as_driven(vehicle, effects)
     z = -run.a_x / G
     energy = (np.zeros_like(z), np.zeros_like(z))
@@ -151,7 +151,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
 
 
 def history_of(run: ObservedRun) -> RunHistory:
-    """The run as an effect sees it before anything is predicted: measured z, no energy."""
+    """The run as input of the effects before the first iteration: measured z, no energy."""
     nothing = np.zeros_like(run.time)
     return _history(run, -run.a_x / G, (nothing, nothing))
 
@@ -173,7 +173,7 @@ def _history(run: ObservedRun, z: Array, energy: tuple[Array, Array]) -> RunHist
 
 
 def _energy(run: ObservedRun, torques: list[Array]) -> tuple[Array, Array]:
-    """Energy turned into heat by one brake of each axle so far [J]."""
+    """Heat of one brake of each axle since the first sample [J] (n,)."""
     front = np.cumsum(0.5 * (torques[0] + torques[1]) * run.omega[0]) * run.step
     rear = np.cumsum(0.5 * (torques[2] + torques[3]) * run.omega[2]) * run.step
     return front, rear
@@ -206,7 +206,7 @@ def _balance(
     step = float(history.time[1] - history.time[0])
     forces: list[Array] = []
     for i, torque in enumerate(torques):
-        if i % 2 == 1 and torque is torques[i - 1]:  # left and right alike
+        if i % 2 == 1 and torque is torques[i - 1]:  # left and right are equal
             forces.append(forces[-1])
             continue
         side = i // 2

@@ -1,9 +1,9 @@
-"""Which effect would help: every effect of the catalogue asked in one step, the best ones fitted.
+"""Which effect would help: all effects of the catalogue are ranked, the best ones fitted.
 
-One step: put the effect in at its usual size, see how the innovations change, take out what the
-base parameters could do as well, and see how much of the present innovations lies along what is
-left. That is cheap, and ranks; a few are then fitted in full, since lag and hysteresis are not
-linear.
+Ranking takes one linear step: add the effect at its usual size, compute the change of the
+innovations, project out the changes that base parameters can make, and project the present
+innovations on the rest. That is cheap. The best ones are then fitted in full, since lag and
+hysteresis are not linear.
 """
 
 from dataclasses import dataclass
@@ -21,12 +21,12 @@ REFINED = 6
 """Effects that are fitted in full after the first ranking."""
 
 STARTS = (0.3, 1.0)
-"""Strengths tried, in spreads; both signs where the card allows."""
+"""Strengths that are tried, in units of the spread; both signs where the card allows."""
 
 
 @dataclass(frozen=True)
 class Hint:
-    """What one step promises: ``gain`` in chi-square, and the vector ``start`` to fit from."""
+    """Result of one step: the expected ``gain`` in chi-square, the vector ``start`` of a fit."""
 
     name: str
     gain: float
@@ -47,7 +47,7 @@ def base_directions(problem: Problem, at: Candidate, innovations: Array) -> Arra
 
 
 def along(innovations: Array, directions: Array, change: Array) -> tuple[float, float]:
-    """Gain in chi-square along a change of the innovations, and how much of it to take."""
+    """Gain in chi-square along a change of the innovations, and the best factor on that change."""
     free = change - directions @ (directions.T @ change)
     length = float(free @ free)
     if length < 1e-9 * max(float(change @ change), 1e-30):
@@ -79,10 +79,10 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
 
 
 def unresolved(problem: Problem, at: Candidate, least: float) -> tuple[str, ...]:
-    """Effects that these runs could not have shown at their usual size.
+    """Effects of usual size that these runs could not have shown.
 
-    Their gain in the mean squared innovation, less what base and present effects would take of it,
-    stays below ``least``.
+    The gain in the mean squared innovation that such an effect would have, beyond that of base and
+    present effects, is below ``least``.
     """
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
@@ -103,7 +103,7 @@ def unresolved(problem: Problem, at: Candidate, least: float) -> tuple[str, ...]
 
 
 def trials(name: str) -> list[Array]:
-    """Points at which an effect is asked, in spreads from neutral: strengths, then seconds."""
+    """Points at which an effect is tried, in spreads from neutral: strength, second parameter."""
     card = CATALOGUE[name].card
     strength = card.parameters[0]
     low = (strength.low - card.neutral) / strength.spread
@@ -132,10 +132,10 @@ def refine(problem: Problem, at: Candidate, count: int = REFINED) -> list[Candid
 
 
 def _fitted(problem: Problem, at: Candidate, hint: Hint) -> Candidate:
-    """Fit an effect; from a full spread again if the fit falls short of its own hint.
+    """Fit an effect; once more from a full spread if the fit gains less than its hint promised.
 
-    A loop narrower than the noise of the pressure does nothing good, so that a fit which begins
-    there stays there.
+    A hysteresis loop narrower than the noise of the pressure brings no gain, so a fit that starts
+    there does not leave it.
     """
     names = (*at.names, hint.name)
     first = fit(problem, names, hint.start)

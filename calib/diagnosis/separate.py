@@ -1,4 +1,4 @@
-"""The feasible test that would tell two explanations apart: each manoeuvre is driven by both.
+"""The feasible test that best separates two explanations: each manoeuvre is simulated with both.
 
 Both were fitted to the same logs, so they agree there. A manoeuvre in which they disagree most,
 over the noise of the sensors, is the one to drive next.
@@ -16,18 +16,18 @@ Array = NDArray[np.float64]
 
 
 def separate_by(problem: Problem, one: Candidate, other: Candidate) -> str:
-    """Name of the manoeuvre, and how far apart the two are in it, in sigma."""
+    """Name of the best manoeuvre, and the distance of the two explanations in it [sigma]."""
     distances = {name: distance(problem, one, other, run) for name, run in manoeuvres(problem)}
     best = max(distances, key=lambda name: distances[name])
     return f"{best} ({distances[best]:.0f} sigma apart)"
 
 
 def distance(problem: Problem, one: Candidate, other: Candidate, run: ObservedRun) -> float:
-    """How far two explanations are apart in a run, in sigma of all its innovations."""
+    """Distance of two explanations in a run, in sigma of all its innovations."""
     parts = []
     for candidate in (one, other):
-        told = predict(problem.vehicle, candidate.base, candidate.effects, run)
-        parts.append(np.concatenate(whiten(residuals(run, told), problem.noise)))
+        predicted = predict(problem.vehicle, candidate.base, candidate.effects, run)
+        parts.append(np.concatenate(whiten(residuals(run, predicted), problem.noise)))
     return float(np.linalg.norm(parts[0] - parts[1]))
 
 

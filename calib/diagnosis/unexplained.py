@@ -1,10 +1,10 @@
-"""Where the unexplained part sits: on which place of the car, and on what it depends.
+"""The unexplained part: the place of the car at which it acts, and the variable it depends on.
 
 A place (front brakes, rear brakes, body, front wheels, rear wheels) is given an empirical term: a
 piecewise linear function of a driver (pressure, speed, disc temperature, time since the bite,
-deceleration, or none). The pair that explains most is where to look. The term is no physics and
-says so. What turns with the wheels begins at another angle in every run, so no term can follow it:
-its share is found by its harmonics.
+deceleration, or none). The pair that explains most tells where to look. The term describes; it is
+not a physical cause. A term cannot follow an effect of the wheel angle, which starts at another
+angle in every run: the share of such an effect is computed from its harmonics.
 """
 
 from dataclasses import dataclass, replace
@@ -37,7 +37,7 @@ ONE_SIDED = 0.3
 WHEEL_ANGLE = "wheel_angle"
 
 HARMONICS = (1, 2)
-"""Of a turn of the wheel: what is out of round or unevenly spaced shows in the first."""
+"""Harmonics of the wheel's turn; run-out and uneven spacing show in the first ones."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class UnexplainedTerm:
 
     ``term`` and the ``axle`` it acts on; ``explained`` share of the excess [1]; ``at`` the
     candidate with its base parameters fitted beside the term; ``runners_up`` as (place, driver,
-    share); ``driver`` what it depends on: the term's, or `WHEEL_ANGLE` where ``turning``, the share
-    that goes with the angle of the wheels, is larger; ``wheel`` the one that is slower than its
-    twin, where that is most of it.
+    share); ``driver`` the variable it depends on: the term's, or `WHEEL_ANGLE` where ``turning``,
+    the share that goes with the angle of the wheels, is larger; ``wheel`` the one that is slower
+    than the other wheel of its axle, where that is most of the excess.
     """
 
     term: EmpiricalTerm
@@ -119,7 +119,7 @@ def _warm(place: str, runs: tuple[ObservedRun, ...]) -> bool:
 
 
 def _constant_beside(best: "Found", found: "list[Found]") -> "list[Found]":
-    """The constant term on the place of the best one, unless that is among the first anyway."""
+    """The constant term on the place of the best one, if it is not already among the first."""
     return [f for f in found[FITTED:] if f[1] == best[1] and f[2] == "constant"]
 
 
@@ -142,7 +142,7 @@ def _turning(problem: Problem, at: Candidate, excess: float) -> tuple[float, str
 
 
 def _one_sided(problem: Problem, at: Candidate, excess: float) -> str | None:
-    """The wheel that is slower than its twin, where left less right holds most of the excess."""
+    """The slower wheel of an axle, where left less right holds most of the excess; else None."""
     whitened = problem.whitened(at.base, at.effects)
     sides = {}
     for axle in ("front", "rear"):
@@ -159,7 +159,7 @@ Found = tuple[float, str, str, Array, Array, Candidate]
 
 
 def _fitted(problem: Problem, at: Candidate, item: Found, excess: float) -> Found:
-    """A term fitted in full with the base: one linear step from a wrong base points wrong."""
+    """A term fitted in full together with the base; one linear step is wrong if the base is."""
     _, place, driver, knots, _, _ = item
 
     def make(values: Array) -> EmpiricalTerm:

@@ -1,6 +1,6 @@
-"""The diagnosis in words: what a colleague reads on the screen and at the head of the report.
+"""The diagnosis in words, for the screen and the head of the report.
 
-Numbers are SI inside; here they get the units of the field: bar, km/h, degC.
+Numbers are in SI inside; here they are converted to bar, km/h and degC.
 """
 
 import math
@@ -17,7 +17,7 @@ SHOWN = {
     "J": ("kJ", 1e-3),
     "1": ("", 1.0),
 }
-"""SI unit to the unit that is printed, and the factor; what is not here is printed as it is."""
+"""SI unit to the unit that is printed, and the factor; other units are printed unchanged."""
 
 SEEN_IN = {
     "a_x": "the deceleration",
@@ -39,12 +39,12 @@ AXLES = {
 
 
 def plain(name: str) -> str:
-    """A name as it is spoken; `effect_a + effect_b` too."""
+    """A name with spaces for underscores; `effect_a + effect_b` becomes `effect a + effect b`."""
     return name.replace("_", " ")
 
 
 def listed(names: list[str] | tuple[str, ...], last: str = "and") -> str:
-    """Names in a row: `a, b and c`."""
+    """Names as a list in words: `a, b and c`."""
     words = [plain(name) for name in names]
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
 
@@ -60,7 +60,7 @@ def unit_shown(unit: str) -> str:
 
 
 def number(value: float, step: float) -> str:
-    """A value written down to the second digit of ``step``, its half width or the like."""
+    """A value rounded to the second digit of ``step``, such as the half width of its interval."""
     if not math.isfinite(value) or not math.isfinite(step):
         return "not known"
     if step <= 0.0:
@@ -105,10 +105,10 @@ def span(ends: tuple[float, float], unit: str) -> str:
 
 
 def verdict(found: Diagnosis) -> str:
-    """What was found, in one sentence."""
+    """The verdict in one sentence."""
     names = [effect.name for effect in found.effects]
     if found.verdict == "no_gap":
-        return "Nothing is missing from the model that these logs could show."
+        return "These logs show nothing that is missing from the model."
     if found.verdict == "named":
         return f"Missing from the model: {listed(names)}."
     if found.verdict == "ambiguous":
@@ -119,17 +119,17 @@ def verdict(found: Diagnosis) -> str:
             "these logs cannot tell which."
         )
     if found.unexplained is None:
-        return "Something is missing from the model that the catalogue does not know."
+        return "The model lacks something that is not in the catalogue."
     left = found.unexplained
     place = f"{left.axle} wheels" if left.driver == WHEEL_ANGLE else plain(left.term.place)
-    text = f"Something is missing that the catalogue does not know: it acts on the {place}"
+    text = f"The model lacks something that is not in the catalogue: it acts on the {place}"
     text += (
         " and is always there."
         if left.driver == "constant"
         else f" and depends on {_driver(left.driver)}."
     )
     if left.wheel is not None:
-        text += f" The {plain(left.wheel)} wheel is slower than its twin."
+        text += f" The {plain(left.wheel)} wheel is slower than the other one of its axle."
     return text
 
 
@@ -144,10 +144,10 @@ def _driver(driver: str) -> str:
 
 
 def where(effect: Named) -> str:
-    """Where an effect bites, in one sentence."""
+    """Where an effect acts, in one sentence."""
     at = [span(effect.where.pressure, "Pa"), span(effect.where.speed, "m/s")]
     text = (
-        f"Acts {AXLES[effect.where.axle]}; seen most in {SEEN_IN[effect.where.channel]}, "
+        f"Acts {AXLES[effect.where.axle]}; strongest in {SEEN_IN[effect.where.channel]}, "
         f"at {' and '.join(at)}"
     )
     if effect.where.temperature is not None:
@@ -156,7 +156,7 @@ def where(effect: Named) -> str:
 
 
 def evidence(effect: Named, found: Diagnosis) -> str:
-    """What speaks for an effect, and who came second."""
+    """The evidence for an effect, and the runner-up."""
     text = (
         f"With it the mean squared innovation falls from {found.reduced_before:.2f} to "
         f"{found.reduced_after:.2f}, where 1 is noise alone"
@@ -174,7 +174,7 @@ def evidence(effect: Named, found: Diagnosis) -> str:
 
 
 def rivals(effect: Named) -> str:
-    """What cannot be told from an effect, and the test that would; empty if nothing."""
+    """Effects that fit these logs as well, and the test that separates them; empty if none."""
     if not effect.indistinguishable_from:
         return ""
     text = f"These logs cannot tell it from {listed(effect.indistinguishable_from, 'or')}."
@@ -182,42 +182,42 @@ def rivals(effect: Named) -> str:
 
 
 def unexplained(found: UnexplainedTerm) -> str:
-    """What is known of a cause without a name."""
+    """The location of a cause that is not in the catalogue."""
     text = (
         f"An empirical term on the {plain(found.term.place)} over {_driver(found.term.driver)} "
-        f"explains {100.0 * found.explained:.0f} % of what was left."
+        f"explains {100.0 * found.explained:.0f} % of the remaining gap."
     )
     if found.driver == WHEEL_ANGLE:
         text = (
-            f"{100.0 * found.turning:.0f} % of what was left goes with the angle of the "
+            f"{100.0 * found.turning:.0f} % of the remaining gap goes with the angle of the "
             f"{found.axle} wheels: something turns with them. {text}"
         )
     if found.runners_up:
         place, driver, share = found.runners_up[0]
         text += (
             f" Next: {plain(place)} over {_driver(driver)}, {100.0 * share:.0f} %. "
-            "The term is no physics; it stands for a cause that has yet to be found."
+            "The term describes the gap; its physical cause is not known."
         )
     return text
 
 
 def not_resolved(found: Diagnosis) -> str:
-    """What these logs could not have shown; empty if they show everything."""
+    """Effects that these logs could not have shown, in a sentence; empty if there are none."""
     if not found.not_resolved:
         return ""
     return (
         f"At their usual size these logs could not have shown: {listed(found.not_resolved)}. "
-        "They may be there all the same."
+        "They may still be present."
     )
 
 
 def gap(found: Diagnosis) -> str:
-    """How far simulation and measurement are apart on the hold-outs."""
+    """The gap between simulation and measurement on the hold-outs, in a sentence."""
     count = len(found.measured)
     logs = f"{count} hold-out log{'s' * (count > 1)}"
     g = found.gap
     if found.verdict == "no_gap":
-        return f"Replayed open loop, {logs} are met to {g.before:.1f} times the sensors' noise."
+        return f"Replayed open loop, {logs} differ by {g.before:.1f} times the sensors' noise."
     if g.closed <= 0.0:
         return (
             f"On {logs} the gap does not shrink: {g.before:.1f} times the sensors' noise before, "

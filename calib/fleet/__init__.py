@@ -1,5 +1,5 @@
-"""Many logs: one row a log, on this machine's cores or on a Dask cluster.
+"""Batches of logs: one row for each log, computed on this machine or on a Dask cluster.
 
 find ──> run ──> pool | cluster ──> work ──> row
-           └───> journal (a row a log, as they finish) ──> results.parquet (sorted, at the end)
+           └───> journal (rows as logs finish) ──> results.parquet (sorted, at the end)
 """

@@ -1,4 +1,4 @@
-"""Workers of a Dask cluster, as the same executor. Needs the extra `dist`."""
+"""Workers of a Dask cluster as an `Executor`. Needs the extra `dist`."""
 
 import math
 import socket
@@ -12,14 +12,14 @@ from calib.fleet.pool import Rows
 from calib.fleet.work import Item, run_items
 
 PATIENCE = "10s"
-"""How long to wait for the scheduler to answer."""
+"""Longest wait for an answer of the scheduler [s]."""
 
 
 class Cluster:
     """The workers behind a scheduler at ``address``, "tcp://host:port".
 
-    Each must have this version of the program and see the logs under the same absolute paths. Dask
-    gives the logs of a worker that died to another. Raises BatchError if nobody answers.
+    Each worker must have this version of the program, and the logs under the same absolute paths.
+    Dask gives the logs of a dead worker to another one. Raises BatchError if there is no answer.
     """
 
     worn = False
@@ -57,7 +57,7 @@ class Cluster:
 
     @property
     def workers(self) -> int:
-        """Threads of all workers, asked for once a second: workers come and go.
+        """Number of threads of all workers, updated once a second because workers may change.
 
         Raises BatchError if the scheduler is gone.
         """
@@ -71,16 +71,16 @@ class Cluster:
         return self._threads
 
     def submit(self, packed: bytes, items: tuple[Item, ...]) -> "Future[Rows]":
-        """Hand logs to the scheduler. Raises BatchError if it is gone."""
+        """Submit logs to the scheduler. Raises BatchError if it is gone."""
         rows: Future[Rows] = Future()
         given = self._client.submit(run_items, packed, items, pure=False)
         given.add_done_callback(partial(_pass_on, rows))
-        # Losing the scheduler fails all that is under way, but not what is handed over later.
+        # If the scheduler is lost, running futures fail, but later ones would not.
         self._require_scheduler()
         return rows
 
     def renew(self) -> None:
-        """Leave the workers to the cluster. Raises BatchError if the scheduler itself is gone."""
+        """Keep the workers of the cluster. Raises BatchError if the scheduler is gone."""
         self._require_scheduler()
 
     def _require_scheduler(self) -> None:
@@ -91,16 +91,16 @@ class Cluster:
         return BatchError(
             "the scheduler is gone",
             where=self._address,
-            do="start it and type the same line again: what is done is kept",
+            do="start it and run the same command again: finished logs are kept",
         )
 
     def close(self) -> None:
-        """Leave the cluster; what is under way is dropped."""
+        """Disconnect from the cluster; unfinished logs are dropped."""
         self._client.close()
 
 
 def _knock(address: str) -> None:
-    """Raise OSError or ValueError if nobody listens: a client that never met one is slow to end."""
+    """Raise OSError or ValueError if there is no scheduler: a Dask client would end slowly."""
     from dask.utils import parse_timedelta
     from distributed.comm.addressing import parse_address, parse_host_port
 
@@ -111,7 +111,7 @@ def _knock(address: str) -> None:
 
 
 def _pass_on(rows: "Future[Rows]", given: Any) -> None:
-    """Give the rows of a Dask future to ours; Dask's own executor loses it if fetching fails."""
+    """Copy the result of a Dask future; Dask's executor loses it if the transfer fails."""
     try:
         rows.set_result(given.result())
     except BaseException as error:

@@ -1,4 +1,4 @@
-"""What stands in `results.parquet`: the columns of each command, their kinds, and the statuses."""
+"""Columns of `results.parquet` by command, their kinds, and the statuses of a log."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -8,7 +8,7 @@ from calib.validation.metrics import METRICS
 
 
 class Status(StrEnum):
-    """How a log ended; DONE where the command does not judge, ERROR where there is no result."""
+    """Outcome for a log; DONE if the command does not judge, ERROR if there is no result."""
 
     PASSED = "passed"
     FAILED = "failed"
@@ -17,7 +17,7 @@ class Status(StrEnum):
 
 
 class Kind(StrEnum):
-    """What a column holds: 64-bit floats, booleans, or text."""
+    """Type of a column: 64-bit floats, booleans, or text."""
 
     NUMBER = "number"
     YES_NO = "yes/no"
@@ -26,7 +26,7 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True)
 class ResultColumn:
-    """One column; ``meaning`` is empty where the file does not tell it."""
+    """One column; ``meaning`` is empty if the file does not give it."""
 
     name: str
     kind: Kind
@@ -46,7 +46,7 @@ HEAD = (
     _text("log", "path as given"),
     _text("digest", "SHA-256 of the log; null if it cannot be read"),
     _text("status", "passed, failed, done or error"),
-    _text("error", "what was wrong; null if nothing was"),
+    _text("error", "error message; null without an error"),
 )
 """The first columns, of every command."""
 
@@ -59,20 +59,20 @@ FIT = (
     _number("pad_friction_r_sigma", "1", "one sigma of it"),
     _number("pad_scale_sigma", "1", "one sigma of it"),
     _number("deceleration_max", "1", "deceleration that the ramp reached, z"),
-    _number("front_biased_up_to", "1", "z up to which the front axle brakes harder for its load"),
+    _number("front_biased_up_to", "1", "z up to which the front axle brakes more for its load"),
     _number("eta_peak", "1", "largest eta on the ramp"),
-    _number("eta_peak_deceleration", "1", "z at which it was"),
+    _number("eta_peak_deceleration", "1", "z at the largest eta"),
     _number("eta_peak_is_real", "1", "1 if eta falls again within the ramp, else 0"),
-    _number("residual_eta_rms_sigma", "1", "rms of what the fit leaves of eta, over its sigma"),
-    _number("residual_slip_rms_sigma", "1", "the same of the slip; 0 without v"),
+    _number("residual_eta_rms_sigma", "1", "rms residual of eta in the fit, over its sigma"),
+    _number("residual_slip_rms_sigma", "1", "the same for the slip; 0 without v"),
     _number("outliers", "1", "blocks of eta past four sigma"),
-    _number("pad_ratio_nominal_weight", "1", "weight that the pads have the vehicle file's ratio"),
+    _number("pad_ratio_nominal_weight", "1", "weight of the pad ratio of the vehicle file"),
     _text("table_digest", "digest of the table"),
 )
 
 VALIDATE = (
     *(_number(name, "1", meaning) for name, meaning in METRICS.items()),
-    _text("not_held", "figures that break a limit; null if none does"),
+    _text("not_held", "metrics that break a limit; null if none does"),
 )
 
 CHECK = (
@@ -82,8 +82,8 @@ CHECK = (
     _number("samples", "1", "samples"),
     _number("duration", "s", "duration"),
     _number("rate", "Hz", "rate of the median step"),
-    _number("jitter", "s", "rms departure of the steps from the median"),
-    _number("gaps", "1", "holes in the clock"),
+    _number("jitter", "s", "rms deviation of the steps from the median"),
+    _number("gaps", "1", "number of gaps in the clock"),
     _number("brakings", "1", "applications of the brake"),
     _number("lead_in", "s", "steady rolling before the first braking"),
     _number("coasting", "s", "all steady rolling without braking"),

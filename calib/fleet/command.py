@@ -4,7 +4,7 @@ from enum import StrEnum
 
 
 class Command(StrEnum):
-    """What can be done with each of many logs."""
+    """A command that is run on each log of a batch."""
 
     FIT = "fit"
     VALIDATE = "validate"

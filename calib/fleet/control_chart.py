@@ -1,16 +1,16 @@
-"""Does the line drift: individuals chart with run rules, and a test for a change of level.
+"""Drift of the production line: individuals chart with run rules, and a test for a change of level.
 
 The chart (Shewhart; Western Electric, Statistical Quality Control Handbook, 1956) shows where to
-look. On a steady line it alarms all the same, with known limits by rule 1 once in 370 cars, by the
-four together once in 92 (Champ and Woodall, Technometrics 29, 1987), so on a large fleet an alarm
-proves nothing. Limits from the line itself alarm otherwise while it is short: rule 1 of 50 cars
-twice as often, rule 4 less than half as often. What decides is one test over the whole order:
-Pettitt's (Applied Statistics 28, 1979), on ranks, which no outlier and no odd distribution
-misleads.
+look. A steady line causes false alarms: with known limits one in 370 cars by rule 1, and one in 92
+by all four rules (Champ and Woodall, Technometrics 29, 1987). So in a large fleet an alarm is not
+significant. With limits from a short line the rates differ: for 50 cars rule 1 alarms twice as
+often, rule 4 less than half as often. The decision is made by one test over the whole order, that
+of Pettitt (Applied Statistics 28, 1979). It uses ranks, so it is robust against outliers and any
+distribution.
 
     K = max_k |S_k|,   S_k = sum of (rank - mean rank) up to car k
 
-Both take cars of a steady line as independent of each other.
+Both assume that cars of a steady line are independent of each other.
 """
 
 from dataclasses import dataclass
@@ -29,13 +29,13 @@ RULES = {
 }
 
 BY_CHANCE = {1: 0.0027, 2: 0.00205, 3: 0.00447, 4: 0.00781}
-"""Share of cars at which each rule is broken on a steady, normal line of known limits."""
+"""Share of cars with an alarm of each rule on a steady, normal line with known limits [1]."""
 
 FEWEST_BY_CHANCE = 200
-"""Cars from which `BY_CHANCE`, that of known limits, holds within a quarter for a `Chart`."""
+"""Number of cars from which on `BY_CHANCE` is accurate to 25 % for a `Chart`."""
 
 FEWEST = 10
-"""Cars below which there is no chart."""
+"""Fewest cars of a chart."""
 
 _MEDIAN_RANGE = 0.9539
 """Median of |x - y| over sigma, x and y normal: sqrt(2) times the upper quartile 0.6745."""
@@ -43,10 +43,10 @@ _MEDIAN_RANGE = 0.9539
 
 @dataclass(frozen=True)
 class Chart:
-    """One metric in order.
+    """Chart of one metric in the order of the line.
 
     ``centre``, ``sigma`` in the metric's unit, from the median and the median moving range;
-    ``alarms`` by rule, each (n,), True at the car that completes the pattern.
+    ``alarms`` by rule, each (n,), true at the car that completes the pattern.
     """
 
     centre: float
@@ -55,13 +55,13 @@ class Chart:
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Control limits: centre less and plus 3 sigma."""
+        """Control limits: centre minus and plus 3 sigma."""
         return self.centre - 3.0 * self.sigma, self.centre + 3.0 * self.sigma
 
 
 @dataclass(frozen=True)
 class LevelChange:
-    """A change of level: ``first`` index of the new level, medians on both sides, ``p`` of it."""
+    """A change of level: ``first`` index of the new level, medians on both sides, p-value ``p``."""
 
     first: int
     before: float
@@ -72,14 +72,14 @@ class LevelChange:
 def chart(values: Array) -> Chart | None:
     """Individuals chart of ``values`` (n,) in order, all finite; None below `FEWEST` or no scatter.
 
-    Centre and sigma are of the same cars, so the chart judges evenness, not a target. Sigma is that
-    from car to car: a slow drift does not widen it.
+    Centre and sigma are of the same cars, so the chart judges uniformity, not a target. Sigma is
+    from car to car: a slow drift does not increase it.
     """
     if values.size < FEWEST:
         return None
     moving = np.abs(np.diff(values))
     sigma = float(np.median(moving)) / _MEDIAN_RANGE
-    if sigma <= 0.0:  # coarse metrics: most neighbours are equal
+    if sigma <= 0.0:  # coarse metrics: most consecutive values are equal
         sigma = float(np.mean(moving)) / 1.128
     centre = float(np.median(values))
     if sigma <= 1e-12 * abs(centre):
@@ -88,7 +88,7 @@ def chart(values: Array) -> Chart | None:
 
 
 def alarms(z: Array) -> dict[int, Mask]:
-    """Run rules 1 to 4 on standardised values ``z`` (n,); each mask is True where one completes."""
+    """Masks (n,) of run rules 1 to 4 on standardised ``z`` (n,), true where a pattern completes."""
     return {
         1: np.asarray(np.abs(z) > 3.0),
         2: _either_side(z, 2.0, 2, 3),
@@ -104,7 +104,7 @@ def _either_side(z: Array, level: float, wanted: int, window: int) -> Mask:
 
 
 def _enough(hit: Mask, wanted: int, window: int) -> Mask:
-    """Where ``hit`` is the last of ``wanted`` hits among ``window`` values."""
+    """Mask of the hits that are at least the ``wanted``-th among the last ``window`` values."""
     total = np.concatenate([np.zeros(window), np.cumsum(hit)])
     return np.asarray(hit & (total[window:] - total[:-window] >= wanted))
 
@@ -112,8 +112,8 @@ def _enough(hit: Mask, wanted: int, window: int) -> Mask:
 def change(values: Array) -> LevelChange | None:
     """Test ``values`` (n,) in order for one change of level; None below `FEWEST` or all equal.
 
-    ``p`` is the tail of Kolmogorov's law, exact for many cars and cautious for few, see `least_p`.
-    A slow drift is found as well; ``first`` is then somewhere in its middle.
+    ``p`` is the tail of Kolmogorov's distribution, exact for many cars and too large for few, see
+    `least_p`. A slow drift is detected too; ``first`` is then near its middle.
     """
     n = values.size
     if n < FEWEST:
@@ -135,9 +135,9 @@ def change(values: Array) -> LevelChange | None:
 
 
 def least_p(n: int) -> float:
-    """The ``p`` of the plainest `change` that ``n`` different values can show.
+    """The smallest ``p`` of a `change` in ``n`` different values.
 
-    That is a step where the greater half of them comes last.
+    It belongs to a step: the larger half of the values comes last.
 
     >>> [round(least_p(n), 4) for n in (10, 14, 16, 22)]
     [0.0661, 0.0149, 0.0071, 0.0007]

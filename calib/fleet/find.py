@@ -1,4 +1,4 @@
-"""The logs that patterns, folders and paths name, one at a time: a long list is never held."""
+"""Find logs by patterns, folders and paths, one at a time, to save memory."""
 
 import glob
 import os
@@ -15,11 +15,10 @@ from calib.logs.read import FORMATS
 def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator[str]:
     """Paths of the logs, relative where the argument is; one may come twice.
 
-    A folder stands for all logs in it and below. For DIAGNOSE a log is a folder with
-    calibration/, holdout/ and vehicle.toml. Hidden files are no logs, nor are the results in
-    ``out`` and, where that is a folder within an argument, whatever else lies in it. Raises
-    LogError for a pattern or folder that holds none, and for what is not there; a missing file
-    whose name is that of a log is handed on.
+    A folder means all logs in it and below. For DIAGNOSE a log is a folder with calibration/,
+    holdout/ and vehicle.toml. Hidden files and the results in ``out`` are left out; if ``out`` is a
+    folder within an argument, so is all its content. Raises LogError for a pattern or folder
+    without logs, and for a missing path; a missing file with the ending of a log is returned.
     """
     own = os.path.realpath(out)
     for argument in arguments:
@@ -29,7 +28,7 @@ def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator
             yield path
         if not found:
             raise LogError(
-                "no log here",
+                "no log found",
                 where=argument,
                 expected=_expected(command),
                 do="check the path; put a pattern in quotes",
@@ -39,9 +38,9 @@ def find_logs(arguments: Iterable[str], command: Command, out: Path) -> Iterator
 def logs_below(
     folder: str, command: Command, out: Path, trouble: Callable[[OSError], None]
 ) -> Iterator[str]:
-    """Paths of the logs in a folder and below, which may be none. Else as `find_logs`.
+    """Paths of the logs in a folder and below, possibly none. Else like `find_logs`.
 
-    ``trouble`` is told of a folder that cannot be read, which is then passed over.
+    ``trouble`` is called with the error if a folder cannot be read; the folder is then skipped.
     """
     return _below(folder, command, os.path.realpath(out), trouble)
 
@@ -56,7 +55,7 @@ def _of(argument: str, command: Command, own: str) -> Iterator[str]:
     if os.path.isdir(argument):
         yield from _below(argument, command, own)
     elif os.path.exists(argument) or (_is_log(argument) and not glob.has_magic(argument)):
-        yield argument  # a file that is missing gets a row that says so
+        yield argument  # a missing file gets a row with an error
     else:
         for path in sorted(glob.iglob(argument, recursive=True)):
             if os.path.isdir(path):

@@ -1,4 +1,4 @@
-"""What is to be done with every log of a batch: the command and all that it rests on."""
+"""The job of a batch: the command and its inputs, the same for every log."""
 
 import hashlib
 import json
@@ -29,7 +29,7 @@ class Job:
     version: str = __version__
 
     def settings(self) -> dict[str, str]:
-        """What the rows depend on besides the logs, each as a word or a digest."""
+        """Settings on which the rows depend besides the logs, each as a word or a digest."""
         return {
             "command": self.command,
             "table": self.table.digest if self.table else "none",
@@ -40,12 +40,12 @@ class Job:
         }
 
     def packed(self) -> bytes:
-        """The job as bytes that a worker unpacks once."""
+        """The job as bytes; a worker unpacks them once."""
         return pickle.dumps(self, protocol=pickle.HIGHEST_PROTOCOL)
 
 
 def _of_map(mapped: ChannelMap) -> str:
-    """Digest of all that a map says, and of what stands in its DBC files."""
+    """Digest of a map and of the content of its DBC files."""
     content = asdict(mapped)
     del content["where"]
     content["dbc"] = [hashlib.sha256(log_bytes(p, any_format=True)).hexdigest() for p in mapped.dbc]

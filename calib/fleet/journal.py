@@ -1,12 +1,12 @@
-"""What has been done so far, on disk: an SQLite database, a row a log, kept as they finish.
+"""Journal of a batch: an SQLite database with a row for each finished log.
 
-    settings   name, value          what the rows depend on besides the logs
+    settings   name, value          on which the rows depend besides the logs
     rows       log, digest, status, error, cells (JSON), lost
 
 Rows that finish together are one transaction in a write-ahead log, without waiting for the disk:
-after kill -9 every finished row is there, after a power failure all but those of the last seconds,
-and never a part of one. `Journal.sync` waits for the disk. SQLite's exclusive lock, held while the
-journal is open, keeps a second run out; it ends with the process, on Windows too.
+after kill -9 it has every finished row, after a power failure all but those of the last seconds,
+and never a part of a transaction. `Journal.sync` waits for the disk. SQLite's exclusive lock, held
+while the journal is open, excludes a second run; it ends with the process, also on Windows.
 """
 
 import errno
@@ -25,11 +25,11 @@ from calib.fleet.row import Row
 
 NAME = "journal.sqlite"
 EARLIER = "journal.jsonl"
-"""Journal of versions up to 0.1, which is not read."""
+"""File name of the journal in versions up to 0.1; it is not read."""
 
 SCHEMA = "1"
 FOREIGN, DAMAGED = "not the journal of a batch of this version", "the journal is damaged"
-ANEW = "name another --out, or start anew with --fresh"
+ANEW = "name another --out, or start again with --fresh"
 TABLES = (
     "DROP TABLE IF EXISTS settings",
     "DROP TABLE IF EXISTS rows",
@@ -49,7 +49,7 @@ class Journal:
         self._db, self._path = db, path
 
     def add(self, rows: Iterable[Row]) -> None:
-        """Keep rows, all or none; each takes the place of an earlier one of its log."""
+        """Store rows, all or none; each replaces an earlier row of its log."""
         values = [
             (r.log, r.digest, r.status, r.error, json.dumps(r.cells, allow_nan=False), r.lost)
             for r in rows
@@ -63,7 +63,7 @@ class Journal:
             self._db.execute("PRAGMA wal_checkpoint").fetchone()
 
     def row(self, log: str) -> Row | None:
-        """The row of a log, if it has one; floats come back to the last bit."""
+        """The row of a log, or None; floats are exact."""
         with _explained(self._path):
             found = self._db.execute("SELECT * FROM rows WHERE log = ?", (log,)).fetchone()
         if found is None:
@@ -99,7 +99,7 @@ class Journal:
 
 
 def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) -> Journal:
-    """Open the journal of ``folder``, or begin one; ``fresh`` throws away what it holds.
+    """Open the journal of ``folder``, or make one; ``fresh`` deletes its content.
 
     Raises BatchError when it was written with other settings, is no journal of this version, is
     damaged or in use, and OSError when it cannot be written.
@@ -132,9 +132,9 @@ def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) ->
 
 
 def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str] | None]:
-    """Lock the file and check it; return its settings, None where it is new.
+    """Lock the file and check it; return its settings, None if it is new.
 
-    Nothing is written into a file that is no journal.
+    A file that is not a journal is not changed.
     """
     with _explained(path):
         db = sqlite3.connect(path, timeout=0.0)
@@ -155,7 +155,7 @@ def _locked(path: Path) -> tuple[sqlite3.Connection, dict[str, str] | None]:
 
 
 def _begin(db: sqlite3.Connection, settings: dict[str, str]) -> None:
-    """Make the tables anew, in one transaction."""
+    """Make new tables, in one transaction."""
     with db:
         db.execute("BEGIN")
         for statement in TABLES:
@@ -167,8 +167,8 @@ def _require_same(found: dict[str, str], settings: dict[str, str], folder: Path)
     differ = [k for k in {**settings, **found} if found.get(k) != settings.get(k)]
     if differ:
         pairs = [(k, _short(found.get(k)), _short(settings.get(k))) for k in differ]
-        said = ", ".join(f"{key} {theirs} for {ours}" for key, theirs, ours in pairs)
-        raise BatchError(f"holds results of other settings: {said}", where=folder, do=ANEW)
+        changes = ", ".join(f"{key} {theirs} for {ours}" for key, theirs, ours in pairs)
+        raise BatchError(f"holds results of other settings: {changes}", where=folder, do=ANEW)
 
 
 def _short(value: str | None) -> str:
@@ -178,24 +178,24 @@ def _short(value: str | None) -> str:
 
 
 class _Unusable(BatchError):
-    """What is there is no sound journal of this version."""
+    """The file is not a valid journal of this version."""
 
 
 @contextmanager
 def _explained(path: Path) -> Iterator[None]:
-    """Turn errors of SQLite into BatchError, or into OSError where the disk is the reason."""
+    """Turn errors of SQLite into BatchError, or into OSError if the disk is the reason."""
     try:
         yield
     except sqlite3.DatabaseError as cause:
         code = getattr(cause, "sqlite_errorcode", 0) & 0xFF  # without the details in higher bits
         if code == sqlite3.SQLITE_BUSY:
-            what, do = "another run is at work here", "wait for it, or name another --out"
+            what, do = "another run uses this folder", "wait for it, or name another --out"
             raise BatchError(what, where=path.parent, do=do) from cause
         if code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR):
             raise _Unusable(FOREIGN, where=path, do=ANEW) from cause
         if code == sqlite3.SQLITE_CORRUPT:
             raise _Unusable(DAMAGED, where=path, do=ANEW) from cause
         if code == sqlite3.SQLITE_CANTOPEN:
-            path.open("ab").close()  # the system says why
+            path.open("ab").close()  # raises OSError with the reason
         number = errno.ENOSPC if code == sqlite3.SQLITE_FULL else errno.EIO
         raise OSError(number, f"{os.strerror(number)}: {cause}", str(path)) from cause

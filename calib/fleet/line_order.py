@@ -6,7 +6,7 @@ from typing import Any
 
 
 def line_order(values: Sequence[object]) -> list[int]:
-    """Indices that sort ``values``, text in natural order; what is not known goes to the end.
+    """Indices that sort ``values``, text in natural order; unknown values go to the end.
 
     >>> line_order(["car10", "car9", None, "car1"])
     [3, 1, 0, 2]

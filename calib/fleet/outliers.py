@@ -1,16 +1,17 @@
-"""Cars that stand apart from their fleet, named so that a large fleet names few by chance.
+"""Outliers of a fleet, with a limited share of false ones also in a large fleet.
 
-    z = (x - median)/(1.4826 MAD)      robust: an outlier cannot hide by widening the scale
+    z = (x - median)/(1.4826 MAD)      robust: outliers do not increase the scale
 
-From 100 cars on a metric that is plainly skewed or long-tailed in its bulk is straightened first,
-see `calib.fleet.tails`; its z is that of the straightened metric. The scale is uncertain in a small
-fleet: under no outlier z follows nearly a t law with 0.37 (n - 1) degrees of freedom, the MAD being
-worth 37 % of a standard deviation (Huber, Robust Statistics, 1981, ch. 5). The rule of Benjamini
-and Hochberg (1995) then names at most a share `SHARE` wrongly, over all metrics and cars together,
-if the bulk is near normal: without outliers up to 8 % of the fleets name a car. Other bulks name
-more good cars, and `Spread.expected` beside `Spread.beyond` shows it. A lognormal metric (g = 0.5)
-names 2.5 of 99 on average, 0.9 of 100 and 0.8 of 500; a t law with 5 degrees of freedom 1.2 of 99,
-7 of 1000 and 0.3 of 10,000. A metric with two humps may name more at any number.
+From 100 cars on, a metric whose bulk is clearly skewed or long-tailed is first transformed to a
+normal one, see `calib.fleet.tails`; z is that of the transformed metric. In a small fleet the scale
+is uncertain: without outliers z has nearly a t distribution with 0.37 (n - 1) degrees of freedom,
+because the MAD has 37 % of the efficiency of a standard deviation (Huber, Robust Statistics, 1981,
+ch. 5). By the rule of Benjamini and Hochberg (1995) at most a share `SHARE` of the named cars is
+named wrongly, over all metrics and cars, if the bulk is nearly normal: without outliers, up to 8 %
+of the fleets name a car. Other distributions name more good cars; compare `Spread.expected` with
+`Spread.beyond`. A lognormal metric (g = 0.5) names 2.5 of 99 cars on average, 0.9 of 100 and 0.8 of
+500; a t distribution with 5 degrees of freedom 1.2 of 99, 7 of 1000 and 0.3 of 10,000. A bimodal
+metric may name more in a fleet of any size.
 """
 
 from dataclasses import dataclass
@@ -23,13 +24,13 @@ from calib.fleet.tails import Shape, shape
 Array = NDArray[np.float64]
 
 SHARE = 0.05
-"""Expected share of the named that are named by chance, if the bulk is near normal."""
+"""Expected share of false ones among the named cars, if the bulk is nearly normal."""
 
 FEWEST = 8
-"""Cars below which no scale is worth a name."""
+"""Fewest cars for a scale that can name outliers."""
 
 FAR = 3.0
-"""|z| beyond which cars are counted beside the number that chance gives."""
+"""|z| beyond which cars are counted and compared with the number by chance."""
 
 _MAD = 1.4826
 _NORMAL = Shape(1.0, 0.0, 0.0)
@@ -37,9 +38,9 @@ _NORMAL = Shape(1.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Spread:
-    """Centre and scale of one metric, and how its cars lie about them.
+    """Centre and scale of one metric, and the position of each car.
 
-    ``count`` finite values; ``median``, ``scale`` in the metric's unit; ``z`` (n,) NaN where the
+    ``count`` finite values; ``median``, ``scale`` in the metric's unit; ``z`` (n,) NaN if the
     metric is not known or has no scale; ``p`` two-sided (n,), NaN likewise; ``beyond`` cars past
     `FAR`, ``expected`` as many by chance; ``quantiles`` 5, 25, 75 and 95 %; ``shape`` of the bulk.
     """
@@ -56,7 +57,7 @@ class Spread:
 
 
 def spread(values: Array) -> Spread:
-    """Look at one metric over the fleet, ``values`` (n,); NaN where a car does not have it."""
+    """Spread of one metric over the fleet, ``values`` (n,), NaN if a car does not have it."""
     from scipy.stats import median_abs_deviation
 
     known = values[np.isfinite(values)]
@@ -95,13 +96,13 @@ def named(p: Array, share: float = SHARE) -> NDArray[np.bool_]:
 
 
 def _small(n: int) -> float:
-    """What the MAD of ``n`` normal numbers is short of: about n/(n - 0.8)."""
+    """Small-sample correction of the MAD of ``n`` normal numbers: about n/(n - 0.8)."""
     return n / (n - 0.8)
 
 
 def _two_sided(z: Array, n: int) -> Array:
     from scipy.stats import t
 
-    # the median errs too: its variance is pi/2n of that of one car
+    # the median is uncertain too: its variance is pi/2n of that of one car
     wide = np.sqrt(1.0 + 0.5 * np.pi / n)
     return np.asarray(2.0 * t.sf(np.abs(z) / wide, 0.37 * (n - 1)))

@@ -1,4 +1,4 @@
-"""How far a batch is, how fast it goes and how long it will take."""
+"""Progress of a batch: finished logs, rate and remaining time."""
 
 import math
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from datetime import timedelta
 
 @dataclass(frozen=True)
 class Pace:
-    """``total`` logs, ``done`` now or before, ``fresh`` of them in this run, ``elapsed`` [s]."""
+    """``total`` logs, ``done`` in this run or before, ``fresh`` in this run, ``elapsed`` [s]."""
 
     total: int
     done: int
@@ -17,7 +17,7 @@ class Pace:
 
     @property
     def rate(self) -> float:
-        """Logs a second of this run; 0 before the first."""
+        """Logs per second of this run; 0 before the first."""
         return self.fresh / self.elapsed if self.elapsed > 0.0 else 0.0
 
     @property
@@ -31,14 +31,14 @@ class Pace:
 
 
 def words(pace: Pace) -> str:
-    """The pace in words.
+    """The progress in words.
 
     >>> words(Pace(total=300, done=200, fresh=100, errors=2, elapsed=0.5))
     '200 of 300 logs, 200 a second, 0:00:01 left, 2 with errors'
     """
-    said = f"{pace.done} of {pace.total} logs"
+    text = f"{pace.done} of {pace.total} logs"
     if pace.rate > 0.0:
-        said += f", {pace.rate:.3g} a second"
+        text += f", {pace.rate:.3g} a second"
     if pace.done < pace.total and pace.rate > 0.0:
-        said += f", {timedelta(seconds=math.ceil(pace.remaining))} left"
-    return said + (f", {pace.errors} with errors" if pace.errors else "")
+        text += f", {timedelta(seconds=math.ceil(pace.remaining))} left"
+    return text + (f", {pace.errors} with errors" if pace.errors else "")

@@ -1,4 +1,4 @@
-"""Worker processes of this machine, as an executor that can be renewed when a worker was killed."""
+"""Worker processes of this machine as an `Executor` that can be renewed after a worker died."""
 
 import multiprocessing
 import os
@@ -13,39 +13,39 @@ from calib.fleet.work import Item, run_items
 Rows = list[Row | None]
 
 LIFETIME = 20_000
-"""Logs after which the workers are replaced: what a library leaks cannot add up over a fleet."""
+"""Number of logs after which the workers are replaced, because libraries may leak memory."""
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 class Executor(Protocol):
-    """Where logs are done: this machine or a cluster. A future that fails lost its worker."""
+    """Computes rows on this machine or a cluster. A future fails if its worker died."""
 
     @property
     def workers(self) -> int:
-        """Logs that are done at a time."""
+        """Number of logs at a time."""
 
     @property
     def worn(self) -> bool:
         """Whether it should be renewed at the next pause."""
 
     def submit(self, packed: bytes, items: tuple[Item, ...]) -> "Future[Rows]":
-        """Do some logs, see `calib.fleet.work.run_items`."""
+        """Compute the rows of some logs, see `calib.fleet.work.run_items`."""
 
     def renew(self) -> None:
-        """Have fresh workers. Nothing is under way when it is called, or all of it is lost."""
+        """Replace the workers. Unfinished logs are lost."""
 
     def close(self) -> None:
-        """Let the workers go; what is under way is dropped."""
+        """Release the workers; unfinished logs are dropped."""
 
 
 class Pool:
-    """``workers`` processes, each with one thread of linear algebra."""
+    """``workers`` processes, each with one thread for linear algebra."""
 
     def __init__(self, workers: int):
         self._workers, self._given = workers, 0
@@ -55,16 +55,16 @@ class Pool:
 
     @property
     def workers(self) -> int:
-        """Processes."""
+        """Number of processes."""
         return self._workers
 
     @property
     def worn(self) -> bool:
-        """Whether the workers have done enough."""
+        """Whether the workers should be replaced."""
         return self._given >= LIFETIME * self._workers
 
     def submit(self, packed: bytes, items: tuple[Item, ...]) -> "Future[Rows]":
-        """Hand logs to the next free worker."""
+        """Submit logs to the next free worker."""
         self._given += len(items)
         return self._pool.submit(run_items, packed, items)
 
@@ -74,7 +74,7 @@ class Pool:
         self._pool, self._given = self._new(), 0
 
     def close(self) -> None:
-        """End the workers, in the middle of a log if need be: it has no row and is done again."""
+        """End the workers, also during a log; it has no row and the next run repeats it."""
         for process in list((self._pool._processes or {}).values()):
             process.terminate()
         self._pool.shutdown(wait=True, cancel_futures=True)
@@ -84,7 +84,7 @@ class Pool:
 
 
 def _context() -> multiprocessing.context.BaseContext:
-    """Workers forked off a small server that has imported once; fresh interpreters elsewhere."""
+    """Fork workers from a server that has imported the library; spawn them on other systems."""
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
@@ -93,7 +93,7 @@ def _context() -> multiprocessing.context.BaseContext:
 
 
 def _start() -> None:
-    """Begin a worker: the parent alone hears an interrupt, and nobody outlives the parent."""
+    """Start a worker: it ignores interrupts, which the parent handles, and ends with the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

@@ -1,7 +1,7 @@
-"""`results.parquet`: one row a log, sorted by log, the same bytes however they were made.
+"""`results.parquet`: one row for each log, sorted by log; equal rows give equal bytes.
 
-The columns and what they hold stand in `calib.fleet.columns`. The file is written a group of rows
-at a time and read one column at a time, so that a large fleet needs little memory.
+The columns are in `calib.fleet.columns`. The file is written in groups of rows and read column by
+column, so that a large fleet needs little memory.
 """
 
 import itertools
@@ -26,15 +26,15 @@ Array = NDArray[np.float64]
 
 NAME = "results.parquet"
 GROUP = 5000
-"""Rows that are held at a time."""
+"""Number of rows in memory at a time."""
 
 EXPECTED = "results.parquet of `brake-cal batch`"
 
 
 def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -> Path:
-    """Write the rows, in their order, and return the path; the old file stays until it is whole.
+    """Write the rows in their order and return the path; an old file is replaced at the end.
 
-    Units and meanings stand in the metadata of the fields, the settings in that of the file.
+    Units and meanings are in the metadata of the fields, the settings in that of the file.
     Raises OSError if the folder cannot be written.
     """
     import pyarrow.parquet as pq
@@ -80,9 +80,9 @@ def _table(rows: list[Row], columns: tuple[ResultColumn, ...], schema: Any) -> A
 
 @dataclass(frozen=True)
 class FleetFile:
-    """An open results file: its ``logs`` and columns of ``metrics``; values are read when asked.
+    """An open results file: its ``logs`` and columns of ``metrics``; values are read on demand.
 
-    ``order`` the rows in the order of the line, (n,), as ``ordered_by`` says.
+    ``order``: row indices in the order of the line, (n,); ``ordered_by`` names this order.
     """
 
     path: Path
@@ -92,7 +92,7 @@ class FleetFile:
     ordered_by: str
 
     def numbers(self, name: str) -> Array:
-        """A column of numbers in the order of the line, (n,); NaN where a log has none."""
+        """A column of numbers in the order of the line, (n,); NaN if a log has none."""
         column = _column(self.path, name).cast("float64")
         return np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)[self.order]
 
@@ -103,9 +103,11 @@ class FleetFile:
 
 
 def open_fleet(path: Path, order: str | None = None) -> FleetFile:
-    """Open the results of a batch; ``order`` a column that orders the line, else the logs' names.
+    """Open the results of a batch.
 
-    Raises InputError for what is no such file, an unknown status, or an unknown column.
+    ``order`` is the column that orders the line; None for the logs' names.
+
+    Raises InputError for another file, an unknown status, or an unknown column.
     """
     with _opened(path) as file:
         schema = file.schema_arrow
@@ -114,7 +116,7 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
         raise InputError(f"no column {missing[0]!r}", where=path, expected=EXPECTED)
     logs = [str(name) for name in _column(path, "log").to_pylist()]
     if not logs:
-        raise InputError("no row in it", where=path, expected="one row a log")
+        raise InputError("the file has no rows", where=path, expected="one row for each log")
     odd = sorted({str(s) for s in _column(path, "status").to_pylist()} - {*Status})
     if odd:
         raise InputError(f"status {odd[0]!r}", where=path, expected=", ".join(Status))
@@ -127,7 +129,7 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
 def _ordered(
     path: Path, order: str | None, logs: list[str], columns: list[str]
 ) -> tuple[list[int], str]:
-    """Rows in the order of the line, and by what they are ordered."""
+    """Row indices in the order of the line, and the name of that order."""
     if order is None or order == "log":
         return line_order(logs), "the logs' names"
     if order not in columns:
@@ -145,7 +147,7 @@ def _ordered(
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    """The file for reading. Raises InputError where it is missing, no Parquet, or cut off."""
+    """Open the file. Raises InputError if it is missing, not Parquet, or cut off."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -153,7 +155,7 @@ def _opened(path: Path) -> Iterator[Any]:
         what = "a directory" if path.is_dir() else "no such file"
         raise InputError(what, where=path, expected=EXPECTED)
     try:
-        # pyarrow opens no path that is not UTF-8
+        # pyarrow cannot open paths that are not UTF-8
         with path.open("rb") as opened, pq.ParquetFile(opened) as file:
             yield file
     except (pa.ArrowInvalid, OSError) as cause:
@@ -162,12 +164,12 @@ def _opened(path: Path) -> Iterator[Any]:
 
 def _column(path: Path, name: str) -> Any:
     with _opened(path) as file:
-        # Without threads: a pool still at work when a short program ends aborts it.
+        # Without threads: a thread pool that still runs at exit aborts a short program.
         return file.read(columns=[name], use_threads=False).column(0).combine_chunks()
 
 
 def _column_of(field: Any) -> ResultColumn:
-    """A column as the file tells it; whole numbers are numbers, and all that is unknown is text."""
+    """A column from the file's schema; integers are numbers, and unknown types are text."""
     import pyarrow.types as types
 
     metadata = {key.decode(): value.decode() for key, value in (field.metadata or {}).items()}

@@ -1,4 +1,4 @@
-"""One log's row."""
+"""Row of one log in the results."""
 
 import math
 from dataclasses import dataclass
@@ -10,10 +10,10 @@ Cell = float | bool | str | None
 
 @dataclass(frozen=True)
 class Row:
-    """What a command says of one log.
+    """Result of a command for one log.
 
-    ``cells`` follow `calib.fleet.columns` and are empty for an error. ``lost`` marks an error that
-    is not the log's: the worker died on it, and the next run tries again.
+    ``cells`` follow `calib.fleet.columns` and are empty for an error. ``lost`` marks an error
+    that the log may not cause: the worker died or had no memory. The next run tries it again.
     """
 
     log: str
@@ -25,5 +25,5 @@ class Row:
 
 
 def number(value: float | None) -> float | None:
-    """A plain float; None where there is no finite one."""
+    """A float, or None if ``value`` is None or not finite."""
     return None if value is None or not math.isfinite(value) else float(value)

@@ -1,7 +1,7 @@
-"""Run a batch: find, skip what is done, do the rest a few at a time, write the results.
+"""Run a batch: find logs, skip finished ones, compute the others in chunks, write the results.
 
-find ──> todo ──> [at most a few chunks under way] ──> journal ──> results.parquet
-                           └── a chunk whose worker died: its logs again, one at a time
+find ──> todo ──> [a limited number of chunks]     ──> journal ──> results.parquet
+                           └── if a worker died: its logs again, one at a time
 """
 
 import os
@@ -26,20 +26,20 @@ from calib.fleet.row import Row
 from calib.fleet.work import Item
 
 CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
-"""Most logs in one hand-over: enough that handing over costs nothing beside 10 ms a log."""
+"""Most logs in a chunk: so many that the transfer is negligible compared to 10 ms for each log."""
 
 AHEAD = 3
-"""Chunks under way for each worker: one at work and some in hand."""
+"""Submitted chunks for each worker: one in progress and the others waiting."""
 
 SYNC = 2.0
-"""Seconds after which finished rows are forced to the disk."""
+"""Longest time until finished rows are forced to the disk [s]."""
 
 Report = Callable[[Pace], None]
 
 
 @dataclass(frozen=True)
 class Batch:
-    """The end of a run: ``counts`` of rows by status, where they are, and how fast it went."""
+    """Result of a run: ``counts`` of rows by status, path of the results, and speed."""
 
     results: Path
     counts: Counter[Status]
@@ -47,7 +47,7 @@ class Batch:
 
     @property
     def total(self) -> int:
-        """Rows."""
+        """Number of rows."""
         return self.counts.total()
 
     @property
@@ -61,7 +61,7 @@ class Batch:
         return self.counts[Status.FAILED] > 0
 
     def document(self) -> dict[str, object]:
-        """Counts of all statuses, and what this run did, as plain data."""
+        """Counts of all statuses, and data on this run, as plain data."""
         return {
             "counts": {status: self.counts[status] for status in Status},
             "done_now": self.pace.fresh,
@@ -78,10 +78,10 @@ def run_batch(
     report: Report = lambda pace: None,
     fresh: bool = False,
 ) -> Batch:
-    """Do every log that ``arguments`` name and write ``out``/results.parquet.
+    """Run the job on every log that ``arguments`` name and write ``out``/results.parquet.
 
-    Goes on where an earlier run with the same settings stopped; ``fresh`` begins anew. A log that
-    fails is a row. Raises LogError when an argument names no log, BatchError when ``out`` holds
+    Continues an earlier run with the same settings; ``fresh`` starts again. A log that fails gets a
+    row. Raises LogError when an argument names no log, BatchError when ``out`` holds
     another batch or the workers are not of this version, OSError when ``out`` cannot be written.
     """
     total = sum(1 for _ in find_logs(arguments, job.command, out))
@@ -99,7 +99,7 @@ def run_batch(
 
 
 class Sweep:
-    """Logs handed out, and their rows as they come back into the journal.
+    """Submits logs to the workers, and writes their rows into the journal.
 
     ``report`` is called with the pace after each chunk, ``tell`` with its new rows once they are in
     the journal. ``total`` logs are expected.
@@ -123,13 +123,13 @@ class Sweep:
         self.start = self.synced = time.monotonic()
 
     def pace(self) -> Pace:
-        """How far it is."""
+        """The progress so far."""
         elapsed = time.monotonic() - self.start
         errors = self.counts[Status.ERROR]
         return Pace(self.total, self.counts.total(), self.fresh, errors, elapsed)
 
     def work(self, logs: Iterable[tuple[str, str]]) -> None:
-        """Do all ``logs``, each the name of its row and its path."""
+        """Compute all ``logs``, each as (name of its row, path)."""
         for chunk in self._chunks(logs):
             if self.executor.worn:
                 self._drain(0)
@@ -139,7 +139,7 @@ class Sweep:
         self._drain(0)
 
     def _submit(self, chunk: tuple[Item, ...]) -> Future[Rows]:
-        """Hand over a chunk; a pool that broke a moment ago gives a future that has failed."""
+        """Submit a chunk; if the pool just broke, return a failed future."""
         try:
             return self.executor.submit(self.packed, chunk)
         except BrokenExecutor as error:
@@ -152,7 +152,7 @@ class Sweep:
         chunk: list[Item] = []
         begun = 0
         for name, path in logs:
-            if name in self.wanted:  # two patterns named it
+            if name in self.wanted:  # two patterns match it
                 self.total -= 1
                 continue
             self.wanted.add(name)
@@ -165,12 +165,12 @@ class Sweep:
             yield tuple(chunk)
 
     def _known(self, name: str) -> str | None:
-        """Digest of the row that a log has; one that was lost is done again."""
+        """Digest of the row of a log, if it has one that is not ``lost``."""
         row = self.journal.row(name)
         return None if row is None or row.lost else row.digest
 
     def _drain(self, most: int) -> None:
-        """Wait until at most ``most`` chunks are under way, and keep what is finished."""
+        """Wait until at most ``most`` chunks are unfinished, and store finished rows."""
         while len(self.pending) > most:
             finished, _ = wait(self.pending, return_when=FIRST_COMPLETED)
             suspects = self._gather(finished)
@@ -178,7 +178,7 @@ class Sweep:
                 self._alone(suspects)
 
     def _gather(self, finished: Iterable[Future[Rows]]) -> list[Item]:
-        """Keep what came out of finished chunks; return the logs whose worker died."""
+        """Store the rows of finished chunks; return the logs whose worker died."""
         suspects: list[Item] = []
         for future in finished:
             items = self.pending.pop(future)
@@ -193,8 +193,8 @@ class Sweep:
         return suspects
 
     def _alone(self, suspects: list[Item]) -> None:
-        """Do the logs of dead workers again, one at a time: the one that kills again is guilty."""
-        # a pool that lost one worker loses all that was under way
+        """Repeat the logs of dead workers one at a time; an error for one that kills again."""
+        # a pool that lost one worker loses all unfinished logs
         suspects += self._gather(wait(self.pending).done)
         self.executor.renew()
         for item in suspects:
@@ -203,14 +203,14 @@ class Sweep:
             except BrakeCalError:
                 raise
             except Exception as error:
-                said = f"{item.name}: the worker died on it twice ({type(error).__name__})"
+                text = f"{item.name}: the worker died on it twice ({type(error).__name__})"
                 hint = "; is there enough memory? the next run tries it again"
-                rows = [Row(item.name, None, Status.ERROR, said + hint, lost=True)]
+                rows = [Row(item.name, None, Status.ERROR, text + hint, lost=True)]
                 self.executor.renew()
             self._keep((item,), rows)
 
     def _keep(self, items: tuple[Item, ...], rows: Rows) -> None:
-        """Journal the rows of a chunk; an unchanged log has its row there."""
+        """Store the rows of a chunk; an unchanged log already has its row in the journal."""
         new = [row for row in rows if row is not None and not self._same(row)]
         self.journal.add(new)
         self.fresh += sum(row is not None for row in rows)
@@ -224,5 +224,5 @@ class Sweep:
             self.tell(new)
 
     def _same(self, row: Row) -> bool:
-        """A log that could not be read, and still cannot, has its row."""
+        """Whether a log could not be read before either, with the same row."""
         return row.digest is None and self.journal.row(row.log) == row

@@ -1,4 +1,4 @@
-"""What a fleet's results say: spread and outliers, drift of the line, and errors by kind."""
+"""Summary of a fleet's results: spread, outliers, drift of the line, and errors by kind."""
 
 import re
 from collections import Counter
@@ -18,18 +18,18 @@ from calib.toml import did_you_mean
 Array = NDArray[np.float64]
 
 DRIFT = 0.01
-"""Expected share of metrics said to drift that do not."""
+"""Expected share of false ones among the metrics with a drift [1]."""
 
 EXAMPLES = 3
-"""Logs that are named with a kind of error."""
+"""Most logs that are named for a kind of error."""
 
 SHORTEST = 3
-"""Characters of a log's name without its ending from which it is looked for in a message."""
+"""Fewest characters of a log's name, without ending, that is replaced in a message."""
 
 
 @dataclass(frozen=True)
 class Outlier:
-    """A log that stands apart in one metric: its value, robust z and two-sided p."""
+    """A log that is an outlier in one metric: its value, robust z and two-sided p."""
 
     log: str
     metric: str
@@ -42,9 +42,9 @@ class Outlier:
 class Look:
     """One metric, a number, over the fleet.
 
-    ``rows`` (k,) where it is known, in order; ``values`` (k,) there; ``chart`` None where there are
-    too few or nothing scatters; ``change`` None where too few could show one among so many metrics;
-    ``drifts`` whether it counts among all metrics.
+    ``rows`` (k,) with a value, in order; ``values`` (k,); ``chart`` None for too few values or no
+    scatter; ``change`` None if too few for a significant one among so many metrics;
+    ``drifts`` whether the change is significant among all metrics.
     """
 
     metric: ResultColumn
@@ -59,7 +59,7 @@ class Look:
 
 @dataclass(frozen=True)
 class Failure:
-    """Errors that say the same of different logs: the message with names and numbers left out."""
+    """Equal errors of different logs: the message without names and numbers."""
 
     message: str
     count: int
@@ -68,7 +68,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Shares:
-    """A metric of text or yes/no: how often each value came, the most frequent first."""
+    """A metric of text or yes/no: number of each value, the most frequent first."""
 
     metric: ResultColumn
     counts: tuple[tuple[str, int], ...]
@@ -76,7 +76,7 @@ class Shares:
 
 @dataclass(frozen=True)
 class Summary:
-    """The whole fleet; ``status`` counts of each, ``outliers`` the farthest first."""
+    """The whole fleet; ``status``: number of logs for each; ``outliers``: largest first."""
 
     logs: tuple[str, ...]
     ordered_by: str
@@ -96,7 +96,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     p = np.array([s.p for s in spreads.values()]).reshape(len(numbers), len(fleet.logs))
     hits = dict(zip(values, named(p), strict=True))
     known = {name: np.flatnonzero(np.isfinite(x)) for name, x in values.items()}
-    # what the logs are ordered by goes up along the line by itself
+    # the column that orders the line always increases along it
     along = {name: x[known[name]] for name, x in values.items() if name != fleet.ordered_by}
     changes = _changes(along)
     drifting = named(np.array([c.p if c else np.nan for c in changes.values()]), DRIFT)
@@ -127,7 +127,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
 
 
 def _changes(lines: dict[str, Array]) -> dict[str, LevelChange | None]:
-    """Change of each line; None where the plainest one would not count beside steady metrics."""
+    """Change of each metric; None if even a clear step could not be significant."""
     found = {name: change(x) for name, x in lines.items()}
     enough = DRIFT / max(sum(c is not None for c in found.values()), 1)
     return {n: c if c and least_p(lines[n].size) <= enough else None for n, c in found.items()}
@@ -147,7 +147,7 @@ def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[ResultColumn, ..
 
 
 MANY = 20
-"""More different texts than this are names, digests: no classes."""
+"""A text column with more different values than this is not a class: names, digests."""
 
 
 def _is_class(fleet: FleetFile, metric: ResultColumn) -> bool:
@@ -177,7 +177,7 @@ def _outliers(fleet: FleetFile, looks: tuple[Look, ...]) -> tuple[Outlier, ...]:
 
 
 def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[Failure, ...]:
-    """Errors grouped by what they say, the most frequent first."""
+    """Errors grouped by kind, the most frequent first."""
     groups: dict[str, list[str]] = {}
     for log, error in zip(logs, errors, strict=True):
         if isinstance(error, str):
@@ -187,10 +187,10 @@ def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[Failure, 
 
 
 def kind_of(error: str, log: str) -> str:
-    """The message less what is of this log alone: its names and all numbers.
+    """The message without names of this log and without numbers.
 
-    Its name without the ending counts from three characters on that are no number: a shorter one is
-    too easily a word or a unit.
+    The name without ending is replaced only if it has three or more characters and is not a number:
+    a shorter one could be a word or a unit.
 
     >>> kind_of("a/run7.csv: ends at 3.2 s; expected 5 s", "a/run7.csv")
     'LOG: ends at # s; expected # s'

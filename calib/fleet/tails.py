@@ -1,13 +1,13 @@
-r"""How skewed and how long-tailed the bulk of a metric is, from its inner quantiles alone.
+r"""Skewness and tail length of the bulk of a metric, from its inner quantiles only.
 
-Tukey's g and h law (Hoaglin, in Exploring Data Tables, Trends, and Shapes, 1985, ch. 11):
+Tukey's g-and-h distribution (Hoaglin, in Exploring Data Tables, Trends, and Shapes, 1985, ch. 11):
 
     x = median + B (exp(g z) - 1)/g exp(h z^2/2)      z standard normal
 
-g = 0, h = 0 is the normal law, h = 0 the lognormal. g follows from the ratio of the distances of
-the upper and lower quantiles to the median, h from how fast their sum grows; both from the 1/4, 1/8
-and 1/16 points, so that up to 6 % of wild values on a side move nothing. A law with two humps has
-no such shape.
+g = h = 0 is the normal distribution, h = 0 a lognormal one. g follows from the ratio of the
+distances of the upper and lower quantiles to the median, h from the growth of their sum. Both use
+the 1/4, 1/8 and 1/16 points, so that up to 6 % of outliers on one side have no effect. Not valid
+for a bimodal distribution.
 """
 
 from dataclasses import dataclass
@@ -18,21 +18,21 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FEWEST = 100
-"""Values below which the quantiles say nothing of the shape, and the normal law is taken."""
+"""Fewest values to estimate a shape; with fewer the normal distribution is used."""
 
 SIGMA_G, SIGMA_H = 1.49, 1.24
 """Standard deviation of g and h times the root of the number of values, for a normal metric."""
 
 SURE = 3.0
-"""Sigmas from zero below which a shape is taken as chance.
+"""Smallest g and h that are used, in sigmas; smaller ones count as zero.
 
-A shape taken by chance stretches one tail of a normal metric and names cars: at 2 one pool of 16
-metrics in 4 names some at 100 to 200 cars, at 3 one in 15.
+A shape by chance distorts one tail of a normal metric, and good cars are named: for 16 metrics of
+100 to 200 cars, in one of 4 fleets with a threshold of 2, in one of 15 with 3.
 """
 
 _LEVELS = np.array([0.25, 0.125, 0.0625])
 _Z = np.array([0.67449, 1.15035, 1.53412])
-"""Normal quantiles of `_LEVELS`, from above."""
+"""Upper normal quantiles of `_LEVELS`."""
 
 _GRID = np.linspace(-40.0, 40.0, 8001)
 
@@ -46,7 +46,7 @@ class Shape:
     h: float
 
     def z(self, distance: Array) -> Array:
-        """Normal number that stands where ``distance`` from the median does; at most 40 in size."""
+        """Normal number z for a ``distance`` from the median, any shape; limited to +-40."""
         g, h = self.g, self.h
         with np.errstate(over="ignore"):
             body = _GRID if g == 0.0 else np.expm1(g * _GRID) / g
@@ -56,7 +56,7 @@ class Shape:
 
 
 def shape(values: Array, median: float, scale: float) -> Shape:
-    """Shape of the finite ``values`` (n,) about their ``median``; ``scale`` is that if normal."""
+    """Shape of the finite ``values`` (n,) about their ``median``; ``scale`` as if normal."""
     if values.size < FEWEST:
         return Shape(scale, 0.0, 0.0)
     upper = np.quantile(values, 1.0 - _LEVELS) - median

@@ -1,6 +1,6 @@
-"""Imported once by the server that workers are forked off, so that each is ready at once.
+"""Imports of the server from which workers are forked, so that workers start fast.
 
-What the library imports only where it is used is named here: else every worker would import it.
+Modules that the library imports late are imported here once, instead of in every worker.
 """
 
 from importlib import import_module

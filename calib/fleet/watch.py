@@ -1,7 +1,7 @@
-"""A folder that a bench drops logs into: each is done once, when it is written no more.
+"""Watch a folder for new logs: each is processed once, when it is complete.
 
-look ──> settled ──> workers ──> journal, on the disk ──> told
-  └── every second when all are done; results.parquet then, and now and then on the way
+look ──> settled ──> workers ──> journal, on the disk ──> report
+  └── every second when all are done; writes results.parquet then, and regularly before
 """
 
 import math
@@ -27,24 +27,24 @@ from calib.fleet.row import Row
 from calib.fleet.run import Sweep
 
 RETRY = 60.0
-"""Seconds after which a log is tried again that could not be read, or killed its worker."""
+"""Time after which a log that could not be read, or killed its worker, is tried again [s]."""
 LATE = 30.0
-"""Seconds for which the results may be behind the journal while logs keep coming."""
+"""Longest delay of the results file behind the journal while logs arrive [s]."""
 
 Stamp = tuple[int, int, int]
-"""Size [B], time of change and time of change of the entry [ns] of a file."""
+"""Size [B], modification time and inode change time [ns] of a file."""
 
 
 @dataclass
 class Settled:
-    """Which files are written no more: size and times of change stay for ``settle`` seconds."""
+    """Files that are complete: size and times of change are constant for ``settle`` [s]."""
 
     settle: float
     _since: dict[str, tuple[Stamp, float]] = field(default_factory=dict)
     _given: dict[str, tuple[Stamp, float]] = field(default_factory=dict)
 
     def look(self, paths: Iterable[str], now: float) -> list[str]:
-        """Those of ``paths`` that are ready and were not given before as they are; ``now`` [s]."""
+        """Those of ``paths`` that are complete and new or changed; ``now`` [s]."""
         since: dict[str, tuple[Stamp, float]] = {}
         for path in paths:
             stamp = _stamp(path)
@@ -56,7 +56,7 @@ class Settled:
         return [path for path in since if self._ready(path, now)]
 
     def give(self, path: str, again: float = math.inf) -> None:
-        """Take note that a file is being done; it is ready once more at ``again`` [s]."""
+        """Mark a file as given to a worker; it is ready again at ``again`` [s]."""
         self._given[path] = self._since[path][0], again
 
     def _ready(self, path: str, now: float) -> bool:
@@ -66,7 +66,7 @@ class Settled:
 
 
 def _stamp(path: str) -> Stamp | None:
-    """None for what was taken away a moment ago and for what is no regular file."""
+    """Stamp of a file; None if it is gone or not a regular file."""
     try:
         found = os.stat(path)
     except OSError:
@@ -78,7 +78,7 @@ def _stamp(path: str) -> Stamp | None:
 
 @dataclass(frozen=True)
 class Watched:
-    """How a watch ended: logs by status, and the results; None where there never was a log."""
+    """Result of a watch: number of logs by status, and path of the results; None without logs."""
 
     results: Path | None
     counts: Counter[Status]
@@ -91,35 +91,34 @@ def watch(
     executor: Executor,
     stop: Event,
     tell: Callable[[Row], None] = lambda row: None,
-    trouble: Callable[[str], None] = lambda said: None,
+    trouble: Callable[[str], None] = lambda text: None,
     *,
     every: float = 1.0,
     settle: float = 2.0,
     fresh: bool = False,
     clock: Callable[[], float] = time.monotonic,
 ) -> Watched:
-    """Do every log that appears in ``folder`` or below, until ``stop`` is set.
+    """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
 
     Parameters
     ----------
-    job : what to do; "diagnose" has no files that are whole by themselves and is refused.
+    job : the job; "diagnose" is refused, because its logs are folders without a sign of completion.
     folder, out : where logs appear; where journal and results.parquet are kept, as in `run_batch`.
         Rows are named by their path within ``folder``.
     executor : workers.
-    tell : called with the row of each log, once it is in the journal and on the disk: a row whose
-        telling a crash prevents is not told later.
-    trouble : called when a folder cannot be read, once until it can be again.
-    every, settle : seconds between two looks; seconds for which a file must not change.
-    fresh : throw away what ``out`` holds.
+    tell : called with the row of each log, after it is in the journal and on the disk. After a
+        crash before the call, the row is not reported later.
+    trouble : called once when a folder cannot be read, and again only after it was readable.
+    every, settle : time between two scans [s]; time for which a file must not change [s].
+    fresh : delete earlier results in ``out``.
     clock : monotonic time [s].
 
-    A log with the digest of its row is not done again, so a watch that was stopped or killed goes
-    on where it was; one that changes is done again. A log that was taken away keeps its row.
-    Raises BatchError as `run_batch` and when ``out`` belongs to another folder, OSError when it
-    cannot be written.
+    A log is repeated only if its digest has changed, so a watch that was stopped or killed
+    continues. A log that was deleted keeps its row. Raises BatchError like `run_batch` and when
+    ``out`` belongs to another folder, OSError when it cannot be written.
     """
     if job.command == Command.DIAGNOSE:
-        raise ValueError("a folder of a car's logs does not say when it is whole")
+        raise ValueError("a folder of logs has no sign that it is complete")
     out.mkdir(parents=True, exist_ok=True)
     settings = {**job.settings(), "folder": printable(os.path.realpath(folder))}
     journal = open_journal(out, settings, fresh)
@@ -144,7 +143,7 @@ def watch(
 
 @dataclass
 class _Watch:
-    """A watch at work."""
+    """State of a running watch."""
 
     job: Job
     folder: Path
@@ -160,7 +159,7 @@ class _Watch:
     written: float = -math.inf
 
     def look(self) -> tuple[list[str], dict[str, str]]:
-        """The logs that are ready, and why folders could not be read."""
+        """The logs that are ready, and the errors of folders that could not be read."""
         trouble: dict[str, str] = {}
 
         def note(error: OSError) -> None:
@@ -170,10 +169,10 @@ class _Watch:
         return self.settled.look(paths, self.clock()), trouble
 
     def do(self, paths: list[str]) -> None:
-        """Do some logs, or as many as are under way when the watch is to stop."""
+        """Compute some logs; after ``stop`` only those already submitted."""
         logs = {printable(os.path.relpath(path, self.folder)): path for path in paths}
         sweep = Sweep(
-            self.job, self.journal, self.executor, lambda pace: None, len(logs), self._told
+            self.job, self.journal, self.executor, lambda pace: None, len(logs), self._report
         )
         sweep.work(self._until_stopped(logs))
         for row in self.journal.rows(sweep.wanted):
@@ -187,7 +186,7 @@ class _Watch:
             self.settled.give(path)
             yield name, path
 
-    def _told(self, rows: list[Row]) -> None:
+    def _report(self, rows: list[Row]) -> None:
         self.behind = True
         self.journal.sync()
         for row in rows:
@@ -196,7 +195,7 @@ class _Watch:
             self.write()
 
     def write(self) -> Path | None:
-        """Write the results of all logs so far, if there are any and some are new."""
+        """Write the results of all logs so far, if some are new."""
         logs = self.journal.logs()
         if not logs:
             return None

@@ -1,4 +1,4 @@
-"""What a worker does with a log: read it, run the command, give its row. No log stops it."""
+"""Work on one log: read it, run the command, return its row. Errors become rows."""
 
 import hashlib
 import pickle
@@ -24,9 +24,9 @@ CALIBRATION, HOLDOUT = "calibration", "holdout"
 
 @dataclass(frozen=True)
 class Item:
-    """A log to be done: its name in the results, where it is, and the digest its row has, if any.
+    """A log to process: its name in the results, its path, and the digest in its row, if any.
 
-    A log that still has the digest ``known`` is not done again.
+    A log whose digest is still ``known`` is not processed again.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Item:
 
 
 def run_items(packed: bytes, items: tuple[Item, ...]) -> list[Row | None]:
-    """Rows of some logs in their order; None for one that is unchanged. ``packed``: a `Job`.
+    """Rows of some logs in their order; None for an unchanged log. ``packed``: a `Job`.
 
     Raises BatchError if the job comes from another version of the program.
     """
@@ -43,7 +43,7 @@ def run_items(packed: bytes, items: tuple[Item, ...]) -> list[Row | None]:
     if job.version != __version__:
         raise BatchError(
             f"a worker runs brake-cal {__version__}",
-            expected=f"version {job.version}, as the one that sends the logs",
+            expected=f"version {job.version}, which sent the logs",
             do="install the same version on all workers",
         )
     return [run_item(job, item) for item in items]
@@ -57,7 +57,7 @@ def _unpacked(packed: bytes) -> Job:
 
 
 def run_item(job: Job, item: Item) -> Row | None:
-    """The row of one log; whatever goes wrong is a row too."""
+    """The row of one log; every error gives a row too."""
     digest = None
     try:
         files = _contents(job, item)
@@ -66,15 +66,15 @@ def run_item(job: Job, item: Item) -> Row | None:
             return None
         status, cells = RUNS[job.command](job, item, files)
     except BrakeCalError as error:
-        said = printable(str(error).replace(item.path, item.name))
-        return Row(item.name, digest, Status.ERROR, said)
+        text = printable(str(error).replace(item.path, item.name))
+        return Row(item.name, digest, Status.ERROR, text)
     except MemoryError:
-        said = f"{item.name}: not enough memory; the next run tries it again"
-        return Row(item.name, digest, Status.ERROR, said, lost=True)
+        text = f"{item.name}: not enough memory; the next run tries it again"
+        return Row(item.name, digest, Status.ERROR, text, lost=True)
     except Exception as error:
-        # a fault of the program on one log must not cost the others theirs
-        said = printable(f"{item.name}: the program failed: {type(error).__name__}: {error}")
-        return Row(item.name, digest, Status.ERROR, said.replace(item.path, item.name))
+        # a bug in the program on one log must not stop the others
+        text = printable(f"{item.name}: the program failed: {type(error).__name__}: {error}")
+        return Row(item.name, digest, Status.ERROR, text.replace(item.path, item.name))
     return Row(item.name, digest, status, None, cells)
 
 
@@ -83,7 +83,7 @@ Answer = tuple[Status, tuple[Cell, ...]]
 
 
 def digest_of(files: Files) -> str:
-    """SHA-256 of a log's bytes; of names and digests of its files where it is a folder."""
+    """SHA-256 of a log's bytes; of names and digests of its files if it is a folder."""
     if len(files) == 1:
         return hashlib.sha256(next(iter(files.values()))).hexdigest()
     lines = [f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in files.items()]
@@ -91,7 +91,7 @@ def digest_of(files: Files) -> str:
 
 
 def _contents(job: Job, item: Item) -> Files:
-    """The bytes of a log by name. Raises LogError for what cannot be read."""
+    """The bytes of a log by name. Raises LogError if a file cannot be read."""
     if job.command != Command.DIAGNOSE:
         return {item.name: log_bytes(Path(item.path), item.name)}
     root = Path(item.path)

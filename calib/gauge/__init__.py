@@ -1,1 +1,1 @@
-"""Is the calibration a good gauge: repeat, station and car."""
+"""Gauge study of the calibration: scatter from repeat, station and car."""

@@ -1,17 +1,17 @@
-r"""How much of a metric's scatter is the car, the station, and the repeat: variance components.
+r"""Variance components of a metric: car, station, their interaction, and repeat.
 
     y = mean + car_i + station_j + (car x station)_ij + repeat      all but the mean random
 
-The sum of squares is cut into one part for each cause, in this order, each after the ones before it
-(type I, Henderson's third method). Each mean square's expectation is linear in the variances:
+The sum of squares is split into one part for each cause, in this order, each adjusted for the ones
+before it (type I, Henderson's third method). The expected mean squares are linear in the variances:
 
-    E[MS] = C sigma^2      C from the design alone, so  sigma^2 = C^-1 MS
+    E[MS] = C sigma^2      C from the design only, so  sigma^2 = C^-1 MS
 
 In a full design with equal repeats this is the textbook table (AIAG, Measurement Systems Analysis,
 4th ed., app. A; Montgomery, Design and Analysis of Experiments, ch. 13). With unequal numbers or
-missing cells it stays unbiased; only the intervals become approximate: the mean squares then
-follow a chi-square law with the degrees of freedom of Satterthwaite (1946) and are not quite
-independent.
+missing cells the estimates are still unbiased, but the intervals become approximate: the mean
+squares then follow approximately a chi-square distribution with the degrees of freedom of
+Satterthwaite (1946), and are not exactly independent.
 """
 
 from collections.abc import Sequence
@@ -25,15 +25,15 @@ Codes = NDArray[np.int64]
 
 CAR, STATION, INTERACTION, REPEATABILITY = "car", "station", "car_by_station", "repeatability"
 RANK = 1e-9
-"""Share of the largest singular value below which a direction is none."""
+"""Share of the largest singular value below which a direction is ignored."""
 
 
 @dataclass(frozen=True)
 class VarianceSource:
-    """One row of the table: ``ss`` and ``ms`` in the metric's unit squared, ``df`` degrees.
+    """One row of the table: ``ss``, ``ms`` in the metric's unit squared, ``df`` degrees of freedom.
 
-    ``expected`` how often each variance is in the mean square; ``effective_df`` the degrees of
-    freedom of the chi-square law that the mean square follows, or nearly does.
+    ``expected`` coefficients of the variances in the expected mean square; ``effective_df`` degrees
+    of freedom of the chi-square distribution of the mean square, possibly approximate.
     """
 
     name: str
@@ -50,22 +50,22 @@ class VarianceSource:
 
 @dataclass(frozen=True)
 class Anova:
-    """The table, and the variances as they come out: a negative one is left negative."""
+    """The table, and the estimated variances; a negative estimate stays negative."""
 
     sources: tuple[VarianceSource, ...]
     variances: dict[str, float]
 
     @property
     def expected_mean_squares(self) -> Array:
-        """C: the expectation of each mean square in terms of each variance, shape (k, k)."""
+        """C: coefficient of each variance in each expected mean square, shape (k, k)."""
         return np.array([list(source.expected.values()) for source in self.sources])
 
 
 def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
-    """Causes that the design can tell apart, in order; ``car``, ``station`` codes (n,).
+    """Causes that the design can separate, in order; ``car``, ``station`` codes (n,).
 
-    Without a repeat in any cell the interaction is part of the repeatability. Stations that share
-    no car with another cannot be told from cars.
+    If no cell has a repeat, the interaction is part of the repeatability. Stations that share no
+    car cannot be separated from the cars.
     """
     names = [CAR]
     if len(set(station)) > 1 and _adds([car], station):
@@ -79,7 +79,7 @@ def terms_of(car: Codes, station: Codes) -> tuple[str, ...]:
 
 
 def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = None) -> Anova:
-    """Analysis of variance of ``y`` (n,) by the causes ``terms``; those of the design if None.
+    """Analysis of variance of ``y`` (n,) by the causes ``terms``; those from `terms_of` if None.
 
     Raises ValueError if a cause has no degree of freedom left.
     """
@@ -101,7 +101,7 @@ def anova(y: Array, car: Codes, station: Codes, terms: tuple[str, ...] | None = 
 
 
 def _partition(Z: dict[str, Array]) -> dict[str, Array]:
-    """Orthonormal directions of each cause after those of the mean and of the causes before it."""
+    """Orthonormal directions of each cause, orthogonal to the mean and to the causes before it."""
     n = len(next(iter(Z.values())))
     basis = np.ones((n, 1)) / np.sqrt(n)
     parts: dict[str, Array] = {}
@@ -146,9 +146,9 @@ def _trace(U: Array, Z: Array) -> float:
 
 
 def _effective_df(U: Array, Z: dict[str, Array], variances: dict[str, float]) -> float:
-    """Satterthwaite's degrees of freedom of y' U U' y at ``variances``, zero for negative ones.
+    """Satterthwaite's degrees of freedom of y' U U' y; negative ``variances`` count as zero.
 
-    tr(M)^2 / tr(M^2) with M = U' V U: the plain degrees where M is a multiple of one.
+    tr(M)^2 / tr(M^2) with M = U' V U: the number of directions if M is a multiple of 1.
     """
     M = sum(max(variances[n], 0.0) * (U.T @ z) @ (U.T @ z).T for n, z in Z.items())
     M = np.asarray(M)

@@ -1,13 +1,13 @@
-"""From an analysis of variance to what a gauge is judged by, with 95 % intervals.
+"""Gauge R&R metrics from an analysis of variance, with 95 % intervals.
 
-    GRR^2 = EV^2 + AV^2          what the measurement adds: repeatability and reproducibility
+    GRR^2 = EV^2 + AV^2          scatter of the measurement: repeatability and reproducibility
     TV^2 = GRR^2 + PV^2          PV: the cars themselves
-    %GRR = GRR/TV                ndc = 1.41 PV/GRR, cut to a whole number (AIAG MSA, 4th ed.)
+    %GRR = GRR/TV                ndc = 1.41 PV/GRR, rounded down (AIAG MSA, 4th ed.)
 
 AV is station and car-by-station together. Intervals are generalised confidence intervals (Burdick,
-Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): nu MS/chi2(nu)
-stands for each expected mean square, and the 2.5 and 97.5 % points of what follows are the ends.
-`tests/studies/repeatability_coverage.py` counts how often they hold the truth.
+Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): draws of
+nu MS/chi2(nu) replace each expected mean square, and the 2.5 and 97.5 % points of the results are
+the ends. `tests/studies/repeatability_coverage.py` measures how often they contain the truth.
 """
 
 from dataclasses import dataclass
@@ -22,18 +22,18 @@ Array = NDArray[np.float64]
 
 REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
 NDC = 1.41
-"""Width of a 97 % interval of the parts over that of the gauge, as AIAG rounds the root of 2."""
+"""Factor of ndc: the square root of 2 as rounded by AIAG."""
 
 DRAWS = 20_000
-"""Draws of an interval: its ends then err by a few percent of its width."""
+"""Number of draws for an interval: the error of its ends is a few percent of its width."""
 
 
 @dataclass(frozen=True)
 class VarianceComponent:
     """A variance in the metric's unit squared.
 
-    ``raw`` as it came out; ``variance`` the same, or zero where that is negative; ``low``,
-    ``high`` 95 % interval.
+    ``raw`` estimate; ``variance`` the same, or zero if it is negative; ``low``, ``high`` 95 %
+    interval.
     """
 
     variance: float
@@ -54,11 +54,11 @@ class VarianceComponent:
 
 @dataclass(frozen=True)
 class GaugeRR:
-    """What a metric's scatter is made of.
+    """Components of a metric's scatter.
 
-    ``components`` by name: those of the analysis, and where there are stations ``reproducibility``,
-    then ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1];
-    ``ndc`` number of distinct categories, uncut [1]; each with its 95 % interval.
+    ``components`` by name: those of the analysis, ``reproducibility`` if there are stations, then
+    ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1];
+    ``ndc`` number of distinct categories, not rounded [1]; each with its 95 % interval.
     """
 
     components: dict[str, VarianceComponent]
@@ -69,18 +69,18 @@ class GaugeRR:
 
     @property
     def categories(self) -> int:
-        """Number of distinct categories, cut to a whole number."""
+        """Number of distinct categories, rounded down."""
         return int(min(self.ndc, 1e9))
 
     @property
     def negative(self) -> tuple[str, ...]:
-        """Causes whose variance came out negative and counts as zero."""
+        """Causes with a negative estimated variance, which counts as zero."""
         sums = (REPRODUCIBILITY, GAUGE, TOTAL)
         return tuple(n for n, c in self.components.items() if c.raw < 0.0 and n not in sums)
 
 
 def gauge_rr(found: Anova) -> GaugeRR:
-    """Components, %GRR and ndc of an analysis. Raises ValueError where nothing scatters."""
+    """Components, %GRR and ndc of an analysis. Raises ValueError if repeats do not scatter."""
     if sum(source.ss for source in found.sources) <= 0.0 or found.variances[REPEATABILITY] <= 0.0:
         raise ValueError("nothing scatters between repeats")
     variances = {name: np.asarray(value) for name, value in found.variances.items()}
@@ -109,9 +109,9 @@ def _drawn(found: Anova) -> dict[str, Array]:
     return dict(zip(found.variances, solved, strict=True))
 
 
-@lru_cache(maxsize=16)  # 160 kB each, and the degrees of an uneven design seldom come again
+@lru_cache(maxsize=16)  # 160 kB each; unbalanced designs seldom repeat their degrees of freedom
 def _chi2(nu: float, stream: int) -> Array:
-    """Chi-square numbers (DRAWS,), the same every time: a report must not change by itself."""
+    """Chi-square numbers (DRAWS,), always the same, so that a report is reproducible."""
     return np.random.default_rng([20, stream]).chisquare(nu, DRAWS)
 
 

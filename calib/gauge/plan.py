@@ -1,9 +1,9 @@
-"""Which car and which station a log is of: from a plan file, or from the folders it lies in.
+"""Car and station of each log: from a plan file, or from the folders of the logs.
 
-log,car,station,vehicle              plan.csv; station and vehicle may be left out
-a/ramp1.csv,VIN 7,line 2,cars/7.toml    paths are from the plan's own folder
+log,car,station,vehicle              plan.csv; station and vehicle are optional
+a/ramp1.csv,VIN 7,line 2,cars/7.toml    paths are relative to the plan's folder
 
-car/station/ramp.csv                 folders, as many levels as the layout names
+car/station/ramp.csv                 folders, with as many levels as the layout
 """
 
 import csv
@@ -16,12 +16,12 @@ from calib.toml import did_you_mean
 
 COLUMNS = ("log", "car", "station", "vehicle")
 LAYOUTS = ("car", "car/station", "station/car")
-"""What the folders of a log may name, from the outside in."""
+"""Possible meanings of a log's folders, outer folder first."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """A log of a study: ``station`` is "" where stations are not told apart."""
+    """A log of a study: ``station`` is "" if stations are not given."""
 
     log: Path
     car: str
@@ -32,7 +32,7 @@ class Place:
 def read_plan(path: Path) -> tuple[Place, ...]:
     """Read a plan, one log a row, with commas or semicolons between cells.
 
-    Raises InputError for what is unreadable or there twice.
+    Raises InputError if the file is not readable, or if a log or column occurs twice.
     """
     if not path.is_file():
         raise InputError("no such file", where=path, expected="a CSV file with log,car,station")
@@ -47,7 +47,7 @@ def read_plan(path: Path) -> tuple[Place, ...]:
     _check_heads(path, heads)
     places = tuple(_place(path, line, heads, row) for line, row in rows[1:])
     if not places:
-        raise InputError("no log in it", where=path, expected="a row for each log")
+        raise InputError("the plan has no logs", where=path, expected="a row for each log")
     _check_once(path, places)
     if len({bool(place.station) for place in places}) > 1:
         raise InputError("some logs have a station and some have none", where=path)
@@ -64,7 +64,7 @@ def _check_heads(path: Path, heads: list[str]) -> None:
                 do=did_you_mean(head, COLUMNS),
             )
         if heads.count(head) > 1:
-            raise InputError(f"column {head!r} is there twice", where=path)
+            raise InputError(f"column {head!r} occurs twice", where=path)
     for head in ("log", "car"):
         if head not in heads:
             raise InputError(f"no column {head!r}", where=path, expected=f"{','.join(COLUMNS)}")
@@ -76,7 +76,7 @@ def _place(path: Path, line: int, heads: list[str], row: list[str]) -> Place:
         raise InputError(f"line {line} has more cells than columns", where=path)
     for key in ("log", "car"):
         if not cells[key]:
-            raise InputError(f"line {line} names no {key}", where=path)
+            raise InputError(f"line {line} has no {key}", where=path)
     vehicle = path.parent / cells["vehicle"] if cells["vehicle"] else None
     return Place(path.parent / cells["log"], cells["car"], cells["station"], vehicle)
 
@@ -85,12 +85,12 @@ def _check_once(where: Path, places: tuple[Place, ...]) -> None:
     seen: set[Path] = set()
     for place in places:
         if place.log.resolve() in seen:
-            raise InputError(f"{place.log} is there twice", where=where)
+            raise InputError(f"{place.log} occurs twice", where=where)
         seen.add(place.log.resolve())
 
 
 def chosen(places: tuple[Place, ...], logs: list[Path], plan: Path) -> tuple[Place, ...]:
-    """The places of ``logs``, or all where none is named. Raises InputError for one not in it."""
+    """The places of ``logs``, or all if it is empty. Raises InputError for an unknown log."""
     known = {place.log.resolve(): place for place in places}
     for log in logs:
         if log.resolve() not in known:
@@ -99,32 +99,32 @@ def chosen(places: tuple[Place, ...], logs: list[Path], plan: Path) -> tuple[Pla
 
 
 def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:
-    """Car and station from the folders around each log, as ``layout`` (one of `LAYOUTS`) says.
+    """Car and station from the folders of each log; ``layout`` is one of `LAYOUTS`.
 
-    Raises InputError for a log with fewer folders above it than that.
+    Raises InputError for a log with too few folders above it.
     """
     levels = layout.split("/")
     out = []
     for log in logs:
         folders = _folders(log)[-len(levels) :]
         if len(folders) < len(levels):
-            raise InputError("not folders enough above it", where=log, expected=f"{layout}/*.csv")
+            raise InputError("not enough folders above it", where=log, expected=f"{layout}/*.csv")
         named = dict(zip(levels, folders, strict=True))
         out.append(Place(log, named["car"], named.get("station", "")))
     return tuple(out)
 
 
 def _folders(log: Path) -> tuple[str, ...]:
-    """Names of the folders above ``log`` as it was given: a link counts where it lies."""
+    """Names of the folders above ``log`` as given: links are not resolved."""
     whole = Path(os.path.abspath(log))
     return whole.parent.parts[1:]
 
 
 def certain_layout(logs: list[Path]) -> str:
-    """``car/station`` where the folders can mean nothing else by the convention above.
+    """Return ``car/station`` if the folders are unambiguous.
 
-    All logs must lie two folders below one, and every inner name must come under two outer ones or
-    more. Raises InputError otherwise, and says what to give.
+    All logs must be two levels below one folder, and every inner name must occur in two or more
+    outer folders. Raises InputError otherwise, with the options to give.
     """
     folders = [_folders(log) for log in logs]
     roots = {(len(found), found[:-2]) for found in folders}
@@ -134,7 +134,7 @@ def certain_layout(logs: list[Path]) -> str:
     if len(roots) == 1 and under and min(map(len, under.values())) > 1:
         return "car/station"
     raise InputError(
-        "which car and which station each log is of cannot be told from its folders",
+        "car and station of each log are ambiguous from its folders",
         where=f"{len(logs)} logs",
         expected="folders car/station/*.csv with each station under two cars or more",
         do="give --plan plan.csv with columns log,car,station, or --folders car | car/station | "

@@ -1,4 +1,4 @@
-"""Is the calibration a good gauge: repeated ramps of several cars, judged metric by metric.
+"""Gauge study of the calibration: repeated ramps of several cars, judged metric by metric.
 
 ramps --fit, one table a ramp--> metrics --anova--> components --limits--> verdict
 """
@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 Codes = NDArray[np.int64]
 
 REFERENCE = 0.0015
-"""eta - 1 at which the curves are compared unless told otherwise [1]: on the rising branch of any
-usual car, and ten times what the zero of a good ramp is uncertain by."""
+"""Default eta - 1 at which the curves are compared [1]: on the rising branch of all usual cars, and
+ten times the uncertainty of the zero of a good ramp."""
 
 GOOD_GRR = 0.10
 """%GRR up to which AIAG calls a gauge good; between this and the limit it is marginal."""
@@ -40,11 +40,11 @@ METRICS = {
     "f1": "f1 at the reference eta",
     "f2": "f2 at the reference eta",
 }
-"""What is judged of every ramp; all are bare numbers."""
+"""Metrics of every ramp; all dimensionless."""
 
 
 class GaugeVerdict(StrEnum):
-    """What a metric is worth as a gauge, by AIAG; NOT_JUDGED where repeats do not scatter."""
+    """Verdict on a metric as a gauge, by AIAG; NOT_JUDGED if repeats do not scatter."""
 
     GOOD = "good"
     MARGINAL = "marginal"
@@ -65,9 +65,9 @@ class GaugeReading:
 
 @dataclass(frozen=True)
 class GaugeResult:
-    """One metric: its ``values`` in the order of the readings, and what they say.
+    """Result for one metric; ``values`` are in the order of the readings.
 
-    ``analysis`` and ``gauge`` are None where repeats do not scatter at all.
+    ``analysis`` and ``gauge`` are None if repeats do not scatter at all.
     """
 
     name: str
@@ -80,7 +80,7 @@ class GaugeResult:
 
 @dataclass(frozen=True)
 class GaugeStudy:
-    """The whole study; ``notes`` say what the design can tell and what it cannot."""
+    """The whole study; ``notes`` on the limits of the design."""
 
     readings: tuple[GaugeReading, ...]
     results: tuple[GaugeResult, ...]
@@ -99,13 +99,13 @@ class GaugeStudy:
 
     @property
     def stations(self) -> tuple[str, ...]:
-        """Names of the stations, sorted; empty where they are not told apart."""
+        """Names of the stations, sorted; empty if they are not given."""
         return tuple(sorted({r.station for r in self.readings if r.station}))
 
 
 @dataclass(frozen=True)
 class Design:
-    """Which ramp is of which car and station: codes (n,), and the causes that can be told apart."""
+    """Car and station of each ramp as codes (n,), and the causes that can be separated."""
 
     car: Codes
     station: Codes
@@ -113,15 +113,16 @@ class Design:
 
 
 def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str, float]:
-    """Figures of one ramp from its own ``table``, the curves where eta - 1 is ``reference`` [1].
+    """Metrics of one ramp from its ``table``, with the curves at eta - 1 = ``reference`` [1].
 
-    At a given deceleration the curves would follow from the pad ratio alone, which a ramp hardly
-    says; at a given eta they are what the ECU reads. Raises InputError where they do not reach it.
+    At a given eta the curves are what the ECU reads. At a given deceleration they would depend only
+    on the pad ratio, which a ramp determines poorly. Raises InputError if the curves do not reach
+    ``reference``.
     """
     paper, eta = table.paper, 1.0 + reference
     if not paper.eta[0] <= eta <= paper.eta[-1]:
         raise InputError(
-            f"f1 and f2 cannot be read where eta is {100.0 * reference:g} % above one",
+            f"f1 and f2 have no value where eta is {100.0 * reference:g} % above one",
             where=log.source,
             expected=f"at most {100.0 * (paper.eta[-1] - 1.0):.2f} %, where eta turns",
             do="give another --eta",
@@ -142,7 +143,7 @@ def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str
 
 
 def known_limits() -> set[str]:
-    """Names a limits file may hold: grr and ndc of all metrics, or of one as ``NAME_grr``."""
+    """Names allowed in a limits file: grr and ndc of all metrics, or of one as ``NAME_grr``."""
     return {"grr", "ndc"} | {f"{q}_{f}" for q in METRICS for f in ("grr", "ndc")}
 
 
@@ -151,7 +152,7 @@ def study(
     limits: tuple[Limit, ...] = DEFAULTS,
     reference: float = REFERENCE,
 ) -> GaugeStudy:
-    """Analyse the readings, each metric by itself. Raises InputError for a design that cannot do.
+    """Analyse the readings, each metric by itself. Raises InputError for an insufficient design.
 
     At least two cars and one repeated ramp are needed; stations are optional.
     """
@@ -171,7 +172,7 @@ def _coded(names: list[str]) -> NDArray[np.int64]:
 
 
 def _refuse_twice(readings: tuple[GaugeReading, ...]) -> None:
-    """A run given twice would pass for a perfect repeat."""
+    """Raise InputError for a run given twice: it would look like a perfect repeat."""
     seen: dict[str, str] = {}
     for reading in readings:
         if reading.digest in seen:
@@ -218,20 +219,17 @@ def _result(name: str, values: Array, design: Design, limits: tuple[Limit, ...])
 
 
 def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
-    """The limits of one metric: its own before the common ones."""
+    """The limits of one metric: its own if given, else the common ones."""
     by_name = {limit.figure: limit for limit in limits}
     both = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in ("grr", "ndc")]
     return tuple(Limit(f, limit.low, limit.high) for f, limit in both if limit is not None)
 
 
 def _notes(design: Design) -> tuple[str, ...]:
-    """What the design cannot tell, and what it tells only roughly."""
+    """Quantities that the design cannot determine, or only roughly."""
     stations, cars = len(set(design.station)), len(set(design.car))
-    few_stations = (
-        f"{stations} stations say little of all stations: the interval of the "
-        "reproducibility is wide"
-    )
-    few_cars = f"{cars} cars say little of all cars: AIAG asks for 10"
+    few_stations = f"{stations} stations are few: the interval of the reproducibility is wide"
+    few_cars = f"{cars} cars are few: AIAG asks for 10"
     notes = (
         _not_separated(design),
         few_stations if STATION in design.terms and stations < 4 else "",
@@ -243,11 +241,11 @@ def _notes(design: Design) -> tuple[str, ...]:
 
 def _not_separated(design: Design) -> str:
     if len(set(design.station)) < 2:
-        return "stations are not told apart: reproducibility is not measured"
+        return "stations are not given: reproducibility is not measured"
     if STATION not in design.terms:
-        return "no car was on two stations: what stations do counts as the cars' own"
+        return "no car was on two stations: differences of stations count as differences of cars"
     if INTERACTION not in design.terms:
-        return "no car was twice on a station: car by station counts as repeatability"
+        return "no car was twice on a station: the interaction counts as repeatability"
     return ""
 
 

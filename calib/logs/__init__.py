@@ -1,1 +1,1 @@
-"""One reader per file format, all giving one `Log`."""
+"""One reader per file format; each returns a `Log`."""

@@ -1,4 +1,4 @@
-"""Which column of a file is which channel."""
+"""Assign the columns of a file to channels."""
 
 import difflib
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ MAP_IT = "name foreign columns in a channel map (--map); `brake-cal map suggest`
 
 @dataclass(frozen=True)
 class Assigned:
-    """A column that is taken: its index in the file, and how it becomes a channel in SI."""
+    """A column that is used as a channel: its index in the file and its conversion to SI."""
 
     channel: str
     index: int
@@ -33,8 +33,8 @@ class Assigned:
 
     def origin(self) -> Origin:
         """Source, unit, factor and offset; exact, since every conversion is linear."""
-        nought, one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
-        return Origin(self.channel, self.source, self.unit, one - nought, nought)
+        zero, one = (float(v) for v in self.to_si(np.array([0.0, 1.0])))
+        return Origin(self.channel, self.source, self.unit, one - zero, zero)
 
 
 def assign(
@@ -43,20 +43,20 @@ def assign(
     require: tuple[str, ...],
     where: str,
 ) -> tuple[list[Assigned], tuple[str, ...]]:
-    """Decide what to take from a file.
+    """Decide which columns of a file are used.
 
     Parameters
     ----------
-    columns : as the file has them.
-    channel_map : foreign names, or None. A mapped channel hides a column of its own name.
-    require : channels that must be there.
+    columns : all columns, in file order.
+    channel_map : foreign names, or None. A mapped channel replaces a column of the same name.
+    require : channels that must be present.
     where : the file's path, for messages.
 
     Returns
     -------
-    The columns to take, and the names of those that are left. Raises LogError for a required
-    channel that is missing, one that is there twice, a missing or unknown unit; ChannelMapError
-    for a source that the file does not have.
+    The columns to use, and the names of the other columns. Raises LogError for a required channel
+    that is missing, a channel that occurs twice, a missing or unknown unit; ChannelMapError for a
+    source that is not in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
@@ -104,7 +104,7 @@ def _mapped(
 
 
 def _canonical(column: Column, index: int, where: str) -> Assigned | None:
-    """The channel that a column is by its own name, or None if it is none of ours."""
+    """The channel with the name of the column, or None if there is no such channel."""
     if column.name in CHANNELS:
         si = CHANNELS[column.name].si
     elif column.name.startswith(TRUTH):
@@ -119,7 +119,7 @@ def _canonical(column: Column, index: int, where: str) -> Assigned | None:
 
 
 def _truth_si(column: Column) -> str | None:
-    """SI unit of a truth channel: by its name if we know it, else by what its unit measures."""
+    """SI unit of a truth channel: from its name if that is known, else from its unit."""
     for prefix, si in TRUTH_UNITS.items():
         if column.name.startswith(f"{prefix}_"):
             return si
@@ -141,7 +141,7 @@ def _known_unit(unit: str | None, si: str, where: str) -> str:
         unit_of(unit, si)
     except UnknownUnit as cause:
         raise LogError(
-            str(cause), where=where, do="mend the header or use a channel map"
+            str(cause), where=where, do="correct the header or use a channel map"
         ) from cause
     return unit
 
@@ -156,7 +156,7 @@ def _refuse_twice(taken: list[Assigned], columns: tuple[Column, ...], where: str
     for item in taken:
         if item.channel in seen:
             raise LogError(
-                "the channel is there twice",
+                "the channel occurs twice",
                 where=f"{where}: {item.channel}",
                 expected="one column of that name",
                 do=_by_full_name([columns[i.index] for i in taken if i.channel == item.channel])
@@ -173,7 +173,7 @@ def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) ->
     raise LogError(
         f"channel{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing",
         where=where,
-        expected=f"columns called so; the log also has {have}",
+        expected=f"columns with these names; the log also has {have}",
         do="; ".join([*hints, MAP_IT]),
     )
 

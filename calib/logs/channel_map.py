@@ -1,4 +1,4 @@
-"""A channel map: which column of a foreign log is which channel, with unit and sign."""
+"""A channel map: the columns of a foreign log that are channels, with unit and sign."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,14 +12,14 @@ METHODS = ("linear", "hold")
 
 @dataclass(frozen=True)
 class Mapping:
-    """One channel's origin.
+    """Source of one channel.
 
     Attributes
     ----------
-    source : name of the column, as the file has it without its unit.
-    unit : unit of the values after scale and offset; None takes the header's.
+    source : name of the column in the file, without its unit.
+    unit : unit of the values after scale and offset; None for the unit in the header.
     sign, scale, offset : value = sign * (scale * written + offset).
-    method : what it is between its samples, one of `METHODS`; None lets the file say.
+    method : interpolation between samples, one of `METHODS`; None lets the file decide.
     """
 
     source: str
@@ -30,16 +30,16 @@ class Mapping:
     method: str | None = None
 
     def to_si(self, written: Array, unit: str, si: str) -> Array:
-        """Values in SI, shape (n,), from what the file holds. Raises UnknownUnit."""
+        """Values in SI, shape (n,), from the values in the file. Raises UnknownUnit."""
         return to_si(self.sign * (self.scale * written + self.offset), unit, si)
 
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """The mapped channels by canonical name, and the file they came from.
+    """The mapped channels by canonical name, and the path of the map.
 
-    ``text`` says how a text table is written; columns in ``ignore`` are not taken by their name;
-    ``dbc`` files say what is in the frames of a bus.
+    ``text`` is the format of a text table; columns in ``ignore`` are not used, even if they have
+    the name of a channel; ``dbc`` files describe the frames of a bus.
     """
 
     where: str

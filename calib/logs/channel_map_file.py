@@ -1,18 +1,18 @@
 """A channel map as a TOML file.
 
 schema = 1
-dbc = "chassis.dbc"           # optional: what is in the frames of a bus; relative to this file
-ignore = ["p_rl"]             # optional: columns that are not what their name says
+dbc = "chassis.dbc"           # optional: describes the frames of a bus; relative to this file
+ignore = ["p_rl"]             # optional: columns that have the name of a channel and are not used
 
 [channels.p_mc]
 source = "Brake pressure"     # the column's name in the log
 unit = "kPa"                  # optional: overrides the header's
-sign = 1                      # optional: -1 turns the channel round
+sign = 1                      # optional: -1 reverses the sign of the channel
 scale = 1.0                   # optional: value = sign * (scale * written + offset), in `unit`
 offset = 0.0
-method = "linear"             # optional, for logs of several rasters: or "hold"
+method = "linear"             # optional, for logs with several sample rates; or "hold"
 
-[text]                        # optional: how a text table is written, where that is not certain
+[text]                        # optional: format of a text table, if it is ambiguous
 separator = ";"
 decimal = ","
 encoding = "latin-1"
@@ -35,7 +35,7 @@ from calib.errors import ChannelMapError
 from calib.logs.channel_map import METHODS, ChannelMap, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 from calib.names import CHANNELS
-from calib.schema import FileSchema, OneOf, Quantity, Section, by_name, read_toml
+from calib.schema import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
 from calib.schema_errors import wrong
 from calib.units import UnknownUnit, spellings, unit_of
 
@@ -56,23 +56,23 @@ def _sign(written: object) -> object:
 
 def _scale(factor: float) -> float:
     if factor == 0:
-        raise wrong("0 would wipe the channel out", "a factor")
+        raise wrong("0 would make every value 0", "a factor")
     return factor
 
 
 class MappingSection(Section):
-    """Where a channel comes from; as `Mapping`."""
+    """Source of a channel; as `Mapping`."""
 
     source: Annotated[str, BeforeValidator(_source)]
     unit: str | None = None
     sign: Annotated[Literal[1, -1], BeforeValidator(_sign)] = 1
-    scale: Annotated[float, Quantity("1"), AfterValidator(_scale)] = 1.0
-    offset: Annotated[float, Quantity("1")] = 0.0
+    scale: Annotated[float, QuantityMark("1"), AfterValidator(_scale)] = 1.0
+    offset: Annotated[float, QuantityMark("1")] = 0.0
     method: Annotated[str, OneOf(METHODS)] | None = None
 
 
 def _mapping_in(si: str) -> type[MappingSection]:
-    """Return the schema of a mapping onto a channel with this SI unit."""
+    """Return the schema of a mapping for a channel with this SI unit."""
 
     def known(unit: str) -> str:
         try:
@@ -83,7 +83,7 @@ def _mapping_in(si: str) -> type[MappingSection]:
 
     examples = WithJsonSchema({"type": "string", "examples": spellings(si)})
     unit: Any = Annotated[str, AfterValidator(known), examples]
-    about = f"Where a channel in {si} comes from."
+    about = f"Source of a channel in {si}."
     return create_model(
         f"MappingSection[{si}]", __base__=MappingSection, __doc__=about, unit=(unit | None, None)
     )
@@ -106,7 +106,7 @@ def _encoding(name: str) -> str:
 
 
 class TextSection(Section):
-    """How a text table is written, where that is not certain."""
+    """Format of a text table, if it is ambiguous."""
 
     separator: Annotated[str, OneOf(tuple(SEPARATORS))] | None = None
     decimal: Annotated[str, OneOf((".", ","))] | None = None
@@ -133,7 +133,7 @@ _ONE_OR_LIST: dict[str, Any] = {"anyOf": [{"type": "string", "minLength": 1}, _L
 
 
 class ChannelMapFile(FileSchema):
-    """Which column of a foreign log is which channel, with unit and sign."""
+    """The columns of a foreign log that are channels, with unit and sign."""
 
     channels: ChannelsSection | None = None  # type: ignore[valid-type]
     text: TextSection | None = None

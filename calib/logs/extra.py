@@ -1,4 +1,4 @@
-"""Libraries that only some formats need."""
+"""Import of libraries that only some formats need."""
 
 import importlib
 from types import ModuleType
@@ -7,7 +7,7 @@ from calib.errors import LogError
 
 
 def need(module: str, extra: str, where: str) -> ModuleType:
-    """Import ``module``; raise LogError saying which extra to install if it is not there."""
+    """Import ``module``; raise LogError naming the extra to install if it is missing."""
     try:
         return importlib.import_module(module)
     except ModuleNotFoundError as cause:

@@ -1,4 +1,4 @@
-"""One run as a value: canonical channels in SI, whatever file they came from."""
+"""One run: canonical channels in SI, independent of the file format."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,9 +11,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a channel was taken from: SI value = factor * written + offset.
+    """Source of a channel: SI value = factor * written + offset.
 
-    ``source`` as the file names it, with the ``unit`` in which it was understood.
+    ``source`` is the column's name in the file, ``unit`` the unit of its written values.
     """
 
     channel: str
@@ -30,13 +30,13 @@ class Log:
     Attributes
     ----------
     name : file stem.
-    source : where it came from, for messages.
-    digest : SHA-256 of the file's bytes; of the content for a log made by ``simulate``.
+    source : path or origin, for messages.
+    digest : SHA-256 of the file's bytes; of the content for a simulated log.
     channels : canonical channels [SI], each of shape (n,), ``time`` among them.
-    truth : truth channels of a simulation [SI]; only scores may read them.
-    ignored : source channels that were not taken.
-    notes : what the reader did to the data, in words.
-    origins : which source channel each was taken from, and how; empty for a log that was made.
+    truth : truth channels of a simulation [SI]; used only to score results.
+    ignored : source channels that were not used.
+    notes : what the reader changed or ignored, as text.
+    origins : source and conversion of each channel; empty for a simulated log.
     """
 
     name: str

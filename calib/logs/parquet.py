@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 
 UNIT_KEY = b"unit"
 OTHER_KEYS = (b"units", b"Unit", b"Units")
-"""Field metadata under which others write the unit."""
+"""Other keys of the field metadata for the unit."""
 MDF_CLOCK = "timestamps"
-"""The index of a table that asammdf exports: seconds, as the clock of an MDF file always is."""
+"""Name of the time index of a table exported by asammdf, in seconds."""
 
 
-def open_parquet(data: bytes, where: str, told: object = None) -> ColumnSource:
+def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnSource:
     """Open a Parquet file.
 
-    A field without the metadata may name its unit as a CSV header does, ``p_mc [bar]``; that is
-    what is left when pandas has written the file, since pandas drops the metadata. Units that
-    pandas was given as ``frame.attrs["units"]``, by column, are taken. The index ``timestamps`` of
-    an MDF file exported by asammdf is the time in seconds; its other units asammdf drops, so that
-    they must be in a channel map.
+    A field without the metadata may have its unit in its name, as in CSV: ``p_mc [bar]``. Files
+    from pandas need this, because pandas drops the metadata, or the units by column in
+    ``frame.attrs["units"]``. The index ``timestamps`` of a file exported by asammdf is the time in
+    seconds; asammdf drops all other units, so they must be in a channel map. ``text_format`` is not
+    used.
 
     Raises LogError for a file that is empty, cut off or not Parquet.
     """
@@ -42,7 +42,7 @@ def open_parquet(data: bytes, where: str, told: object = None) -> ColumnSource:
         raise LogError(
             f"not Parquet, or cut off: {cause}",
             where=where,
-            expected="a whole Parquet file",
+            expected="a complete Parquet file",
             do="copy the log again",
         ) from cause
     schema = file.schema_arrow
@@ -62,7 +62,7 @@ def open_parquet(data: bytes, where: str, told: object = None) -> ColumnSource:
 
 
 def _pandas(metadata: dict[bytes, bytes] | None) -> dict[str, Any]:
-    """What pandas has written beside the table; empty if another program has."""
+    """The metadata of pandas; empty if another program wrote the file."""
     try:
         found = json.loads((metadata or {}).get(b"pandas", b"{}"))
     except ValueError:

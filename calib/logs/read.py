@@ -1,4 +1,4 @@
-"""Read a log of any known format: one file in, one Log in SI out."""
+"""Read a log of any known format as a `Log` in SI."""
 
 import hashlib
 from dataclasses import dataclass
@@ -18,25 +18,25 @@ from calib.logs.verify import check_clock, complete_channels
 from calib.names import CHANNELS
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
-"""Channels without which a log can neither be fitted nor validated."""
+"""Channels that fit and validation need."""
 
 FORMATS = (*TABLES, *RECORDINGS)
-"""The endings of files that can be read."""
+"""File name endings of all known formats."""
 
 
 @dataclass(frozen=True)
 class Opened:
-    """A log that was opened, and the SHA-256 of its bytes."""
+    """An opened log, and the SHA-256 of its bytes."""
 
     source: ColumnSource
     digest: str
 
 
 def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
-    """Open a log without deciding what its columns are.
+    """Open a log without assigning its columns to channels.
 
-    Of ``channel_map`` only what it says of the file's format is used. Raises LogError for a file
-    that is none, or not whole.
+    Only the text format and the DBC files of ``channel_map`` are used. Raises LogError for a file
+    that is not a log, or not complete.
     """
     path = Path(path)
     if ending_of(path) not in RECORDINGS:
@@ -48,8 +48,9 @@ def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
 
 
 def _open_table(data: bytes, path: Path, channel_map: ChannelMap | None) -> Opened:
-    told = channel_map.text if channel_map else LOOKED
-    return Opened(TABLES[ending_of(path)](data, str(path), told), hashlib.sha256(data).hexdigest())
+    text_format = channel_map.text if channel_map else LOOKED
+    source = TABLES[ending_of(path)](data, str(path), text_format)
+    return Opened(source, hashlib.sha256(data).hexdigest())
 
 
 def _digest(path: Path) -> str:
@@ -70,18 +71,18 @@ def read_log(
 
     Parameters
     ----------
-    path : the log; its ending names the format.
-    channel_map : names and units of foreign columns, as a file or already read.
-    require : channels that must be there and not empty. ``time`` always is; an empty channel
-        that is not required is left out and noted.
+    path : the log; its ending gives the format.
+    channel_map : names and units of foreign columns, as a path or already read.
+    require : channels that must be present and not empty. ``time`` is always required; an empty
+        channel that is not required is left out, with a note.
 
     Returns
     -------
-    The log in SI. Truth channels (``true_``) are kept apart from the measured ones.
+    The log in SI. Truth channels (``true_``) are separate from the measured ones.
 
-    Raises LogError for whatever makes the file no log: see `calib.logs.verify` and
-    `calib.logs.assign`; ChannelMapError for a map that does not fit. It does not judge what was
-    driven: that is `calib.checks.check`.
+    Raises LogError for a file that is not a valid log, see `calib.logs.verify` and
+    `calib.logs.assign`; ChannelMapError for a map that does not fit. The manoeuvre is not judged
+    here, see `calib.checks.check`.
 
     >>> import calib
     >>> log = calib.read_log(calib.sample_logs() / "sedan" / "coast.csv")
@@ -90,10 +91,10 @@ def read_log(
     """
     path = Path(path)
     refuse_no_log(path)
-    told = _told(channel_map)
+    mapped = _as_map(channel_map)
     if ending_of(path) not in RECORDINGS:
-        return read_opened(open_log(path, told), path, told, require=require)
-    return _recorded(path, _digest(path), path, told, require)
+        return read_opened(open_log(path, mapped), path, mapped, require=require)
+    return _recorded(path, _digest(path), path, mapped, require)
 
 
 def read_opened(
@@ -103,7 +104,7 @@ def read_opened(
     *,
     require: tuple[str, ...] = REQUIRED,
 ) -> Log:
-    """Read one run from a table that `open_log` opened; ``path`` names it. Else as `read_log`."""
+    """Read one run from a table that `open_log` opened; ``path`` names it. Else like `read_log`."""
     require = _needed(require)
     return _log(_read_table(opened, path, channel_map, require), path, require)
 
@@ -116,14 +117,14 @@ def log_of(
     require: tuple[str, ...] = REQUIRED,
     file: Path | None = None,
 ) -> Log:
-    """Read one run whose bytes are at hand; ``path`` names it. Else as `read_log`.
+    """Read one run from its bytes; ``path`` names it. Else like `read_log`.
 
-    ``file`` is where the bytes lie, if not at ``path``: a recording is read from there.
+    ``file`` is the path of the bytes, if not ``path``: a recording is read from there.
     """
-    path, told = Path(path), _told(channel_map)
+    path, mapped = Path(path), _as_map(channel_map)
     if ending_of(path) not in RECORDINGS:
-        return read_opened(_open_table(data, path, told), path, told, require=require)
-    return _recorded(Path(file or path), hashlib.sha256(data).hexdigest(), path, told, require)
+        return read_opened(_open_table(data, path, mapped), path, mapped, require=require)
+    return _recorded(Path(file or path), hashlib.sha256(data).hexdigest(), path, mapped, require)
 
 
 def _recorded(
@@ -133,7 +134,7 @@ def _recorded(
     return _log(_read_recording(file, digest, str(path), channel_map, require), path, require)
 
 
-def _told(channel_map: ChannelMap | Path | None) -> ChannelMap | None:
+def _as_map(channel_map: ChannelMap | Path | None) -> ChannelMap | None:
     if not isinstance(channel_map, str | Path):
         return channel_map
     from calib.logs.channel_map_file import read_channel_map
@@ -146,7 +147,7 @@ def _needed(require: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
-    """Check what was taken from a file, and put it in order."""
+    """Check the channels from a file, and make the `Log`."""
     values, notes = complete_channels(taken.values, require, str(path))
     check_clock(values["time"], str(path))
     return Log(
@@ -163,7 +164,7 @@ def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
 
 @dataclass(frozen=True)
 class _Taken:
-    """What was taken from a file: its digest, channels [SI], columns left, what was done."""
+    """Content of a file: digest, channels [SI], unused columns, notes."""
 
     digest: str
     values: dict[str, Array]
@@ -224,9 +225,9 @@ def _wanted(item: Assigned, trace: ChannelTrace) -> Wanted:
 def _nothing_taken(ignored: tuple[str, ...], notes: tuple[str, ...], where: str) -> LogError:
     have = ", ".join(repr(name) for name in ignored) or "no channels"
     return LogError(
-        f"none of its channels is known; it has {have}",
+        f"no channel of the log is known; it has {have}",
         where=where,
-        expected=f"channels called {', '.join(REQUIRED[1:])}",
+        expected=f"channels named {', '.join(REQUIRED[1:])}",
         do="; ".join([*notes, "name foreign channels in a channel map (--map)"]),
     )
 
@@ -236,9 +237,9 @@ def _unreadable(where: object, cause: OSError) -> LogError:
 
 
 def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> bytes:
-    """The file's bytes; ``where`` names it in messages.
+    """The bytes of a log; ``where`` names it in messages.
 
-    Raises LogError if it is not a readable file of a known format.
+    Raises LogError if ``path`` is not a readable file of a known format.
     """
     where = path if where is None else where
     refuse_no_log(path, where, any_format=any_format)
@@ -249,7 +250,7 @@ def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> 
 
 
 def refuse_no_log(path: Path, where: object = None, *, any_format: bool = False) -> None:
-    """Raise LogError if it is not a file of a known format."""
+    """Raise LogError if ``path`` is not a file of a known format."""
     where = path if where is None else where
     if path.is_dir():
         raise LogError("a directory", where=where, expected="a log file", do="name the files in it")

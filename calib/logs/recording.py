@@ -1,4 +1,4 @@
-"""What a reader hands over whose channels do not share one clock: traces, each with its own."""
+"""A log whose channels do not share one clock: traces, each with its own timestamps."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -6,16 +6,17 @@ from dataclasses import dataclass
 from calib.logs.source import Array, Column
 
 TIME = Column("time", "s")
-"""First column of every recording: the one clock onto which the others will be brought."""
+"""First column of every recording: the common clock after resampling."""
 
 
 @dataclass(frozen=True)
 class ChannelTrace:
     """One channel as it was recorded.
 
-    ``clock`` says in words on what it was sampled; traces of equal ``clock`` share ``time``.
+    ``clock`` names the timestamps in words; traces of equal ``clock`` share ``time``.
     ``time`` [s], in the order of the file, shape (n,); ``values`` as written, NaN where the file
-    marks them as invalid, shape (n,); ``state`` for what has no values in between: a gear, a flag.
+    marks them as invalid, shape (n,); ``state`` is true if they must not be interpolated, such as a
+    gear or a flag.
     """
 
     clock: str
@@ -25,15 +26,15 @@ class ChannelTrace:
 
 
 def _nothing() -> None:
-    """Close what holds nothing open."""
+    """Do nothing: there is no open file to close."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """A file of several rasters that was opened.
+    """An opened log with several sample rates.
 
     ``columns`` begin with ``TIME``; ``read`` takes indices of the others and returns one trace
-    each; ``notes`` what was odd but no error; ``close`` frees the file.
+    each; ``notes`` on oddities that are no errors; ``close`` closes the file.
     """
 
     columns: tuple[Column, ...]

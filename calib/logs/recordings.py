@@ -1,4 +1,4 @@
-"""Formats of several rasters, frames of a bus among them: which ending is which, and how opened."""
+"""Formats with several sample rates, such as bus frames: how each file ending is opened."""
 
 import contextlib
 from collections.abc import Callable, Sequence
@@ -21,14 +21,14 @@ RECORDINGS: dict[str, Callable[[Path, tuple[Path, ...]], Recording]] = {
     ".asc": open_asc,
     ".log": open_candump,
 }
-"""One opener per file ending; each takes the path and the DBC files of the channel map."""
+"""Opening function by file ending; each takes the path and the DBC files of the channel map."""
 
 
 def as_source(opened: Recording, where: str) -> ColumnSource:
-    """All channels of a recording on one clock, as a table has them; the recording is closed.
+    """All channels of a recording on one clock, like a table; closes the recording.
 
-    For looking at a file before it is known what its channels are. Columns without numbers are
-    there, and raise LogError when they are read.
+    Used before the columns are assigned to channels. Reading a column without numbers raises
+    LogError.
     """
     try:
         traces = {}

@@ -1,9 +1,9 @@
-"""Several rasters onto one clock.
+"""Resample channels with several sample rates onto one clock.
 
 p_mc     |.........|.........|....        100 Hz   linear between its samples
 omega    ....|....|....|....|....          200 Hz   the clock: kept as it is
 v        .........|...................      10 Hz   linear
-time         |----|----|----|              only where every required channel has values
+time         |----|----|----|              only where all required channels have values
 """
 
 from collections.abc import Sequence
@@ -19,24 +19,24 @@ from calib.logs.source import Array
 from calib.names import CHANNELS
 
 FASTEST = 1050.0
-"""A raster above this [Hz] is not taken as the clock while there is a slower one."""
+"""A sample rate above this [Hz] is not used as the clock if there is a slower one."""
 
 ALIKE = 0.9
-"""Rasters whose rate is this near to the fastest compete by the wheel speeds they carry."""
+"""From this share of the highest rate on, the clock with most wheel speeds is chosen [1]."""
 
 ENDS = 0.5
-"""An optional channel may shorten the log by this much at either end [s]; else it is left out."""
+"""An optional channel may shorten the log by at most this at either end [s]."""
 
 BRIDGE = 0.1
-"""Between samples further apart than this [s] and than `STEPS` nothing is filled in."""
+"""Gaps longer than this [s] and than `STEPS` are not interpolated."""
 
 STEPS = 3.5
-"""Median steps of a channel: two samples in a row may be missing, jitter apart."""
+"""Longest interpolated gap in median steps: two samples in a row may be missing, plus jitter."""
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """A channel to bring onto the clock: its canonical name, its trace, and the way to do it."""
+    """A channel to resample: canonical name, trace, and whether to hold the last value."""
 
     name: str
     trace: ChannelTrace
@@ -58,15 +58,15 @@ class Resampled:
 
 
 def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
-    """Bring channels onto one clock.
+    """Resample channels onto one clock.
 
-    The clock is the raster of a required channel with the highest rate, its own timestamps; where
-    several are as fast, the one that carries most wheel speeds. Channels on it keep their samples;
-    others are interpolated in a straight line, states hold their last value. Nothing is filled in
-    before the first or after the last sample of a channel, nor across a gap.
+    The clock has the timestamps of the required channel with the highest rate; if several are about
+    as fast, of those with most wheel speeds. Channels on these timestamps keep their samples;
+    others are interpolated linearly, states hold their last value. There are no values before the
+    first or after the last sample of a channel, nor in a gap.
 
-    Raises LogError if the required channels have no time in common, for clocks that cannot be put
-    in order (`calib.logs.running`), and if there is no channel at all.
+    Raises LogError if the required channels have no time in common, for timestamps that are not in
+    order (`calib.logs.running`), and if there is no channel at all.
     """
     if not wanted:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")
@@ -83,20 +83,20 @@ def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
     values = [
         _at(w, master, inside, rates[w.name]) if w.name in rates else missing.copy() for w in wanted
     ]
-    return Resampled(time, values, (*notes, *_said(full, master, rates), *cut))
+    return Resampled(time, values, (*notes, *_notes(full, master, rates), *cut))
 
 
 def _clean(wanted: Sequence[Wanted], where: str) -> tuple[list[Wanted], list[str]]:
-    """Order the samples of each trace in time; drop invalid ones and those written twice."""
+    """Sort the samples of each trace by time; drop invalid and repeated ones."""
     clocks: dict[str, tuple[Array, str]] = {}
     notes: list[str] = []
     cleaned = []
     for w in wanted:
         trace = w.trace
         if trace.clock not in clocks:
-            time, said = running(trace.time, f"{where}: {trace.clock}")
+            time, changes = running(trace.time, f"{where}: {trace.clock}")
             clocks[trace.clock] = time, trace.clock
-            notes += [f"{trace.clock}: {text}" for text in said]
+            notes += [f"{trace.clock}: {text}" for text in changes]
         time = clocks[trace.clock][0]
         cleaned.append(Wanted(w.name, _ordered(trace, time), w.hold))
         notes += _lost(w, cleaned[-1].trace)
@@ -104,7 +104,7 @@ def _clean(wanted: Sequence[Wanted], where: str) -> tuple[list[Wanted], list[str
 
 
 def _ordered(trace: ChannelTrace, time: Array) -> ChannelTrace:
-    """Ascending times, of equal ones the last that was written; only valid values."""
+    """Ascending times with valid values only; of equal times the last in the file."""
     valid = ~np.isnan(trace.values)
     if np.all(np.diff(time) > 0) and valid.all():
         return ChannelTrace(trace.clock, time, trace.values, trace.state)
@@ -119,12 +119,12 @@ def _lost(w: Wanted, trace: ChannelTrace) -> list[str]:
     twice = w.trace.time.size - invalid - trace.time.size
     notes = [f"{w.name}: {invalid} samples are marked invalid and were left out"] if invalid else []
     if twice:
-        notes.append(f"{trace.clock}: {twice} samples with the time of another; the last was taken")
+        notes.append(f"{trace.clock}: {twice} samples repeat a time; the last was used")
     return notes
 
 
 def _span(full: list[Wanted], where: str) -> tuple[float, float, list[str]]:
-    """What all required channels cover [s], less at most `ENDS` for the others."""
+    """Time covered by all required channels [s], shortened by at most `ENDS` for the others."""
     base = [w for w in full if w.required] or full
     low = max(float(w.trace.time[0]) for w in base)
     high = min(float(w.trace.time[-1]) for w in base)
@@ -139,7 +139,7 @@ def _span(full: list[Wanted], where: str) -> tuple[float, float, list[str]]:
     near = [
         w
         for w in full
-        if w.trace.time[0] <= low + ENDS and w.trace.time[-1] >= high - ENDS  # the rest has holes
+        if w.trace.time[0] <= low + ENDS and w.trace.time[-1] >= high - ENDS  # shorter ones get NaN
     ]
     low = max([low, *(float(w.trace.time[0]) for w in near)])
     high = min([high, *(float(w.trace.time[-1]) for w in near)])
@@ -149,12 +149,12 @@ def _span(full: list[Wanted], where: str) -> tuple[float, float, list[str]]:
 
 
 def rate_of(time: Array) -> float:
-    """Samples per second by the median step of ascending times [s]."""
+    """Sample rate [Hz] from the median step of ascending times [s]."""
     return float(1.0 / np.median(np.diff(time)))
 
 
 def _rates(full: list[Wanted]) -> dict[str, float]:
-    """The rate of each channel [Hz]; those of one clock are as many as they are long."""
+    """The rate of each channel [Hz]; computed once for each clock and length."""
     known: dict[tuple[str, int], float] = {}
     for w in full:
         raster = w.trace.clock, w.trace.time.size
@@ -206,8 +206,8 @@ def _same(w: Wanted, master: Wanted) -> bool:
     return np.array_equal(w.trace.time, master.trace.time)
 
 
-def _said(full: list[Wanted], master: Wanted, rates: dict[str, float]) -> list[str]:
-    """One line for each raster, on what was done to it."""
+def _notes(full: list[Wanted], master: Wanted, rates: dict[str, float]) -> list[str]:
+    """One line for each clock on how its channels were resampled."""
     if all(_same(w, master) for w in full):
         return []
     lines: dict[str, list[str]] = {}

@@ -1,7 +1,7 @@
-"""Timestamps of a recorder made to run forward: frames out of order, counters that wrap.
+"""Correct the timestamps of a recorder: counters that wrap, frames out of order.
 
 written   4294.960  4294.965  0.003  0.008     a counter of 32 bits, in microseconds
-made      4294.960  4294.965  4294.970  ...    its period is added from there on
+result    4294.960  4294.965  4294.970  ...    its period is added after the wrap
 """
 
 import numpy as np
@@ -17,16 +17,16 @@ PERIODS = {
     "one day": 86400.0,
     "32 bits of milliseconds": 2**32 * 1e-3,
 }
-"""What counters of recorders hold before they begin again [s]."""
+"""Periods after which recorder counters wrap [s]."""
 
 MISSED = 1.0
-"""A counter is known to have wrapped if its step back is a period but for this much [s]."""
+"""A step back is a wrap if it is shorter than a period by at most this [s]."""
 
 DISORDER = 0.1
-"""Frames of several buses may be written this much out of order [s]."""
+"""Frames of several buses may be out of order by at most this [s]."""
 
 DISORDERED = 0.25
-"""More of them than this share is no disorder: the timestamps are something else."""
+"""Largest share of frames out of order [1]; with more, the timestamps have another meaning."""
 
 
 def running(written: Array, where: str) -> tuple[Array, tuple[str, ...]]:
@@ -39,18 +39,18 @@ def running(written: Array, where: str) -> tuple[Array, tuple[str, ...]]:
 
     Returns
     -------
-    The same samples on a clock that goes on, still in the order of the file, and what was done.
-    Raises LogError for a step back that is no wrap of a known counter, and for timestamps that are
-    in no order. A counter that ran through whole periods without a sample cannot be seen.
+    The timestamps without wraps [s], in the order of the file, shape (n,), and notes.
+    Raises LogError for a step back that is not a wrap of a known counter, and for timestamps that
+    are not in order. A gap longer than the period of the counter cannot be detected.
     """
     steps = np.diff(written)
     if not np.isfinite(written).all():
         raise LogError("a timestamp is not a number", where=where, do="export the log again")
     if np.count_nonzero(steps < 0) > max(DISORDERED * written.size, 1):
         raise LogError(
-            f"{np.count_nonzero(steps < 0)} of {written.size} timestamps lie before the one before",
+            f"{np.count_nonzero(steps < 0)} of {written.size} timestamps are not increasing",
             where=where,
-            expected="times since one start, not since the frame before",
+            expected="times since the start, not since the frame before",
             do="export with absolute timestamps",
         )
     time, notes = written.astype(np.float64), []
@@ -68,7 +68,7 @@ def _period(back: float, where: str, last: float) -> tuple[str, float]:
     raise LogError(
         f"time goes back by {back:.6g} s, from {last:.6g} s",
         where=where,
-        expected="times that go on, or a counter that wraps: after "
+        expected="increasing times, or a counter that wraps after "
         + ", ".join(f"{p:.6g} s" for p in PERIODS.values()),
         do="two recordings in one file? split them",
     )

@@ -1,4 +1,4 @@
-"""What a reader of one file format hands over: the columns it found, and a way to read some."""
+"""An opened log file: its columns, and a function that reads some of them."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Column:
-    """A column as the file names it. ``unit`` is None where the file says nothing of it.
+    """A column as the file names it. ``unit`` is None if the file has no unit for it.
 
-    ``full`` names it among several of the same ``name``: with its group, message or bus, or as
-    the whole header cell. A channel map may use either.
+    ``full`` distinguishes columns of the same ``name``: with group, message or bus, or the whole
+    header cell. A channel map may use either.
     """
 
     name: str
@@ -24,11 +24,11 @@ class Column:
 
 @dataclass(frozen=True)
 class ColumnSource:
-    """A log file that was opened.
+    """An opened log file.
 
     ``columns`` in file order; ``read`` takes indices into them and returns one array each, as
     written, with NaN for an empty cell, and raises LogError for a column that holds no numbers;
-    ``notes`` what was odd but no error.
+    ``notes`` on oddities that are no errors.
     """
 
     columns: tuple[Column, ...]

@@ -1,4 +1,4 @@
-"""Formats whose channels share one clock: which ending is which, and how the file is opened."""
+"""Formats whose channels share one clock: how each file ending is opened."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -18,17 +18,17 @@ TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {
     ".parquet": open_parquet,
     ".vbo": open_vbo,
 }
-"""One opener per file ending. A new format is one file and one line here."""
+"""Opening function by file ending."""
 
 
 def ending_of(path: Path) -> str:
-    """The ending that names the format, in small letters: of ``run.csv.gz`` it is ``.csv.gz``."""
+    """The ending that gives the format, in lower case: ``.csv.gz`` for ``run.csv.gz``."""
     both = "".join(path.suffixes[-2:]).lower()
     return both if path.suffix.lower() == ".gz" else path.suffix.lower()
 
 
 def stem_of(path: Path) -> str:
-    """The name of a log: its file's without the ending, fit to be written and printed.
+    """The name of a log: the file name without the ending, safe to print.
 
     >>> stem_of(Path("runs/ramp.2.csv.gz")), stem_of(Path("ramp.2.csv"))
     ('ramp.2', 'ramp.2')

@@ -1,4 +1,4 @@
-"""Is what was read a log at all: complete values, a clock that runs forward, enough samples."""
+"""Check that a log is valid: complete values, increasing time, enough samples."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,28 +8,28 @@ from calib.logs.source import Array
 from calib.names import CHANNELS
 
 MIN_SAMPLES = 50
-"""Below this there is nothing to filter, let alone to fit: a quarter of a second at 200 Hz."""
+"""Fewest samples of a log: a quarter of a second at 200 Hz, too short to filter."""
 
 ABSURD = 1e12
-"""No quantity of the page of names reaches this in SI, seconds since 1970 included."""
+"""Above all values of all channels in SI, also above seconds since 1970."""
 
 
 def complete_channels(
     channels: dict[str, Array], require: tuple[str, ...], where: str
 ) -> tuple[dict[str, Array], tuple[str, ...]]:
-    """Keep the channels that have a finite value in every row.
+    """Return the channels that have a finite value in every row.
 
     Parameters
     ----------
-    channels : by name, each of shape (n,), NaN where the file has no value.
+    channels : by name, each of shape (n,), NaN if the file has no value.
     require : channels that must not be empty.
     where : the file's path, for messages.
 
     Returns
     -------
-    The complete channels, and a note on each that was dropped. Raises LogError for an empty
-    channel that is required, for holes in any of the channels that every log must have, and for
-    values that only a damaged file can hold.
+    The complete channels, and a note on each dropped one. Raises LogError for an empty channel that
+    is in ``require``, for missing values in a channel that every log must have, and for values so
+    large that the file must be damaged.
     """
     kept, notes = {}, []
     for name, values in channels.items():
@@ -68,7 +68,7 @@ def _empty(name: str, rows: int, where: str) -> LogError:
         f"the channel is empty: no value in {rows} rows",
         where=f"{where}: {name}",
         expected="a value in every row",
-        do="see with `brake-cal check` what the log can still be used for",
+        do="run `brake-cal check`: it lists the remaining uses of the log",
     )
 
 
@@ -84,7 +84,7 @@ def _holes(name: str, values: Array, bad: NDArray[np.intp], where: str) -> LogEr
 
 
 def check_clock(time: Array, where: str) -> None:
-    """Check that there are enough samples [s] and that time increases. Raises LogError."""
+    """Check ``time`` [s], shape (n,): increasing, enough samples. Raises LogError."""
     if time.size < MIN_SAMPLES:
         raise LogError(f"only {time.size} samples", where=where, expected=f"at least {MIN_SAMPLES}")
     wrong = np.flatnonzero(np.diff(time) <= 0)
@@ -93,7 +93,7 @@ def check_clock(time: Array, where: str) -> None:
     row = int(wrong[0]) + 1
     back = time[row] < time[row - 1]
     raise LogError(
-        f"time {'goes back' if back else 'stands still'} in row {row + 1}: "
+        f"time {'goes back' if back else 'does not increase'} in row {row + 1}: "
         f"{time[row]:.6g} s after {time[row - 1]:.6g} s ({wrong.size} such rows)",
         where=f"{where}: time",
         expected="strictly increasing time",

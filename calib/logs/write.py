@@ -13,8 +13,8 @@ from calib.logs.parquet import UNIT_KEY
 from calib.names import CHANNELS, TRUTH_UNITS
 from calib.units import from_si
 
-# Decimals of the CSV file, in canonical units: each step is below a tenth of what the usual sensor
-# resolves, so that printing adds nothing to the noise.
+# Decimals of the CSV file, in canonical units: each step is below a tenth of a usual sensor's
+# resolution, so that rounding adds no noise.
 DECIMALS = {
     "time": 6,
     "p": 4,
@@ -33,14 +33,14 @@ DECIMALS = {
 def write_csv(log: Log, path: Path) -> None:
     """Write ``log`` as CSV with header cells ``name [unit]``, truth channels last.
 
-    Read back it is the same to the printed decimals. Raises ValueError for a value that is not
+    The log read back is equal to the printed decimals. Raises ValueError for a value that is not
     finite, OSError if ``path`` cannot be written.
     """
     columns = list(_columns(log))
     header = ",".join(f"{name} [{unit}]" for name, unit, _ in columns)
     formats = [f"%.{_decimals(name)}f" for name, _, _ in columns]
     text = io.StringIO()
-    # Adding 0.0 makes a rounded -0.0 a plain zero.
+    # Adding 0.0 turns a rounded -0.0 into 0.0.
     rounded = [np.round(values, _decimals(name)) + 0.0 for name, _, values in columns]
     table = np.column_stack(rounded)
     np.savetxt(text, table, fmt=formats, delimiter=",", header=header, comments="")
@@ -50,7 +50,7 @@ def write_csv(log: Log, path: Path) -> None:
 def write_parquet(log: Log, path: Path) -> None:
     """Write ``log`` as Parquet, the unit of each channel in its field metadata.
 
-    Read back it is the same to rounding error. Checksums let the reader see a damaged file.
+    The log read back is equal to rounding error. Checksums show damage to the reader.
     Raises as `write_csv`.
     """
     import pyarrow as pa
@@ -72,7 +72,7 @@ def write_parquet(log: Log, path: Path) -> None:
 
 
 def _columns(log: Log) -> Iterator[tuple[str, str, Array]]:
-    """Name, canonical unit and values in that unit, in the order of the page of names."""
+    """Name, canonical unit and values in that unit, in the order of `CHANNELS`."""
     for name, quantity in CHANNELS.items():
         if name in log.channels:
             yield name, quantity.unit, _written(name, log[name], quantity.unit, quantity.si)
@@ -91,7 +91,7 @@ def _truth_unit(name: str) -> str:
     for prefix, unit in TRUTH_UNITS.items():
         if name.startswith(f"{prefix}_"):
             return unit
-    raise ValueError(f"truth channel {name!r} has no unit on the page of names")
+    raise ValueError(f"truth channel {name!r} has no unit in `TRUTH_UNITS`")
 
 
 def _decimals(name: str) -> int:

@@ -1,1 +1,1 @@
-"""The equations of car, wheel, tyre and brake, each once."""
+"""The equations of car, wheel, tyre and brake; each is written once."""

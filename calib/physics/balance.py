@@ -1,9 +1,9 @@
-"""The force balance of a car: what the tyres and the brakes must do for a deceleration.
+"""The force balance of a car: the forces of tyres and brakes at a given deceleration.
 
-    W z = tyre forces + body forces          tyre forces = brakes + what else slows the wheels
+W z = tyre forces + body forces          tyre forces = brakes + other moments on the wheels
 
-Quasi-static loads, straight line. Every room that asks for loads, resistances or the demanded brake
-force asks here; the simulation adds the same effects by the same functions.
+Quasi-static loads, straight line. All rooms take loads, resistances and the demanded brake force
+from here; the simulation adds the same effects by the same functions.
 """
 
 from dataclasses import dataclass, replace
@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 class ForceBalance:
     """Forces of a run [N], shapes (n,).
 
-    ``load_f``, ``load_r`` axle loads (6), (7); ``moment_f``, ``moment_r`` what slows the wheels
-    besides the brake, inertia included, as a force at the road; ``body`` what slows the body
-    directly; ``tyre_sum`` all tyre forces (5), (17).
+    ``load_f``, ``load_r`` axle loads (6), (7); ``moment_f``, ``moment_r`` moments on the wheels
+    besides the brake, inertia included, as a force at the road; ``body`` forces that slow the body
+    directly; ``tyre_sum`` sum of all tyre forces (5), (17).
     """
 
     load_f: Array
@@ -54,8 +54,8 @@ def force_balance(
 ) -> ForceBalance:
     """Balance at ``time`` [s], ``speed`` [m/s], ``z`` [1] and ``pressure`` [Pa], shapes (n,).
 
-    ``spin`` d omega/dt of the front and the rear wheels [rad/s^2]; without it the wheels slow with
-    the car, -g z/R, exact but for the change of slip.
+    ``spin`` d omega/dt of the front and the rear wheels [rad/s^2]; without it -g z/R, which
+    neglects the change of slip.
     """
     load_f, load_r = axle_loads(vehicle, z)
     history = replace(at_rest(time, pressure, 0.0), v=speed, z=z)
@@ -73,10 +73,10 @@ def force_balance(
 
 
 def moment_at_road(axle: Axle, moment: Array | float, spin: Array) -> Array:
-    """Force at the road [N] of what slows both wheels of an axle besides the brake, (1).
+    """Force at the road [N] of the moments on both wheels of an axle besides the brake, (1).
 
     ``moment`` [N m per axle], positive when it slows; ``spin`` d omega/dt [rad/s^2], negative while
-    the wheels slow: their inertia drives on.
+    the wheels slow, so that their inertia reduces the force.
     """
     return np.asarray((moment + 2.0 * axle.wheel_inertia * spin) / axle.rolling_radius)  # (1)
 

@@ -1,10 +1,10 @@
-"""From the pedal to the brake torque of every wheel, through all effects on the way.
+"""From the pedal to the brake torque of every wheel, with all effects between them.
 
     p_mc --line--> wheel pressure --caliper--> clamp --pads--> torque --left/right--> T_b (2) (3)
                    (or as logged)
 
-Left and right are mirror images unless wheel pressures or an effect say otherwise; then the right
-wheel of that axle is there, too.
+Left and right are equal unless wheel pressures or an effect make them differ. Only then is the
+right wheel of that axle computed as well.
 """
 
 from collections.abc import Mapping
@@ -38,11 +38,11 @@ class Brakes:
 
     @property
     def wheels(self) -> tuple[str, ...]:
-        """The wheels that differ from one another."""
+        """The wheels that are computed: both of an axle only where left and right differ."""
         return tuple(self.clamp)
 
     def twin(self, w: str) -> str:
-        """The wheel that stands for this one."""
+        """The wheel whose values hold for ``w``: itself, or the left one of its axle."""
         return w if w in self.clamp else f"{w[0]}l"
 
     def axle(self, w: str) -> Axle:
@@ -67,9 +67,9 @@ class Brakes:
 
 
 def brakes_of(model: Model, rest: RunHistory, own: Mapping[str, Array]) -> Brakes:
-    """The brakes under the pressure of ``rest``, or under the wheels' ``own`` [Pa] by wheel.
+    """The brakes at the pressure of ``rest``, or at the logged pressures ``own`` [Pa] by wheel.
 
-    A wheel's own pressure is behind the line, so only the caliper changes it.
+    A wheel pressure is measured behind the line, so only effects of the caliper change it.
     """
     effects = model.effects
     p_f, p_r = line_pressure(effects, rest)

@@ -1,7 +1,7 @@
-"""When a car counts as braked and as moving: the two thresholds that every room shares."""
+"""The two thresholds above which a car counts as braked and as moving, for all rooms."""
 
 BITE = 1.5e5
-"""Pressure [Pa] above which a brake is taken to be applied."""
+"""Pressure [Pa] above which a brake counts as applied."""
 
 MOVING = 3.0
-"""Speed [m/s] below which wheel speed sensors and slip mean little."""
+"""Speed [m/s] below which wheel speed sensors and slip are too inexact."""

@@ -5,7 +5,7 @@
 
 Sign convention: z = -a_x/g, so z, forces, torques and slips are positive when the car brakes. The
 paper prints (6)-(8), (13), (14) for a forward-positive a_x and (11), (12), (17) for a positive
-deceleration; here all of them are in z. Every function says whether it is per wheel or per axle.
+deceleration; here all of them use z. Every function says whether it is per wheel or per axle.
 The ratios (8) to (10) follow from the loads: F_xf/F_xr = F_f F_zf/(F_r F_zr).
 Flat road, straight line, no aerodynamic pitch moment, load transfer without delay.
 """
@@ -20,14 +20,14 @@ Array = NDArray[np.float64]
 
 
 def deceleration(a_x: Array) -> Array:
-    """z [1] of a forward-positive acceleration ``a_x`` [m/s^2] at the centre of gravity."""
+    """z = -a_x/g [1] of a forward-positive ``a_x`` [m/s^2] at the centre of gravity."""
     return -a_x / G
 
 
 def axle_loads(vehicle: Vehicle, z: Array) -> tuple[Array, Array]:
     """Normal force of the front and the rear axle [N] at the deceleration z [1], (6) and (7).
 
-    Quasi-static: wrong while the body pitches, and past z = l_f/h where the rear wheels lift.
+    Quasi-static: not valid while the body pitches, nor above z = l_f/h, where the rear wheels lift.
     """
     share = vehicle.weight / vehicle.wheelbase
     F_zf = share * (vehicle.cg_to_rear_axle + z * vehicle.cg_height)  # (6)
@@ -50,8 +50,8 @@ def tyre_force(
 ) -> Array:
     """Tyre force of one wheel [N] from its brake torque [N m], (1).
 
-    ``spin_rate`` is d omega/dt [rad/s^2], negative while braking; ``drag_moment`` [N m] what else
-    slows the wheel, such as rolling resistance.
+    ``spin_rate`` is d omega/dt [rad/s^2], negative while braking; ``drag_moment`` [N m] the
+    other moments that slow the wheel, such as rolling resistance.
     """
     return (axle.wheel_inertia * spin_rate + torque + drag_moment) / axle.rolling_radius  # (1)
 
@@ -66,7 +66,7 @@ def spin_rate(axle: Axle, torque: Array, force: Array) -> Array:
 
 
 def braking_sum(vehicle: Vehicle, z: Array, body_force: Array | float = 0.0) -> Array:
-    """Sum of all tyre forces [N] at z [1], (5) and (17), less what slows the body directly [N]."""
+    """Sum of all tyre forces [N] at z [1], (5) and (17), less the ``body_force`` [N]."""
     return vehicle.weight * z - body_force  # (5), (17)
 
 
@@ -92,8 +92,8 @@ def front_biased_up_to(vehicle: Vehicle) -> float:
     """z [1] at which F_f = F_r with nominal pads: the car is front-biased below it.
 
     From (2), (9) and the I curve: the front share of the tyre force equals that of the load. With
-    any rear brake that is short of rear-wheel lift; infinite without one, nought when the car is
-    rear-biased from rest.
+    a rear brake it is below the z of rear-wheel lift; infinite without a rear brake; zero when the
+    car is rear-biased at every z.
     """
     force = {
         side: axle.torque_gain * axle.pad_friction / axle.rolling_radius
@@ -113,7 +113,7 @@ def mean_slip(vehicle: Vehicle, load_f: Array, omega_f: Array, omega_r: Array, v
     """Mean slip of the axles [1], weighted by their loads, from (19), (20); not zeroed.
 
     ``load_f`` load of the front axle [N]; ``omega_f``, ``omega_r`` axle means [rad/s]; ``v`` [m/s].
-    All (n,). NaN where the car stands.
+    All (n,). NaN where the car is at rest.
     """
     share = load_f / vehicle.weight
     rim = share * vehicle.front.rolling_radius * omega_f
@@ -128,5 +128,5 @@ def wheel_speed(axle: Axle, slip: Array, v: Array) -> Array:
 
 
 def speed_ratio(slip_f: Array, slip_r: Array) -> Array:
-    """Eta [1] from the slips of the axles [1], (22); the radii are equal or taken out."""
+    """Eta [1] from the slips of the axles [1], (22); valid for equal or corrected radii."""
     return (1.0 - slip_r) / (1.0 - slip_f)  # (22)

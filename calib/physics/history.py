@@ -1,4 +1,4 @@
-"""A run as the effects of a car see it: what came before, and what is there now."""
+"""A run as input of the effects: its history, and its present state."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RunHistory:
-    """A run over time, for effects that remember; arrays (n,), SI.
+    """A run over time, for effects that depend on the past; arrays (n,), SI.
 
     ``time`` [s], increasing; ``v`` [m/s]; ``z`` deceleration over g [1]; ``p_mc`` [Pa];
     ``temperature_f``, ``temperature_r`` of the discs [degC], None where not known; ``angle_f``,
@@ -53,9 +53,9 @@ def at_rest(
     temperature: Mapping[str, Array] | None = None,
     source: str = "",
 ) -> RunHistory:
-    """A run of which only the pressure [Pa] and the temperatures [degC] by axle are known yet.
+    """A run of which only the pressure [Pa] and the temperatures [degC] by axle are known.
 
-    ``time`` [s] and ``p_mc`` (n,); speed ``v0`` [m/s] at every sample, nothing turned, no heat.
+    ``time`` [s] and ``p_mc`` (n,); speed ``v0`` [m/s] at every sample, wheel angle and heat zero.
     """
     heat, zero = temperature or {}, np.zeros_like(time)
     return RunHistory(

@@ -1,7 +1,7 @@
-"""What follows an input with delay: linear responses at the samples of any clock.
+"""Linear lags of first and second order, at the samples of any clock.
 
-The input runs straight between its samples, and for that the result is exact, however coarse or
-uneven the clock. What follows is at rest at the first sample.
+The input is taken as linear between its samples. For such an input the result is exact at any
+sampling, even or not. The output is in steady state at the first sample.
 """
 
 from typing import Any
@@ -25,7 +25,7 @@ def first_order(time: Array, x: Array, time_constant: float) -> Array:
 def second_order(time: Array, x: Array, frequency: float, damping: float) -> Array:
     """Return y of y'' + 2 D w y' + w^2 y = w^2 x at ``time`` [s] (n,); ``x`` (n,).
 
-    ``frequency`` w [rad/s]; ``damping`` D [1], from 0 to below 1: the mode must ring.
+    ``frequency`` w [rad/s]; ``damping`` D [1], 0 <= D < 1: valid for an oscillating mode only.
     """
     pole = frequency * complex(-damping, np.sqrt(1.0 - damping**2))
     # w^2/((s - p)(s - p*)) in partial fractions; the two parts are conjugate.

@@ -1,4 +1,4 @@
-"""A tyre that saturates: Pacejka's sine, with its inverse in closed form.
+"""A tyre with a peak: Pacejka's Magic Formula, with its inverse in closed form.
 
     F ^        ____ peak mu          F      = mu sin(C atan(B x)),  B = K/(C mu)
       |     .-'    `-.__             lambda = s/B tan(asin(F/mu)/C)
@@ -6,7 +6,7 @@
       |  / slope K
       +-/----------------> lambda
 
-The load exponent q is that of `calib.physics.tyre`: a tyre is softer per load the more it carries.
+The load exponent q is that of `calib.physics.tyre`: stiffness per load falls as the load grows.
 Source: Pacejka, Tyre and Vehicle Dynamics, ch. 4, pure longitudinal slip without the E term and
 offsets.
 """
@@ -26,9 +26,9 @@ class MagicFormula:
 
     Attributes
     ----------
-    stiffness : K = dF/dlambda at no slip and half the weight on the axle [1].
+    stiffness : K = dF/dlambda at zero slip and half the weight on the axle [1].
     peak : mu, the largest normalised force [1].
-    shape : C [1], between 1 (never falls) and 2 (falls to nought).
+    shape : C [1], between 1 (never falls) and 2 (falls to zero).
     load_exponent : q [1].
     """
 
@@ -40,13 +40,13 @@ class MagicFormula:
     def force(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
         """Normalised force F [1] at braking ``slip`` [1], axle load over half the weight [1].
 
-        Odd in the slip, and right past the peak too; a locked wheel heats and is not covered.
+        Odd in the slip. Valid beyond the peak too, but not for the heat of a locked wheel.
         """
         x = slip / self._load_factor(relative_load)
         return self.peak * np.sin(self.shape * np.arctan(self._b * x))
 
     def slope(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
-        """dF/dlambda [1]: K at no slip, nought at the peak, negative past it."""
+        """dF/dlambda [1]: K at zero slip, zero at the peak, negative beyond it."""
         load = self._load_factor(relative_load)
         bx = self._b * slip / load
         return self.stiffness / load * np.cos(self.shape * np.arctan(bx)) / (1.0 + bx * bx)
@@ -54,7 +54,7 @@ class MagicFormula:
     def slip(self, force: Array, relative_load: Array | float = 1.0) -> Array:
         """Slip [1] on the rising branch that carries the normalised ``force`` [1].
 
-        NaN where the force is beyond the peak: no slip carries it.
+        NaN where the force is above the peak: no slip gives it.
         """
         ratio = force / self.peak
         held = np.where(np.abs(ratio) <= 1.0, ratio, np.nan)
@@ -62,7 +62,7 @@ class MagicFormula:
         return x * self._load_factor(relative_load)
 
     def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
-        """Slip [1] where C atan(B x) is ``fraction`` of the right angle; 1 is the peak itself."""
+        """Slip [1] where C atan(B x) is ``fraction`` of pi/2; 1 is the peak itself."""
         x = np.tan(0.5 * np.pi * fraction / self.shape) / self._b
         return np.asarray(x * self._load_factor(relative_load))
 

@@ -1,4 +1,4 @@
-"""What the simulation needs besides the vehicle."""
+"""The model of a car for the simulation: vehicle, pads, tyre, effects, surfaces."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -11,7 +11,7 @@ from calib.physics.vehicle import Vehicle
 from calib.toml import did_you_mean
 
 WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
-"""What is assumed of a tyre when nothing is known: a passenger car on wet asphalt."""
+"""The tyre that is assumed when nothing is known: a passenger car on wet asphalt."""
 
 
 @dataclass(frozen=True)
@@ -30,15 +30,15 @@ class Surface:
 
 @dataclass(frozen=True)
 class Model:
-    """A car that can be driven forward.
+    """A car that can be simulated.
 
     Attributes
     ----------
     vehicle : masses, lengths, brakes. Its own list of effects is not read here.
     pad_friction_f, pad_friction_r : mu_p of the axles [1].
     tyre : common to both axles.
-    effects : all that act in it.
-    surfaces : changes of road, in the order in which they are met.
+    effects : all effects that act in it.
+    surfaces : changes of road, in order of their start.
     """
 
     vehicle: Vehicle
@@ -73,12 +73,12 @@ def default_model(vehicle: Vehicle) -> Model:
 
 
 def with_effects(vehicle: Vehicle, model: Model) -> Vehicle:
-    """Return the vehicle with the effects of a model known beside its own."""
+    """Return the vehicle with the effects of a model added to its own."""
     return replace(vehicle, effects=vehicle.effects.with_(model.effects))
 
 
 def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
-    """Return the vehicle with the pads of a model, and with its effects known beside its own."""
+    """Return the vehicle with the pads of a model, and with its effects added to its own."""
     front = replace(vehicle.front, pad_friction=model.pad_friction_f)
     rear = replace(vehicle.rear, pad_friction=model.pad_friction_r)
     return with_effects(replace(vehicle, front=front, rear=rear), model)

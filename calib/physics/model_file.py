@@ -49,7 +49,7 @@ from calib.physics.vehicle import Vehicle
 from calib.schema import (
     FileSchema,
     OneOf,
-    Quantity,
+    QuantityMark,
     Section,
     by_name,
     quantity_pattern,
@@ -58,8 +58,8 @@ from calib.schema import (
 from calib.schema_errors import wrong
 from calib.toml import quantity, toml_bytes, written_quantity
 
-Friction = Annotated[float, Quantity("1", 0.02, 1.0)]
-Factor = Annotated[float, Quantity("1", 0.05, 20.0)]
+Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
+Factor = Annotated[float, QuantityMark("1", 0.05, 20.0)]
 
 
 class PadsSection(Section):
@@ -72,11 +72,11 @@ class PadsSection(Section):
 class TyreSection(Section):
     """The tyre of both axles; wet asphalt for what is left out."""
 
-    stiffness: Annotated[float, Quantity("1", 1.0, 100.0)] | None = None
-    peak: Annotated[float, Quantity("1", 0.02, 2.0)] | None = None
+    stiffness: Annotated[float, QuantityMark("1", 1.0, 100.0)] | None = None
+    peak: Annotated[float, QuantityMark("1", 0.02, 2.0)] | None = None
     # 1 never falls past the peak, 2 falls to zero: outside, the closed inverse does not hold.
-    shape: Annotated[float, Quantity("1", 1.01, 1.99)] | None = None
-    load_exponent: Annotated[float, Quantity("1", -1.0, 1.0)] | None = None
+    shape: Annotated[float, QuantityMark("1", 1.01, 1.99)] | None = None
+    load_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
 
 
 def _start(written: object) -> tuple[float, str]:
@@ -104,7 +104,7 @@ class SurfaceSection(Section):
 
 
 class EmpiricalSection(Section):
-    """What is added over what it depends on, in SI; its cause is not known."""
+    """Values at the knots of a driver, in SI; the cause is not known."""
 
     place: Annotated[str, OneOf(tuple(PLACES))]
     driver: Annotated[str, OneOf(tuple(DRIVERS))]
@@ -121,7 +121,8 @@ class EmpiricalSection(Section):
 def _parameters(card: Card) -> type[Section]:
     """The schema of an effect: its parameters, each with the unit and the range of its card."""
     fields: dict[str, Any] = {
-        p.name: (Annotated[float, Quantity(p.unit, p.low, p.high)], ...) for p in card.parameters
+        p.name: (Annotated[float, QuantityMark(p.unit, p.low, p.high)], ...)
+        for p in card.parameters
     }
     return create_model(card.name, __base__=Section, __doc__=card.cause, **fields)
 
@@ -153,7 +154,7 @@ class OneOrMore:
 
 
 class ModelFile(FileSchema):
-    """What the simulation needs besides the vehicle."""
+    """The model of a simulation, besides the vehicle."""
 
     pads: PadsSection = PadsSection()
     tyre: TyreSection = TyreSection()
@@ -163,7 +164,7 @@ class ModelFile(FileSchema):
 
 
 def read_model(path: Path, vehicle: Vehicle) -> Model:
-    """Read a model file; what it leaves out is as in `default_model`.
+    """Read a model file; missing parts are as in `default_model`.
 
     Raises ModelError for a file that is missing, not TOML or of another schema; for an unknown key,
     effect or unit; for a missing parameter; for a value out of its range.

@@ -1,4 +1,4 @@
-"""The tyre along the road: which surface is under each axle, sample by sample."""
+"""The tyre along the road: the surface under each axle at every sample."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from calib.physics.model import Model
 Array = NDArray[np.float64]
 
 RELAXATION_LENGTH = 0.3
-"""Length [m] over which a tyre takes to a new surface; a passenger-car tyre rolls 0.2 to 0.5 m."""
+"""Length [m] over which a tyre changes to a new surface; 0.2 to 0.5 m for a passenger car."""
 
 
 def tyres_along(model: Model, time: Array, v: Array) -> tuple[MagicFormula, MagicFormula]:
@@ -25,7 +25,7 @@ def tyres_along(model: Model, time: Array, v: Array) -> tuple[MagicFormula, Magi
 
 
 def _tyre_at(model: Model, time: Array, travelled: Array, behind: float) -> MagicFormula:
-    """The tyre of an axle ``behind`` [m] the front one; a surface comes within a tyre's length."""
+    """The tyre of an axle ``behind`` [m] the front one; it changes over `RELAXATION_LENGTH`."""
     starts, factors = [], [(1.0, 1.0)]
     for surface in model.surfaces:
         on_road = surface.unit == "m"

@@ -4,14 +4,14 @@
 
     slip = exp(c - s) (2 F_z/W)^q F (1 + b2 u + b3 u^2),   u = F w
 
-c = ln of the compliance at the table's surface, b2 and b3 its curvature, q the load exponent (a
-tyre is softer per load the more it carries); s and w are the surface: ln of its stiffness relative
+c = ln of the compliance at the table's surface, b2 and b3 its curvature, q the load exponent
+(compliance per load grows with the load); s and w are the surface: ln of its stiffness relative
 to the table's, and the table's peak relative to its own. The similarity in w follows Pacejka (Tyre
 and Vehicle Dynamics, ch. 4): a lower peak shrinks the curve along both axes.
 
-Written this way the unknown parameters act on the side that is measured (wheel speeds) and the
-well known force on the other, so that no noisy regressor biases the fit. Valid on the rising
-branch: slip must grow with force, so the curve ends where the tyre peaks.
+In this form the noisy measurement (slip, from wheel speeds) is the response and the well-known
+force is the regressor, so that noise does not bias the fit. Valid on the rising branch: slip must
+grow with force, so the curve ends at the peak of the tyre.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class Tyre:
     peak_ratio: float = 1.0
 
     def slip(self, force: Array, relative_load: Array | float) -> Array:
-        """Slip [1] that carries the normalised ``force`` [1]; load is that of the axle over W/2."""
+        """Slip [1] at the normalised ``force`` [1]; ``relative_load``: axle load over W/2 [1]."""
         return self.slip_at(force, self.gain(relative_load))
 
     def slope(self, force: Array, relative_load: Array | float) -> Array:
@@ -48,7 +48,7 @@ class Tyre:
         return self.slope_at(force, self.gain(relative_load))
 
     def gain(self, relative_load: Array | float) -> Array:
-        """Slip per normalised force at the origin [1]; what the load does to the compliance."""
+        """Slip per normalised force at the origin [1], as a function of the load."""
         stiffness = np.exp(self.log_compliance - self.log_stiffness)
         return np.asarray(stiffness * relative_load**self.load_exponent)
 

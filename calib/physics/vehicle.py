@@ -39,18 +39,18 @@ class Axle:
 
 @dataclass(frozen=True)
 class Vehicle:
-    """Table II of the paper, both axles, and the effects known beforehand.
+    """Table II of the paper, both axles, and the known effects.
 
     Attributes
     ----------
-    name : names the tables fitted with it.
+    name : also the name of the tables fitted for it.
     mass : M_v [kg], as driven.
     cg_to_front_axle, cg_to_rear_axle : l_f, l_r [m].
     cg_height : h [m].
     track_width : l_w [m].
     front, rear : the axles.
     mass_tolerance : one standard deviation of the relative error of the mass [1].
-    effects : what is known to act in it beside the paper's model.
+    effects : known effects in addition to the paper's model.
     """
 
     name: str

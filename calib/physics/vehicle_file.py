@@ -1,7 +1,7 @@
 """A vehicle as a TOML file: quantities with units, such as ``mass = "1744 kg"``.
 
-Bounds see slips of the unit and of the decimal point, not small errors: they reach from a microcar
-to a heavy coach, and a mass that is 10 % wrong passes.
+The bounds detect a wrong unit or decimal point, not small errors: they reach from a microcar to a
+heavy coach, and a mass that is 10 % wrong passes.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from calib.errors import VehicleError
 from calib.files import write_whole
 from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Axle, Vehicle
-from calib.schema import FileSchema, Quantity, Section, quantities, read_toml, validated
+from calib.schema import FileSchema, QuantityMark, Section, quantities, read_toml, validated
 from calib.schema_errors import wrong
 from calib.toml import toml_bytes, written_quantity
 
@@ -26,7 +26,7 @@ _FORBIDDEN_IN_NAME = frozenset('@/\\:*?"<>|')
 
 
 def _name(name: str) -> str:
-    """A table is named after its vehicle, so the name must do as a folder and before an ``@``."""
+    """A table has the name of its vehicle, so it must be valid as a folder and before an ``@``."""
     bad = not name.strip() or name.startswith(".") or name != name.strip()
     if bad or not name.isprintable() or _FORBIDDEN_IN_NAME & set(name):
         raise wrong(f"{name!r} cannot name a table", 'letters, digits, "-", "_" or "."')
@@ -42,12 +42,12 @@ def _whole(number: float) -> int:
 class ChassisSection(Section):
     """Masses and lengths, as in `Vehicle`."""
 
-    mass: Annotated[float, Quantity("kg", 300, 60_000)]
-    cg_to_front_axle: Annotated[float, Quantity("m", 0.2, 10)]
-    cg_to_rear_axle: Annotated[float, Quantity("m", 0.2, 10)]
-    cg_height: Annotated[float, Quantity("m", 0.1, 3)]
-    track_width: Annotated[float, Quantity("m", 0.5, 3.5)]
-    mass_tolerance: Annotated[float, Quantity("1", 0, 0.2)] = Vehicle.mass_tolerance
+    mass: Annotated[float, QuantityMark("kg", 300, 60_000)]
+    cg_to_front_axle: Annotated[float, QuantityMark("m", 0.2, 10)]
+    cg_to_rear_axle: Annotated[float, QuantityMark("m", 0.2, 10)]
+    cg_height: Annotated[float, QuantityMark("m", 0.1, 3)]
+    track_width: Annotated[float, QuantityMark("m", 0.5, 3.5)]
+    mass_tolerance: Annotated[float, QuantityMark("1", 0, 0.2)] = Vehicle.mass_tolerance
 
     @model_validator(mode="after")
     def _is_low_enough(self) -> Self:
@@ -63,12 +63,12 @@ class ChassisSection(Section):
 class AxleSection(Section):
     """One axle, as in `Axle`; every value is for one wheel."""
 
-    rolling_radius: Annotated[float, Quantity("m", 0.1, 1.0)]
-    wheel_inertia: Annotated[float, Quantity("kg*m^2", 0.01, 200)]
-    piston_area: Annotated[float, Quantity("m^2", 0.5e-4, 500e-4)]
-    effective_radius: Annotated[float, Quantity("m", 0.03, 0.5)]
-    friction_faces: Annotated[int, Quantity("1", 1, 12), AfterValidator(_whole)]
-    pad_friction: Annotated[float, Quantity("1", 0.05, 1.0)]
+    rolling_radius: Annotated[float, QuantityMark("m", 0.1, 1.0)]
+    wheel_inertia: Annotated[float, QuantityMark("kg*m^2", 0.01, 200)]
+    piston_area: Annotated[float, QuantityMark("m^2", 0.5e-4, 500e-4)]
+    effective_radius: Annotated[float, QuantityMark("m", 0.03, 0.5)]
+    friction_faces: Annotated[int, QuantityMark("1", 1, 12), AfterValidator(_whole)]
+    pad_friction: Annotated[float, QuantityMark("1", 0.05, 1.0)]
 
     @model_validator(mode="after")
     def _disc_fits(self) -> Self:
@@ -81,11 +81,11 @@ class AxleSection(Section):
         return self
 
 
-KnownEffect = dict[str, Annotated[float, Quantity(None, -1e12, 1e12)]]
+KnownEffect = dict[str, Annotated[float, QuantityMark(None, -1e12, 1e12)]]
 
 
 class VehicleFile(FileSchema):
-    """A vehicle: Tables I and II of the paper, and the effects known beforehand.
+    """A vehicle: Tables I and II of the paper, and the known effects.
 
     The names of effects are not checked here: `calib.physics.model.default_model` does so.
     """

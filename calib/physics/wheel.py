@@ -1,10 +1,10 @@
-"""One wheel over a whole run: the slip at which tyre, brake and inertia agree.
+"""One wheel over a whole run: the slip at which tyre, brake and inertia are in balance.
 
     F_x:  (J_w d omega/dt + T_b + M)/R  =  F_z F(lambda),   omega = v (1 - lambda)/R       (1) (21)
 
-d omega/dt is the difference to the sample before, so a step in pressure reaches the tyre without
-ringing however coarse the clock. One Newton step for all samples at once is a system with two
-diagonals. The left side falls with slip and the right side rises, so it always has a solution.
+d omega/dt is the difference to the sample before (backward Euler), so a step in pressure causes no
+numerical oscillation at any sampling rate. One Newton step for all samples is a bidiagonal system.
+The left side falls with slip and the right side rises, so it always has a solution.
 """
 
 from dataclasses import dataclass
@@ -20,15 +20,15 @@ from calib.physics.vehicle import Axle
 Array = NDArray[np.float64]
 
 EDGE = 0.999
-"""Where the rising branch ends, as in `MagicFormula.slip_at`. The force there is within 2e-6 of the
-peak and the slope still positive, so the equations can be solved."""
+"""End of the rising branch, as in `MagicFormula.slip_at`. The force there is within 2e-6 of the
+peak and the slope is still positive, so the equations can be solved."""
 
 
 @dataclass(frozen=True)
 class WheelDemand:
-    """What a wheel is asked for; arrays (n,).
+    """Torques and load of a wheel; arrays (n,).
 
-    ``torque`` of the brake and ``moment`` of all else that slows it [N m]; ``load`` F_z [N].
+    ``torque`` of the brake, ``moment`` of all other causes that slow it [N m]; ``load`` F_z [N].
     """
 
     torque: Array
@@ -38,7 +38,7 @@ class WheelDemand:
 
 @dataclass(frozen=True)
 class Travel:
-    """How the car moves; arrays (n,): ``time`` [s], ``v`` [m/s] above nought, ``z`` [1]."""
+    """Motion of the car; arrays (n,): ``time`` [s], ``v`` [m/s] above zero, ``z`` [1]."""
 
     time: Array
     v: Array
@@ -47,9 +47,9 @@ class Travel:
 
 @dataclass(frozen=True)
 class RisingTyre:
-    """A tyre at the load of every sample, continued straight past the edge of its rising branch.
+    """A tyre at the load of every sample, continued linearly beyond the end of its rising branch.
 
-    The continuation lets the solver pass; a result with ``used`` above 1 is not a tyre's.
+    The continuation helps the solver; a result with ``used`` above 1 is not valid.
     """
 
     tyre: MagicFormula
@@ -61,7 +61,7 @@ class RisingTyre:
         return self.tyre.slip_at(EDGE, self.relative_load)
 
     def used(self, slip: Array) -> Array:
-        """Slip over that of the edge [1]; above 1 the wheel is past the peak."""
+        """Slip over that at the end of the rising branch [1]; above 1 it is beyond the peak."""
         return np.abs(slip) / self.edge
 
     def force(self, slip: Array) -> Array:
@@ -71,26 +71,26 @@ class RisingTyre:
         return self.tyre.force(held, self.relative_load) + beyond
 
     def slope(self, slip: Array) -> Array:
-        """Slope d force/d slip [1], above nought everywhere."""
+        """Slope d force/d slip [1], above zero everywhere."""
         return self.tyre.slope(np.clip(slip, -self.edge, self.edge), self.relative_load)
 
 
 def spin_rate(axle: Axle, travel: Travel, slip: Array) -> Array:
-    """Spin rate d omega/dt [rad/s^2] (n,), to the sample before; the first is of steady slip."""
+    """Spin rate d omega/dt [rad/s^2] (n,) since the sample before; the first at constant slip."""
     omega = forces.wheel_speed(axle, slip, travel.v)
     first = -G * travel.z[0] * omega[0] / travel.v[0]
     return np.concatenate([[first], np.diff(omega) / np.diff(travel.time)])
 
 
 def tyre_force(axle: Axle, demand: WheelDemand, travel: Travel, slip: Array) -> Array:
-    """Tyre force [N] (n,) that the motion of the wheel asks for, (1)."""
+    """Tyre force [N] (n,) from the motion of the wheel, (1)."""
     return forces.tyre_force(axle, demand.torque, spin_rate(axle, travel, slip), demand.moment)
 
 
 def next_slip(
     axle: Axle, tyre: RisingTyre, demand: WheelDemand, travel: Travel, slip: Array
 ) -> Array:
-    """One Newton step from ``slip`` [1] (n,) towards the one that satisfies (1) in all samples."""
+    """One Newton step from ``slip`` [1] (n,) towards the slip that solves (1) in all samples."""
     from scipy.linalg.lapack import dtbtrs
 
     residual = tyre_force(axle, demand, travel, slip) - demand.load * tyre.force(slip)

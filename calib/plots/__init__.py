@@ -1,1 +1,1 @@
-"""Figures: records in, matplotlib figures out. Nothing is shown on a screen."""
+"""Plots: functions that make matplotlib figures of records. None is shown on a screen."""

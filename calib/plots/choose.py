@@ -1,9 +1,9 @@
-"""What to draw follows from what is given.
+"""The sheet that is drawn for the given tables, logs and results.
 
-a table                     the table; with the ramps it was made of, also what they measured
+a table                     the table; with the ramps it was made of, also their measured points
 two tables                  one against the other
-a table and another log     the stop, as the estimator saw it; a simulation if truth is there
-a log, a result             itself
+a table and another log     the stop with the estimate; as a simulation if the log has truth
+a log, a result             the log, the result
 """
 
 from collections.abc import Iterator
@@ -22,8 +22,8 @@ from calib.table.version import Stored
 
 
 @dataclass(frozen=True)
-class Given:
-    """What is to be drawn; ``vehicle`` gives nominal pads that are not the table's."""
+class PlotInput:
+    """The inputs of a drawing; ``vehicle`` gives nominal pads other than the table's."""
 
     tables: tuple[Stored, ...] = ()
     logs: tuple[Log, ...] = ()
@@ -31,11 +31,11 @@ class Given:
     vehicle: Vehicle | None = None
 
 
-def sheets(given: Given) -> Iterator[Sheet]:
-    """One sheet after the other, each ready to be drawn.
+def sheets(given: PlotInput) -> Iterator[Sheet]:
+    """The sheets of the given inputs, one after the other.
 
-    At most two tables, and two only alone; a vehicle only where something is estimated with it or
-    a result is drawn. Raises ValueError otherwise, LogError for a log that the estimator refuses.
+    At most two tables; two tables without logs or results. Raises ValueError otherwise, and for a
+    vehicle that no estimate and no result uses; LogError for a log that the estimator refuses.
     """
     if len(given.tables) == 2 and not given.logs:
         a, b = given.tables
@@ -45,7 +45,7 @@ def sheets(given: Given) -> Iterator[Sheet]:
     elif not given.tables:
         yield from map(log.sheet, given.logs)
     else:
-        raise ValueError("two tables go alone, more do not go at all")
+        raise ValueError("two tables are drawn without logs, three or more cannot be drawn")
     for result in given.results:
         yield stop.sheet(from_result(result, given.vehicle))
 
@@ -60,7 +60,7 @@ def _of_table(stored: Stored, logs: tuple[Log, ...], vehicle: Vehicle | None) ->
         if found.digest not in roles:
             yield _of_stop(stored.table, stored.id, found, vehicle)
         elif roles[found.digest] != "ramp":
-            yield log.sheet(found)  # a coast: nothing in it is braked
+            yield log.sheet(found)  # a coast has no braked sample
 
 
 def _of_stop(used: Table, name: str, found: Log, vehicle: Vehicle | None) -> Sheet:

@@ -1,4 +1,4 @@
-"""Two tables side by side: their curves with bands, and by how much they differ."""
+"""Two tables side by side: their curves with bands, and their differences."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -60,7 +60,7 @@ def _curves(table: Table) -> dict[str, Curve]:
 
 
 def forces(ax: "Axes", both: dict[str, tuple[Curve, Curve]], names: Sequence[str]) -> None:
-    """f1 above and f2 below the line of nought, for both tables."""
+    """f1 above and f2 below the zero line, for both tables."""
     ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
     for key in ("f1", "f2"):
         _draw_both(ax, both[key], [f"${key[0]}_{key[1]}$ {name}" for name in names])
@@ -118,7 +118,7 @@ def _draw_gap(ax: "Axes", both: tuple[Curve, Curve], stroke: Stroke, label: str)
 def gap(a: Curve, b: Curve) -> tuple[Array, Array, Array]:
     """Axis, b - a and the half-width of its 95 % band, at the rows of both on their common range.
 
-    Linear between rows, as a table is read. Empty when the ranges do not meet.
+    Linear between rows, as in a look-up. Empty when the ranges do not overlap.
     """
     start, end = max(a[0][0], b[0][0]), min(a[0][-1], b[0][-1])
     x = np.union1d(a[0], b[0])

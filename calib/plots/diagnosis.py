@@ -1,7 +1,7 @@
-"""A diagnosis: the hold-outs replayed before and after, and what speaks for what was found.
+"""A diagnosis: the hold-outs replayed before and after, and the evidence for the named effects.
 
-Replays know the pressure and the first speed only. What is drawn is replay less measurement, as its
-mean over a tenth of a second; the noise of the sensor is the band around nought.
+Replays use the pressure and the first speed only. Drawn is replay less measurement, as its mean
+over 0.1 s; the noise of the sensor is the band around zero.
 """
 
 from collections.abc import Iterator
@@ -29,7 +29,7 @@ BEFORE: Stroke = {**REAR, "linewidth": 1.4}
 AFTER: Stroke = {**FRONT, "linewidth": 1.4}
 
 CLOCK = 0.02
-"""Step of what is drawn [s]: a curve is smoothed over more than that."""
+"""Step between drawn points [s]; a curve is smoothed over a longer time."""
 
 PAUSE = 0.6
 """Space between two logs on one axis [s]."""
@@ -96,9 +96,9 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
         title=f"Diagnosis of {name}: {heading(found)}",
         note=(
             "Replays are open loop: pressure and first speed only. Before: pads and tyre "
-            "re-identified, no effect added. After: with what was found. The band is 95 % of the "
-            "noise of single samples. An innovation is a residual freed of the memory of its "
-            "noise, in units of that noise; its mean square is 1 if nothing is left to explain."
+            "re-identified, no effect added. After: with all that was added. The band is 95 % of "
+            "the noise of single samples. An innovation is a residual after whitening, in units of "
+            "its noise; its mean square is 1 if the model explains everything but noise."
         ),
         panels=tuple(panels),
         rows=tuple(rows),
@@ -123,30 +123,30 @@ def replays_of(found: Diagnosis) -> list[Replay]:
 
 
 def split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
-    """The difference of wheel speeds that shows the effect: between axles, or between sides."""
-    seen = {effect.where.channel for effect in found.effects}
-    if "front_sides" in seen:
+    """Weights and words of the wheel speed difference that shows the effect: axles or sides."""
+    channels = {effect.where.channel for effect in found.effects}
+    if "front_sides" in channels:
         return FRONT_SIDES, "front, left less right"
-    if "rear_sides" in seen:
+    if "rear_sides" in channels:
         return REAR_SIDES, "rear, left less right"
     return AXLES, "front less rear"
 
 
 def speed(ax: "Axes", logs: list[Replay], same: bool) -> None:
     """Error of v of every hold-out, one after another."""
-    weights, start, seen = {"v": 1.0}, 0.0, []
+    weights, start, shown = {"v": 1.0}, 0.0, []
     across = ax.get_xaxis_transform()
     for i, log in enumerate(logs):
         end = start + float(log.measured.time[-1] - log.measured.time[0])
         half = log.band(weights)
         _band(ax, (start, end), half, first=i == 0)
-        seen += [*_draw(ax, log, weights, same, start, first=i == 0), np.array([-half, half])]
+        shown += [*_draw(ax, log, weights, same, start, first=i == 0), np.array([-half, half])]
         ax.text(start, 0.02, log.measured.name, transform=across, fontsize=7.0, va="bottom")
         if i:
             ax.axvline(start - 0.5 * PAUSE, color="#AAAAAA", linewidth=0.7, linestyle=DOTTED)
         start = end + PAUSE
     ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
-    view(ax, *seen, zero=True, margin=0.15)
+    view(ax, *shown, zero=True, margin=0.15)
     low, high = ax.get_ylim()
     ax.set_ylim(low - 0.12 * (high - low), high)  # room for the names of the logs
     ax.set(xlabel="time, one log after another [s]", ylabel="replay less measured $v$ [m/s]")
@@ -156,9 +156,9 @@ def one(ax: "Axes", log: Replay, weights: dict[str, float], label: str, same: bo
     """Error of one channel or difference of channels in one log."""
     half = log.band(weights)
     _band(ax, (0.0, float(log.measured.time[-1] - log.measured.time[0])), half)
-    seen = _draw(ax, log, weights, same)
+    shown = _draw(ax, log, weights, same)
     ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
-    view(ax, *seen, np.array([-half, half]))
+    view(ax, *shown, np.array([-half, half]))
     ax.set(xlabel="time [s]", ylabel=label)
 
 
@@ -175,7 +175,7 @@ def _draw(
     start: float = 0.0,
     first: bool = True,
 ) -> list[Array]:
-    """Draw before and after, or the one replay there is; returns what was drawn."""
+    """Draw the replays before and after, or the only one; returns the drawn values."""
     drawn = []
     for when, time, off in log.curves(weights):
         if same and when == "before":
@@ -196,7 +196,7 @@ def gap(ax: "Axes", found: Diagnosis) -> None:
     for shift, when, stroke in ((-0.2, "before", BEFORE), (0.2, "after", AFTER)):
         if same and when == "before":
             continue
-        # what is gone altogether still shows as a line at the foot
+        # a gap of zero is still drawn, as a line at the foot
         height = [max(getattr(c, when) / c.noise, 1.15 * least) for c in channels.values()]
         ax.bar(
             place + (0.0 if same else shift),
@@ -226,7 +226,7 @@ def _symbol(channel: str) -> str:
 
 
 def evidence(ax: "Axes", found: Diagnosis) -> None:
-    """Mean squared innovation that each explanation leaves, over the 1 of pure noise."""
+    """Mean squared innovation that each explanation leaves; noise alone is 1."""
     rows = explanations(found)
     place = -np.arange(len(rows), dtype=float)
     for y, (label, left, stroke) in zip(place, rows, strict=True):
@@ -255,7 +255,7 @@ def evidence(ax: "Axes", found: Diagnosis) -> None:
 
 
 def explanations(found: Diagnosis) -> list[tuple[str, float, Stroke]]:
-    """What was tried and what it leaves, worst first: label, mean squared innovation, stroke."""
+    """The explanations, worst first: label, mean squared innovation that it leaves, stroke."""
     before, after = found.reduced_before, found.reduced_after
     rows = [("nothing added", before, BEFORE)]
     if found.unexplained is not None:

@@ -31,7 +31,7 @@ P = 0.3
 def distribution(ax: "Axes", table: Table) -> None:
     """Draw Fig. 2 for the car of a table, with its nominal and its identified pads.
 
-    Torques are per axle. As (9) has it, the inertia of the wheels is left out.
+    Torques are per axle. As in (9), the inertia of the wheels is neglected.
     """
     vehicle, pads = table.vehicle, table.calibration
     half = Z95 * pads.pad_log_ratio.sigma
@@ -82,7 +82,7 @@ def beta_point(vehicle: Vehicle, ratio: float, z: float) -> tuple[float, float]:
 
 
 def _constant_decelerations(ax: "Axes", vehicle: Vehicle, ratio: float) -> None:
-    """Thin lines of constant z, and the points in which the identified beta line meets them."""
+    """Thin lines of constant z, and their intersections with the identified beta line."""
     grey = NOMINAL["color"]
     for z in DECELERATIONS:
         front = vehicle.weight * z * vehicle.front.rolling_radius / 1e3

@@ -1,4 +1,4 @@
-"""One figure of a fleet: how it is distributed, and how it went along the line.
+"""One metric of a fleet: its distribution, and its values in the order of the line.
 
 distribution   bars of cars, median, 5 to 95 %, outliers as marks below, beyond the axis as arrows
 in order       cars as points, centre and 3 sigma, alarms of the run rules, change of level
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 DOTS = 2000
-"""More cars than this are drawn as a picture of points, not as lines of a drawing."""
+"""Above this number of cars the points are drawn as a raster image, not as vectors."""
 
 TAIL = 6.0
-"""How many scales about the median the axes reach; what lies beyond is a mark at the edge."""
+"""Range of the axes about the median, in scales; a value beyond is a mark at the edge."""
 
 
 def sheet(found: Summary, look: Look) -> Sheet:
-    """Return the sheet of one figure."""
+    """Return the sheet of one metric."""
     return Sheet(
         kind="fleet",
         name=look.metric.name,
@@ -52,7 +52,7 @@ def distribution(ax: "Axes", look: Look) -> None:
     ax.axvspan(five, ninety, color=SHADE, linewidth=0.0, zorder=0, label="5 to 95 %")
     ax.axvline(look.spread.median, color=FRONT["color"], label="median")
     for part, marker, label in _outliers(look, low, high, "<>"):
-        # in axes coordinates across, and not cut at the edge: a mark for what lies beyond it
+        # x in axes coordinates and not clipped: marks at the edge for values beyond it
         far = np.clip(look.values[part], low, high)
         marks = ax.plot(far, np.full(far.size, 0.02), marker, color=REAR["color"], ms=5)[0]
         marks.set(transform=ax.get_xaxis_transform(), clip_on=False, zorder=5, label=label)
@@ -87,14 +87,14 @@ def in_order(ax: "Axes", found: Summary, look: Look) -> None:
     ax.set_ylim(*_room(low, high))
     ax.set_xlim(0.0, len(found.logs) + 1.0)
     ax.locator_params(axis="x", integer=True)
-    told = found.ordered_by.replace("$", r"\$")
-    ax.set(xlabel=f"log, ordered by {told}", ylabel=_axis(look))
+    ordered_by = found.ordered_by.replace("$", r"\$")
+    ax.set(xlabel=f"log, ordered by {ordered_by}", ylabel=_axis(look))
 
 
 def _outliers(
     look: Look, low: float, high: float, arrows: str
 ) -> Iterator[tuple[NDArray[np.bool_], str, str]]:
-    """Outliers within the axes, then those below and above: which, their mark, their label."""
+    """Outliers within the axes, then those below and above: mask, mark and label of each group."""
     below, above = look.values < low, look.values > high
     groups = ((~below & ~above, "D", "outlier"), (below, arrows[0], ""), (above, arrows[1], ""))
     for where, marker, label in groups:
@@ -106,7 +106,7 @@ def _outliers(
 
 
 def window(look: Look) -> tuple[float, float]:
-    """What the axes show: all values, but no farther than `TAIL` scales from the median."""
+    """Range of the axes: all values, but at most `TAIL` scales from the median."""
     low, high = float(np.min(look.values)), float(np.max(look.values))
     reach = TAIL * look.spread.scale
     if look.chart is not None:
@@ -121,10 +121,10 @@ def _room(low: float, high: float) -> tuple[float, float]:
 
 
 def _axis(look: Look) -> str:
-    name = look.metric.name.replace("$", r"\$")  # a name is no formula
+    name = look.metric.name.replace("$", r"\$")  # a dollar in a name must not start a formula
     return f"{name} [{look.metric.unit}]"
 
 
 def picture_name(figure: str) -> str:
-    """File name of the picture of a figure, whatever the column is called."""
+    """File name of the picture of a metric; valid for any column name."""
     return re.sub(r"[^\w.-]", "_", figure) + ".png"

@@ -1,4 +1,4 @@
-"""A log as it is, without table or vehicle: speeds, pressure, deceleration, raw eta."""
+"""A log without table or vehicle: speeds, pressure, deceleration, raw eta."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -20,13 +20,13 @@ Array = NDArray[np.float64]
 
 BAR = 1e5
 DRIVEN = 0.05
-"""A car that gains speed faster than this is driven [g]."""
+"""Acceleration above which the wheels count as driven [g]."""
 WHEEL_PRESSURES = tuple(f"p_{wheel}" for wheel in WHEELS)
 SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
 
 
 def sheet(log: Log) -> Sheet:
-    """Return the sheet of a log; what was not logged has no panel, and the foot says so."""
+    """Return the sheet of a log; the note names the channels that are missing and not drawn."""
     panels = log_panels(log)
     missing = [name for name in ("p_mc", "a_x", *SPINS, "v") if name not in log]
     step = log.sample_time
@@ -67,7 +67,7 @@ def speeds(ax: "Axes", log: Log) -> None:
     if "v" not in log:
         _frame(ax, log, "wheel speed [rad/s]")
         return
-    # at a nominal radius: a log alone knows no car
+    # at a nominal radius: the car of a log is not known
     scaled = log["v"] / NOMINAL_RADIUS
     ax.plot(log.time, scaled, label=f"$V$ / {NOMINAL_RADIUS:g} m", linewidth=0.8, **BODY)
     _frame(ax, log, "wheel speed [rad/s]")
@@ -76,7 +76,7 @@ def speeds(ax: "Axes", log: Log) -> None:
 
 
 def pressure(ax: "Axes", log: Log) -> None:
-    """Master-cylinder pressure, and those of the wheels where logged."""
+    """Master-cylinder pressure, and the wheel pressures where logged."""
     labels = {"p_mc": ("master cylinder", BODY)}
     labels |= {
         f"p_{wheel}": (wheel, {**WHEEL_STROKES[wheel], "linewidth": 1.0}) for wheel in WHEELS
@@ -86,7 +86,7 @@ def pressure(ax: "Axes", log: Log) -> None:
         if name in log:
             noisy(ax, log.time, log[name] / BAR, stroke, label)
             shown.append(smooth(log.time, log[name] / BAR))
-    view(ax, *shown, np.array([0.0, 1.0]))  # a bar at least: noise of an unbraked run stays small
+    view(ax, *shown, np.array([0.0, 1.0]))  # 1 bar at least: noise stays small
     _frame(ax, log, "pressure [bar]")
 
 
@@ -97,11 +97,11 @@ def deceleration(ax: "Axes", log: Log) -> None:
 
 
 def eta(ax: "Axes", log: Log) -> None:
-    """Eta of the axle means (22), not zeroed, while the wheels turn fast enough to be believed."""
+    """Eta of the axle means (22), not zeroed, where the wheel speeds are high enough."""
     percent = raw_eta(log)
     noisy(ax, log.time, percent, IDENTIFIED, r"$\omega_r/\omega_f - 1$")
     shown = smooth(log.time, percent)
-    if "a_x" in log:  # wheels that spin under power would hide what braking does
+    if "a_x" in log:  # driven wheels would set a range in which the braking is too small to read
         shown = shown[smooth(log.time, -log["a_x"] / G) > -DRIVEN]
     view(ax, shown)
     _frame(ax, log, r"$\eta - 1$ [%]")

@@ -1,4 +1,4 @@
-"""What a ramp measured, block by block, as points to hold against the curves of its table."""
+"""Measured points of a ramp, block by block, for comparison with the curves of its table."""
 
 from dataclasses import dataclass, replace
 
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 GROUP = 5
-"""Blocks in a point: a quarter of a second takes enough noise out of eta to see the curve."""
+"""Blocks per point: a mean over 0.25 s reduces the noise of eta enough to show the curve."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +31,10 @@ class MeasuredRamp:
     """A ramp in blocks, shapes (k,), SI.
 
     ``time`` [s]; ``pressure`` [Pa]; ``z`` as measured and ``carried``, the part of it that the
-    tyres carry [1]; ``eta`` zeroed on the lead-in and ``eta_model``, what the identified car would
-    show on this run [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads,
-    ``f1``, ``f2`` of them [1]; ``slip_f``, ``slip_r`` [1] as at the load of the tyre curve, None
-    without v; ``braked`` blocks that count.
+    tyres carry [1]; ``eta`` zeroed on the lead-in and ``eta_model``, that of the identified car on
+    this run [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads, ``f1``,
+    ``f2`` from them [1]; ``slip_f``, ``slip_r`` [1] at the load of the tyre curve, None without v;
+    ``braked`` blocks with enough pressure.
     """
 
     name: str
@@ -54,9 +54,9 @@ class MeasuredRamp:
 
 
 def measure(table: Table, log: Log) -> MeasuredRamp:
-    """Reduce a ramp with the pads, the resistance and the load exponent that ``table`` found.
+    """Evaluate a ramp with the pads, the resistance and the load exponent of ``table``.
 
-    The force side is smooth, all noise is in eta and slip. Raises LogError as `signals` does.
+    The forces are smooth, the noise is in eta and slip. Raises LogError as `signals` does.
     """
     ran = remove_known_effects(table.vehicle, log)
     vehicle = ran.vehicle
@@ -68,7 +68,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     f1, f2 = paper_curves(vehicle, b.z, F_f - F_r)
     eta_model, _ = predict(vehicle, run, parameters, 0.0, 0.0)
     free = b.lead_in
-    # the unbraked axles already differ a little: drag is carried by both, rolling by each its own
+    # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
     slips = _slips(table, b, run.load_f, run.load_r)
     return MeasuredRamp(
@@ -90,7 +90,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
 
 
 def _slips(table: Table, b: Blocks, load_f: Array, load_r: Array) -> tuple[Array, Array] | None:
-    """Slips (19), (20) of the axles, at the load of the tyre curve, as in `calib.physics.tyre`."""
+    """Slips (19), (20) of the axles [1] (k,), converted to the load of the tyre curve."""
     if b.v is None or not b.lead_in.any():
         return None
     posterior = table.posterior
@@ -105,7 +105,7 @@ def _slips(table: Table, b: Blocks, load_f: Array, load_r: Array) -> tuple[Array
 
 
 def grouped(values: Array, mask: Mask) -> Array:
-    """Means of `GROUP` consecutive blocks where ``mask`` holds; a rest is dropped."""
+    """Means of `GROUP` consecutive blocks where ``mask`` is true, without an incomplete group."""
     kept = values[mask]
     count = kept.size // GROUP
     return np.asarray(kept[: count * GROUP].reshape(count, GROUP).mean(axis=1))

@@ -19,7 +19,7 @@ BAR = 1e5
 
 
 def panels(ramp: MeasuredRamp, suffix: str = "") -> tuple[Panel, ...]:
-    """Pressure and forces over time; ``suffix`` tells several ramps of a table apart."""
+    """Pressure and forces over time; ``suffix`` distinguishes the ramps of a table."""
     return (
         Panel(
             f"pressure{suffix}", f"Pressure of {ramp.name} (Fig. 4)", lambda ax: pressure(ax, ramp)
@@ -29,13 +29,13 @@ def panels(ramp: MeasuredRamp, suffix: str = "") -> tuple[Panel, ...]:
 
 
 def pressure(ax: "Axes", ramp: MeasuredRamp) -> None:
-    """Fig. 4."""
+    """Pressure over time, Fig. 4."""
     ax.plot(ramp.time, ramp.pressure / BAR, label="greater of the axles' pressures", **BODY)
     ax.set(xlabel="time [s]", ylabel="brake pressure [bar]")
 
 
 def forces(ax: "Axes", ramp: MeasuredRamp) -> None:
-    """Fig. 5: what the tyres carry of z lies between the normalised forces of the axles."""
+    """Fig. 5: the part of z that the tyres carry is between the normalised forces of the axles."""
     noisy(ax, ramp.time, ramp.F_f, FRONT, "front $F_f$")
     noisy(ax, ramp.time, ramp.z, NOMINAL, "$z$ as measured")
     noisy(ax, ramp.time, ramp.F_r, REAR, "rear $F_r$")
@@ -46,10 +46,10 @@ def forces(ax: "Axes", ramp: MeasuredRamp) -> None:
 def points(
     ax: "Axes", ramp: MeasuredRamp, x: Array, y: Array, mask: Mask, stroke: Stroke, label: str = ""
 ) -> None:
-    """Blocks as dots, and their means over a quarter of a second as rings, the rear's triangles."""
+    """Blocks as dots, and their means over 0.25 s as rings, those of the rear as triangles."""
     ax.plot(x[mask], y[mask], ".", color=stroke["color"], ms=2.0, alpha=0.35, mew=0.0)
     ring: Stroke = {"color": stroke["color"], "mfc": "white", "ms": 3.4, "mew": 0.8}
-    shown = label or "_points"  # a legend leaves out what begins with an underscore
+    shown = label or "_points"  # labels that begin with an underscore are not in the legend
     marker = "^" if stroke is REAR else "o"
     means = grouped(x, mask), grouped(y, mask)
     ax.plot(*means, marker, linestyle="", label=shown, zorder=3, **ring)

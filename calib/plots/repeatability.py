@@ -1,4 +1,4 @@
-"""A gauge study: every figure by car and station, and what its scatter is made of.
+"""A gauge study: every metric by car and station, and the causes of its scatter.
 
 values   |  .  o       one column a car, one mark a station, a line at the car's mean
 bars     |  [==]--|    standard deviation of each cause over the total, 95 % interval
@@ -27,14 +27,14 @@ LABELS = {
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 COLOURS = tuple(s["color"] for s in (FRONT, REAR, IDENTIFIED, LAW, BODY, NOMINAL))
 NAMED = 12
-"""More cars than this are numbered, not named."""
+"""Above this number the cars are numbered, not named."""
 
 
 def sheet(found: GaugeStudy) -> Sheet:
-    """Return the sheet of a gauge study: two panels for every figure."""
+    """Return the sheet of a gauge study: two panels for every metric."""
     pairs = [_panels(found, result) for result in found.results]
     stations = f", {len(found.stations)} stations" if found.stations else ""
-    told = (
+    sentences = (
         "Points are single ramps, a bar is the mean of a car",
         "Components are standard deviations over the total one, with 95 % intervals; shaded: "
         "gauge up to 10 and 30 %",
@@ -45,7 +45,7 @@ def sheet(found: GaugeStudy) -> Sheet:
         kind="repeatability",
         name="repeatability",
         title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
-        note=". ".join(told) + ".",
+        note=". ".join(sentences) + ".",
         panels=tuple(panel for pair in pairs for panel in pair),
         rows=tuple((values.name, values.name, parts.name) for values, parts in pairs),
         heights=(0.8,) * len(pairs),
@@ -66,7 +66,7 @@ def _verdict(result: GaugeResult) -> str:
 
 
 def by_car(ax: "Axes", found: GaugeStudy, result: GaugeResult) -> None:
-    """Draw the values, a column for each car, stations side by side in it."""
+    """Draw the values: one column for each car, with its stations side by side."""
     cars, stations = found.cars, found.stations or ("",)
     x = np.array([float(cars.index(r.car)) for r in found.readings])
     for k, station in enumerate(stations):
@@ -92,11 +92,11 @@ def by_car(ax: "Axes", found: GaugeStudy, result: GaugeResult) -> None:
         ax.set_xticks(range(len(cars)), shown, rotation=turn, ha="right" if turn else "center")
     ax.set(ylabel=f"{result.name} [1]", xlabel="" if names else "car, in order of its name")
     ax.set_xlim(-0.6, len(cars) - 0.4)
-    ax.ticklabel_format(axis="y", style="plain", useOffset=False)  # no factor over the legend
+    ax.ticklabel_format(axis="y", style="plain", useOffset=False)  # a factor would cover the legend
 
 
 def _plain(name: str) -> str:
-    """A name as it is: no formula, and none that the legend would hide."""
+    """A name as plain text: no formula, and no leading underscore, which the legend would hide."""
     shown = name.replace("$", r"\$")
     return f" {shown}" if shown.startswith("_") else shown
 
@@ -121,7 +121,7 @@ def components(ax: "Axes", result: GaugeResult) -> None:
         ax.plot(low, i, "|", color=BODY["color"], ms=5.0, zorder=3)
         if high <= top:
             ax.plot(high, i, "|", color=BODY["color"], ms=5.0, zorder=3)
-        else:  # the interval goes on beyond the picture, and says so
+        else:  # the interval reaches beyond the axis: an arrow shows it
             ax.plot(top, i, ">", color=BODY["color"], ms=4.5, zorder=4, clip_on=False)
         if name in result.gauge.negative:
             ax.text(2.0, i - 0.1, "came out negative", va="bottom", fontsize=6.5, zorder=4)

@@ -57,7 +57,7 @@ def is_result(path: Path) -> bool:
     try:
         names = set(read_schema(path).names)
     except (OSError, ArrowException):
-        return False  # whoever reads it as a log says what is wrong with it
+        return False  # it is then read as a log, which reports the cause
     return {"valid", "pad_friction_f", "pad_friction_r"} <= names
 
 

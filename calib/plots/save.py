@@ -1,4 +1,4 @@
-"""Figures to bytes and files. The same figure gives the same bytes, in any year.
+"""Figures to bytes and files. The same figure always gives the same bytes.
 
 PNG and SVG hold one page each; a PDF holds as many as there are.
 """
@@ -14,13 +14,13 @@ from calib.plots.style import styled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Neither time nor version of the drawing program: they would change the bytes.
+# No time and no version of matplotlib in a file: they would change the bytes.
 METADATA: dict[str, dict[str, Any]] = {
     ".png": {"Software": None},
     ".svg": {"Date": None, "Creator": "brake-cal"},
     ".pdf": {"CreationDate": None, "Producer": "brake-cal", "Creator": "brake-cal"},
 }
-"""What a file of each ending says of itself; its keys are the endings that are known."""
+"""Metadata of a file by ending; the keys are the endings that are known."""
 
 ENDINGS = tuple(METADATA)
 

@@ -1,9 +1,9 @@
-"""A sheet: panels that belong together, drawn as one page or one by one.
+"""A sheet: panels of one page, drawn together or one by one.
 
     Panel  a name, a title, and a function that draws it into its axes
     Sheet  panels, and the rows in which the page shows them
 
-The legend of a panel stands between its title and its axes, where it covers no data.
+The legend of a panel is between its title and its axes, where it covers no data.
 """
 
 import math
@@ -42,15 +42,15 @@ class Panel:
 
 @dataclass(frozen=True)
 class Sheet:
-    """What belongs on one page.
+    """The panels of one page, with title and note.
 
     Attributes
     ----------
     kind : table, ramp, stop, simulation, comparison or log.
-    name : for file names.
-    title, note : above the page and at its foot.
-    panels : all of them, the first ones in ``rows``.
-    rows : panel names as they stand on the page; a repeated name spans its places.
+    name : used in file names.
+    title, note : text above the panels and below them.
+    panels : all panels; those that ``rows`` does not name are drawn only alone.
+    rows : panel names in the layout of the page; a repeated name spans its places.
     heights : relative heights of the rows.
     """
 
@@ -79,7 +79,7 @@ class Sheet:
             entries = {n: panels[n].fill(ax) for n, ax in places.items()}
             top = {n: next(i for i, row in enumerate(self.rows) if n in row) for n in places}
             for i, (name, ax) in enumerate(places.items()):
-                # titles that stand beside each other stand on one line
+                # titles of one row are at one height
                 room = max(entries[n] for n in places if top[n] == top[name])
                 ax.set_title(
                     f"({chr(ord('a') + i)}) {panels[name].title}", pad=4 + LEGEND_ROW * room
@@ -104,6 +104,6 @@ def _frame(figure: "Figure", sheet: Sheet, width: int) -> None:
     """Title above and note below, both from the left edge."""
     figure.suptitle(sheet.title, x=0.012, ha="left")
     if sheet.note:
-        whole = sheet.note.replace(" %", "\u00a0%")  # a figure keeps its unit on its line
+        whole = sheet.note.replace(" %", "\u00a0%")  # no line break between a number and its unit
         text = "\n".join(textwrap.wrap(whole, width))
         figure.supxlabel(text, x=0.012, ha="left", fontsize=7.0, color="#444444")

@@ -1,4 +1,4 @@
-"""A simulation, where the truth is known: Figs. 9 to 11, and how far off each torque is."""
+"""A simulation, where the truth is known: Figs. 9 to 11, and the error of each torque."""
 
 from typing import TYPE_CHECKING
 
@@ -63,15 +63,15 @@ def _panels(
 
 def compensation(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Fig. 9, one axle: truth, nominal, the gradient law and the estimate with its interval."""
-    seen = [axle.lower, axle.upper]
+    curves = [axle.lower, axle.upper]
     if BASELINE in axle.baselines:
         ax.plot(trace.time, axle.baselines[BASELINE], label=r"gradient law on $D(\eta)$", **LAW)
-        seen.append(axle.baselines[BASELINE])
+        curves.append(axle.baselines[BASELINE])
     pad_estimate(ax, trace, axle, stroke)
     if axle.true_pad is not None:
-        seen.append(axle.true_pad)
+        curves.append(axle.true_pad)
     nominal = [] if axle.nominal is None else [np.array([axle.nominal])]
-    view(ax, *(values[trace.valid] for values in seen), *nominal)
+    view(ax, *(values[trace.valid] for values in curves), *nominal)
     frame(ax, trace, "pad friction [1]")
 
 
@@ -86,7 +86,7 @@ def torque(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> Non
 
 
 def error(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
-    """What the torques of the left wheel are off, where the estimator stands behind the sample."""
+    """Error of the torques of the left wheel, at valid samples."""
     true = axle.true_wheel_torque
     if true is None:
         return
@@ -106,6 +106,6 @@ def error(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None
 
 
 def relative(found: Array, true: Array, trace: StopTrace) -> Array:
-    """Error of ``found`` over ``true`` [%], (n,); NaN where not valid or where nothing brakes."""
+    """Relative error of ``found`` [%] (n,); NaN where not valid or where ``true`` is near zero."""
     known = trace.valid & (true > 0.0)
     return np.where(known, 100.0 * (found / np.where(known, true, 1.0) - 1.0), np.nan)

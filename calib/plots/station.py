@@ -1,4 +1,4 @@
-"""What a station report shows of a car: its curves, its pads stop by stop, each stop over time."""
+"""The plots of a station report: curves of the table, pads by stop, each stop over time."""
 
 from typing import TYPE_CHECKING
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST = 5
-"""Samples between two points of a drawn line: 25 ms at 200 Hz, less than its mean is wide."""
+"""Samples between two points of a drawn line: 25 ms at 200 Hz, less than the window of its mean."""
 
 
 def sheet(table: Table, results: tuple[Validation, ...]) -> Sheet:
-    """Panels `f1-f2`, `difference`, `pads`, and `stop-1` and on for the hold-outs."""
+    """Panels `f1-f2`, `difference`, `pads`, and `stop-1`, `stop-2` ... for the hold-outs."""
     curves = tuple(
         panel for panel in table_sheet(table, "").panels if panel.name in ("f1-f2", "difference")
     )
@@ -62,19 +62,19 @@ def pads_over_time(ax: "Axes", result: Validation) -> None:
     """Pad friction of both axles over time with its 95 % band; grey where it is not valid."""
     e = result.estimate
     shade(ax, e.time, ~e.valid)
-    seen = []
+    curves = []
     for axle, stroke, word in ((e.front, FRONT, "front"), (e.rear, REAR, "rear")):
         good = np.where(e.valid, axle.pad_friction, np.nan)
         line, low, high = (x[::MOST] for x in (smooth(e.time, good), axle.lower, axle.upper))
         band(ax, e.time[::MOST], low, high, stroke)
         ax.plot(e.time[::MOST], line, label=word, **stroke)
-        seen += [line, np.where(np.isfinite(line), low, np.nan)]
-        seen.append(np.where(np.isfinite(line), high, np.nan))
-    view(ax, *seen, zero=True)
+        curves += [line, np.where(np.isfinite(line), low, np.nan)]
+        curves.append(np.where(np.isfinite(line), high, np.nan))
+    view(ax, *curves, zero=True)
     ax.set_xlabel("time [s]")
     ax.set_ylabel("pad friction [1]")
 
 
 def _plain(name: str) -> str:
-    """A log's name as text: a dollar would start a formula, and no font has every character."""
+    """A log's name as plain text: no formula, and only characters that the font has."""
     return "".join(c if c.isascii() and c.isprintable() else "?" for c in name).replace("$", r"\$")

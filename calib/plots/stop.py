@@ -1,4 +1,4 @@
-"""A stop as the estimator saw it: the panels of Figs. 13 to 16."""
+"""A stop with its estimate: the panels of Figs. 13 to 16."""
 
 from typing import TYPE_CHECKING
 
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SHADED = "Grey: the estimator does not stand behind the sample."
-CHANGED = "Dotted upright line: a change of surface was found."
+SHADED = "Grey: the sample is not valid."
+CHANGED = "Dotted vertical line: a change of surface was detected."
 WHEEL_STROKES: dict[str, Stroke] = {
     "fl": {"color": "#0072B2", "linestyle": "-"},
     "fr": {"color": "#56B4E9", "linestyle": DASH_DOT},
@@ -41,13 +41,13 @@ WHEEL_STROKES: dict[str, Stroke] = {
 }
 RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
 SLIP_MEAN = 0.3
-"""Slip is the difference of two nearly equal speeds: it takes a longer mean [s] to be seen."""
+"""Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
 BASELINES: dict[str, tuple[str, Stroke]] = {
     "mean_gain": ("one mean gain", LEVEL),
     "gradient_paper": ("gradient law, paper look-up", LAW),
     "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
 }
-"""Methods drawn thin beside the estimate: one of each kind, more would hide it."""
+"""Methods drawn thin beside the estimate: one of each kind, so that the estimate stays visible."""
 
 
 def sheet(trace: StopTrace) -> Sheet:
@@ -68,7 +68,7 @@ def sheet(trace: StopTrace) -> Sheet:
 
 
 def note(trace: StopTrace) -> str:
-    """Foot of the page: where it comes from and what the marks mean."""
+    """Note of the page: source of the data and meaning of the marks."""
     changed = (CHANGED,) if trace.changes else ()
     return " ".join((*trace.notes, SHADED, *changed, "Bands are 95 %."))
 
@@ -110,8 +110,8 @@ def frame(ax: "Axes", trace: StopTrace, ylabel: str) -> None:
 
 
 def wheel_speeds(ax: "Axes", trace: StopTrace) -> None:
-    """Panel (a)."""
-    if trace.v_wheel is not None:  # first, so that it lies below the wheels
+    """Wheel speeds, panel (a)."""
+    if trace.v_wheel is not None:  # first, so that it is drawn below the wheels
         ax.plot(trace.time, trace.v_wheel, label="$V/R$", linewidth=1.0, **BODY)
     for wheel, omega in trace.wheels.items():
         ax.plot(trace.time, omega, label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
@@ -119,14 +119,14 @@ def wheel_speeds(ax: "Axes", trace: StopTrace) -> None:
 
 
 def deceleration(ax: "Axes", trace: StopTrace) -> None:
-    """Panel (b)."""
+    """Deceleration, panel (b)."""
     noisy(ax, trace.time, trace.z, BODY, "$z = -a_x/g$")
     view(ax, smooth(trace.time, trace.z), zero=True)
     frame(ax, trace, "deceleration [g]")
 
 
 def normalised_forces(ax: "Axes", trace: StopTrace) -> None:
-    """Panel (c)."""
+    """Normalised forces, panel (c)."""
     noisy(ax, trace.time, trace.front.force, FRONT, "front $F_f$")
     noisy(ax, trace.time, trace.rear.force, REAR, "rear $F_r$")
     both = [smooth(trace.time, axle.force) for axle in (trace.front, trace.rear)]
@@ -135,7 +135,7 @@ def normalised_forces(ax: "Axes", trace: StopTrace) -> None:
 
 
 def slip(ax: "Axes", trace: StopTrace) -> None:
-    """Slips where v is known, and eta: what they look like from the wheels alone."""
+    """Slips where v is known, and eta, which needs the wheel speeds only."""
     shown = []
     for values, stroke, label in (
         (trace.front.slip, FRONT, "front slip"),
@@ -173,7 +173,7 @@ def pad_estimate(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) 
 
 
 def _view_pads(ax: "Axes", trace: StopTrace, axle: AxleTrace, baselines: list[Array]) -> None:
-    """Range by the valid samples; baselines may run out of it, but not out of all sight."""
+    """Range of y by the valid samples; baselines may leave it, but widen it up to a limit."""
     valid = trace.valid
     core = [axle.lower[valid], axle.upper[valid]]
     core += [np.array([axle.nominal])] if axle.nominal is not None else []
@@ -196,13 +196,13 @@ def axle_torques(ax: "Axes", trace: StopTrace) -> None:
 
 
 def force_sum(ax: "Axes", trace: StopTrace) -> None:
-    """Panel (f). It is circular: with (18) it holds for any table, and the panel says so."""
+    """Sum of forces, panel (f). With (18) it is right for any table, so it validates nothing."""
     if trace.force_sum is None or trace.inertia is None:
         return
     noisy(ax, trace.time, trace.inertia / 1e3, BODY, "$M_v |a_x|$")
     compensated = {**LEVEL, "linewidth": 1.3}
     noisy(ax, trace.time, trace.force_sum / 1e3, compensated, "compensated")
-    seen = [trace.inertia, trace.force_sum]
+    sums = [trace.inertia, trace.force_sum]
     if trace.force_sum_nominal is not None:
         ax.plot(
             trace.time,
@@ -210,9 +210,9 @@ def force_sum(ax: "Axes", trace: StopTrace) -> None:
             label="nominal pads",
             **NOMINAL,
         )
-        seen.append(trace.force_sum_nominal)
-    view(ax, *(smooth(trace.time, s) / 1e3 for s in seen), zero=True)
-    ax.set_ylim(top=ax.get_ylim()[1] * 1.14)  # room for the words below
+        sums.append(trace.force_sum_nominal)
+    view(ax, *(smooth(trace.time, s) / 1e3 for s in sums), zero=True)
+    ax.set_ylim(top=ax.get_ylim()[1] * 1.14)  # space for the text below
     ax.text(
         0.5,
         0.985,

@@ -1,8 +1,8 @@
-"""How every figure looks: one place for fonts, colours and line styles.
+"""The style of all figures: fonts, colours and line styles.
 
-Colours are those of Okabe and Ito, which colour-blind readers tell apart; every line style differs
-as well, so that a print in grey still reads. What is measured is drawn twice: thin as it came,
-thick as its mean over a tenth of a second.
+Colours are those of Okabe and Ito, which colour-blind readers can distinguish; every line style
+differs as well, for prints in grey. Measured values are drawn twice: thin without smoothing, thick
+as their mean over 0.1 s.
 """
 
 from collections.abc import Iterator
@@ -37,14 +37,14 @@ IDENTIFIED: Stroke = {"color": "#009E73", "linestyle": "-"}
 
 SHADE = "#E9E9E9"
 RAW = 0.3
-"""Opacity of a line as it came."""
+"""Opacity of a line without smoothing."""
 BAND = 0.18
 """Opacity of a 95 % band."""
 MEAN = 0.1
 """Width of the mean that is drawn over a noisy line [s]."""
 
 _RC: dict[str, Any] = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib: the same on every machine
+    "font.family": "DejaVu Sans",  # part of matplotlib: the same on every machine
     "font.size": 8.0,
     "axes.titlesize": 8.5,
     "axes.titleweight": "bold",
@@ -72,14 +72,14 @@ _RC: dict[str, Any] = {
     "figure.constrained_layout.h_pad": 0.09,
     "figure.constrained_layout.w_pad": 0.07,
     "savefig.dpi": 160,
-    "pdf.fonttype": 42,  # text of a PDF can be searched and copied
-    "svg.hashsalt": "brake-cal",  # the same ids every time
+    "pdf.fonttype": 42,  # text in a PDF can be searched and copied
+    "svg.hashsalt": "brake-cal",  # the same ids in every file
 }
 
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Draw and save inside this; what the user has set for other figures is left alone."""
+    """Context in which to draw and save; the user's settings for other figures are not changed."""
     import matplotlib
 
     with matplotlib.rc_context():
@@ -92,7 +92,7 @@ def styled() -> Iterator[None]:
 def noisy(
     ax: "Axes", time: Array, values: Array, stroke: Stroke, label: str, window: float = MEAN
 ) -> None:
-    """Draw a measured line: thin as it came, thick as its centred mean over ``window`` [s]."""
+    """Draw a measured line: thin without smoothing, thick as centred mean over ``window`` [s]."""
     ax.plot(time, values, color=stroke["color"], linewidth=0.5, alpha=RAW)
     ax.plot(time, smooth(time, values, window), label=label, **stroke)
 
@@ -112,20 +112,20 @@ def band(ax: "Axes", x: Array, lower: Array, upper: Array, stroke: Stroke) -> No
 
 
 def shade(ax: "Axes", x: Array, where: Mask) -> None:
-    """Shade the whole height of ``ax`` where the mask holds."""
+    """Shade the whole height of ``ax`` where the mask is true."""
     across = ax.get_xaxis_transform()
     ax.fill_between(x, 0.0, 1.0, where=where, transform=across, color=SHADE, lw=0.0, zorder=0)
 
 
 def view(ax: "Axes", *values: Array, zero: bool = False, margin: float = 0.12) -> None:
-    """Set the y range to hold all finite ``values``, so that a wild line elsewhere cannot.
+    """Set the y range to all finite ``values``; other lines of the axis do not change it.
 
-    ``zero`` keeps nought in view. Without a finite value the axis stays as it is.
+    ``zero`` includes zero. Without a finite value the axis stays unchanged.
     """
-    seen = np.concatenate([np.ravel(v)[np.isfinite(np.ravel(v))] for v in values] or [np.empty(0)])
-    if seen.size == 0:
+    known = np.concatenate([np.ravel(v)[np.isfinite(np.ravel(v))] for v in values] or [np.empty(0)])
+    if known.size == 0:
         return
-    low, high = float(seen.min()), float(seen.max())
+    low, high = float(known.min()), float(known.max())
     if zero:
         low, high = min(low, 0.0), max(high, 0.0)
     room = margin * (high - low) or 0.1 * abs(high) or 1.0

@@ -1,6 +1,6 @@
-"""A table on a page: Figs. 2, 3 and 6, D(eta), and how often each cell was seen.
+"""A table on a page: Figs. 2, 3 and 6, D(eta), and the number of blocks in each cell.
 
-With the ramps it was made of, what they measured stands beside the curves; Figs. 4 and 5 follow.
+With the ramps it was made of, their measured points are drawn too, and Figs. 4 and 5.
 """
 
 from typing import TYPE_CHECKING
@@ -37,7 +37,7 @@ P = 0.3
 
 
 def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
-    """Return the sheet of one table. ``name`` is its id; ``ramps`` what its parents measured."""
+    """Return the sheet of one table. ``name`` is its id; ``ramps`` measured points of its logs."""
     suffixes = [""] if len(ramps) == 1 else [f"-{i + 1}" for i in range(len(ramps))]
     of_ramps = [ramp_figures.panels(r, s) for r, s in zip(ramps, suffixes, strict=False)]
     rows = [("torque-distribution", "tyre"), ("f1-f2", "difference"), ("f1-f2", "coverage")]
@@ -88,14 +88,14 @@ def _note(table: Table, ramps: Ramps) -> str:
 
 
 def by_flag(ax: "Axes", x: Array, y: Array, flag: Array, stroke: Stroke, label: str) -> None:
-    """Draw a curve of a table, each piece as the worse of its two ends is flagged."""
+    """Draw a curve of a table, each piece with the worse flag of its two ends."""
     worse = np.maximum(flag[:-1], flag[1:])
     for value, (word, style, width) in FLAGS.items():
         piece = worse == value
         if not piece.any():
             continue
         ends = np.concatenate([piece, [False]]) | np.concatenate([[False], piece])
-        # a value that is not a number breaks the line between pieces of this kind
+        # NaN separates the pieces of one flag
         shown = np.where(ends, y, np.nan)
         line: Stroke = {"color": stroke["color"], "linestyle": style, "linewidth": width}
         ax.plot(x, shown, label=f"{label} {word}", **line)
@@ -123,9 +123,9 @@ def tyre(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
 
 
 def _mark_p(ax: "Axes", table: Table) -> None:
-    """Where the axles are on the curve at 0.3 g, if the table reaches there."""
+    """Mark the axles on the curve at 0.3 g, if the table reaches there."""
     low, high = table.paper.decelerations
-    if not low <= P <= high + 1e-9:  # a table may end there but for rounding
+    if not low <= P <= high + 1e-9:  # a table may end there, with a rounding error
         return
     order = np.argsort(table.paper.z)
     for f, word in ((table.paper.f1, "front"), (table.paper.f2, "rear")):
@@ -172,7 +172,7 @@ def difference(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
 
 
 def _over_eta(ax: "Axes", table: Table, ramp: MeasuredRamp, y: Array, stroke: Stroke) -> None:
-    """Measured points; past the table's last deceleration, where eta turns back, in grey."""
+    """Measured points; grey above the table's last deceleration, where eta falls again."""
     x = 100.0 * (ramp.eta - 1.0)
     beyond = ramp.z > table.paper.decelerations[1]
     points(ax, ramp, x, y, ramp.braked & beyond, NOMINAL)
@@ -182,12 +182,12 @@ def _over_eta(ax: "Axes", table: Table, ramp: MeasuredRamp, y: Array, stroke: St
 
 
 def _reach(ax: "Axes", x: Array) -> None:
-    """One range for every panel over eta."""
+    """Set the common range of all panels over eta."""
     ax.set_xlim(x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.06 * (x[-1] - x[0]))
 
 
 def coverage(ax: "Axes", table: Table) -> None:
-    """Blocks seen in each cell of D(eta), and how many make it a measured one."""
+    """Blocks in each cell of D(eta), and the least number for a measured cell."""
     from matplotlib.ticker import MaxNLocator
 
     curve = table.difference

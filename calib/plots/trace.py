@@ -1,6 +1,6 @@
-"""What the stop figures draw, wherever it came from: an estimate on a log, or a stored result.
+"""Data of the figures of a stop, from an estimate on a log or from a stored result.
 
-What the source does not know is None or empty, and its line is not drawn.
+Values that the source does not have are None or empty, and are not drawn.
 """
 
 from dataclasses import dataclass, field
@@ -52,9 +52,9 @@ class AxleTrace:
 class StopTrace:
     """A stop over ``time`` [s], shapes (n,).
 
-    ``z``, ``eta`` [1]; ``front``, ``rear``; ``valid`` the estimator stands behind the sample;
+    ``z``, ``eta`` [1]; ``front``, ``rear``; ``valid`` whether the estimate can be used;
     ``wheels`` [rad/s] by wheel; ``v_wheel`` reference speed over the rolling radius [rad/s];
-    ``force_sum`` what tyres and air take with the compensated pads, ``force_sum_nominal`` with the
+    ``force_sum`` force of tyres and air with the compensated pads, ``force_sum_nominal`` with the
     nominal ones, ``inertia`` M z g, all [N]; ``changes`` of surface [s]; ``notes`` in words.
     """
 
@@ -75,14 +75,14 @@ class StopTrace:
 
     @property
     def has_truth(self) -> bool:
-        """Whether the log knows the true torques, as a simulation does."""
+        """Whether the log has the true torques, as that of a simulation."""
         return self.front.true_wheel_torque is not None
 
 
 def from_estimate(
     table: Table, name: str, log: Log, estimate: Estimate, vehicle: Vehicle | None = None
 ) -> StopTrace:
-    """Trace of an ``estimate`` that the table ``name`` gave on ``log`` with ``vehicle``."""
+    """Trace of an ``estimate`` on ``log`` with the table ``name`` and ``vehicle``."""
     car = vehicle or calibrated(table)
     front = _axle(car.front, estimate.front, estimate, 0, log)
     rear = _axle(car.rear, estimate.rear, estimate, 1, log)
@@ -153,9 +153,9 @@ def _axle(axle: Axle, found: AxleEstimate, estimate: Estimate, i: int, log: Log)
 
 
 def _true_pad(axle: Axle, log: Log, side: str, estimate: Estimate) -> Array | None:
-    """Pad friction of the simulation: logged, or from the axle's torques while the pads bite.
+    """Pad friction of the simulation: logged, or from the axle's torques while braked.
 
-    Less what known effects do to it, as the estimate has it.
+    Without the factors of known effects, as in the estimate.
     """
     pressure, factor = estimate.pressure_r, estimate.factor_r
     if side == "f":
@@ -181,13 +181,13 @@ def _stored_axle(result: StoredResult, side: str, axle: Axle | None) -> AxleTrac
         torque=left + right,
         wheel_torque=left,
         nominal=axle.pad_friction if axle else None,
-        # the torque goes with the friction at the same pressure, (2)
+        # torque is proportional to friction at the same pressure, (2)
         nominal_torque=(left + right) * (axle.pad_friction / pad) if axle else None,
     )
 
 
 def _force_sum(vehicle: Vehicle, z: Array, front: AxleTrace, rear: AxleTrace) -> Array:
-    """Sum of the tyre forces [N] that the normalised forces stand for, (17)."""
+    """Sum of the tyre forces [N] from the normalised forces, (17)."""
     load_f, load_r = forces.axle_loads(vehicle, z)
     return front.force * load_f + rear.force * load_r
 

@@ -1,4 +1,4 @@
-"""The report of a diagnosis: one HTML file that a colleague can read without the program."""
+"""The report of a diagnosis: one HTML file that can be read without the program."""
 
 from calib.diagnosis import words
 from calib.diagnosis.diagnose import Diagnosis, Named
@@ -19,7 +19,7 @@ BASE = {
 
 
 def report_html(found: Diagnosis, title: str) -> str:
-    """Return the report of a diagnosis as one HTML document; ``title`` stands at its head."""
+    """Return the report of a diagnosis as one HTML document with the heading ``title``."""
     sheet = diagnosis.sheet(found, title)
     when = ("before",) if found.verdict == "no_gap" else ("before", "after")
     return page(
@@ -53,7 +53,7 @@ def report_html(found: Diagnosis, title: str) -> str:
 
 
 def _speed_ends(found: Diagnosis, when: tuple[str, ...]) -> list[str]:
-    """How far the speed of each replay is from the measured one at its end."""
+    """Difference of replayed and measured speed at the end of each replay."""
     ends = []
     for replay in diagnosis.replays_of(found):
         (_, _, before), (_, _, after) = replay.curves({"v": 1.0})
@@ -63,7 +63,7 @@ def _speed_ends(found: Diagnosis, when: tuple[str, ...]) -> list[str]:
 
 
 def _effect(effect: Named, found: Diagnosis) -> dict[str, object]:
-    """One named effect: its card, its parameters, where it bites, its rivals."""
+    """One named effect: its card, its parameters, where it acts, its rivals."""
     return {
         "name": words.plain(effect.name).capitalize(),
         "card": effect_named(effect.name).card,
@@ -79,7 +79,7 @@ def _effect(effect: Named, found: Diagnosis) -> dict[str, object]:
 
 
 def _unexplained(found: UnexplainedTerm, sheet: Sheet) -> dict[str, object]:
-    """The empirical term point by point, and what else would explain a part of the same."""
+    """The empirical term point by point, and other terms that explain a part of the gap."""
     term, unit = found.term, DRIVERS[found.term.driver]
     return {
         "text": words.unexplained(found),
@@ -100,7 +100,7 @@ def _unexplained(found: UnexplainedTerm, sheet: Sheet) -> dict[str, object]:
 
 
 def _base(found: Diagnosis) -> list[tuple[str, ...]]:
-    """The base parameters as identified anew, beside those of the vehicle file."""
+    """The re-identified base parameters, beside those of the vehicle file."""
     car = found.model_before.vehicle
     nominal = {"pad_friction_f": car.front.pad_friction, "pad_friction_r": car.rear.pad_friction}
     return [

@@ -1,4 +1,4 @@
-"""The report of a fleet: one HTML file with pictures inside, and the same as a document."""
+"""The report of a fleet: one HTML file with its pictures, and a JSON document."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -12,16 +12,16 @@ from calib.fleet.summary import DRIFT, Look, Summary
 from calib.reports.html import page, picture
 
 NAMES = 50
-"""Outliers listed in the page; fleet.json has all."""
+"""Number of outliers in the page; fleet.json has all."""
 
 
 def headline(found: Summary) -> str:
     """The fleet in one sentence."""
     if _too_few(found):
         some = any(look.spread.count for look in found.looks)
-        why = "too few to judge outliers or drift" if some else "none has a figure"
-        said = f"{_count(len(found.logs), 'log', 'logs')}: {why}"
-        return said + f"; {_errors(found)}." if found.failures else said + "."
+        why = "too few to judge outliers or drift" if some else "none has a metric"
+        text = f"{_count(len(found.logs), 'log', 'logs')}: {why}"
+        return text + f"; {_errors(found)}." if found.failures else text + "."
     drifting = [look.metric.name for look in found.looks if look.drifts]
     logs = len({outlier.log for outlier in found.outliers})
     steady = "No drift" if _drift_tested(found) else "Drift not tested"
@@ -41,7 +41,7 @@ def _errors(found: Summary) -> str:
 
 
 def _too_few(found: Summary) -> bool:
-    """Whether no figure has logs enough to be judged."""
+    """Whether no metric has enough logs to be judged."""
     counts = [look.spread.count for look in found.looks]
     return max(counts, default=0) < min(outliers.FEWEST, control_chart.FEWEST)
 
@@ -51,7 +51,7 @@ def _drift_tested(found: Summary) -> bool:
 
 
 def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> str:
-    """Return the page; ``pictures`` PNG by name of figure."""
+    """Return the page; ``pictures`` PNG by name of metric."""
     return page(
         "fleet",
         title=f"{title}: fleet",
@@ -86,13 +86,13 @@ def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> st
 
 
 def _first(found: Summary) -> list[Look]:
-    """Figures with something to tell before the quiet ones; those without a value not at all."""
+    """Metrics with drift first, then those with outliers, then the others that have values."""
     filled = [look for look in found.looks if look.values.size]
     return sorted(filled, key=lambda look: (not look.drifts, not look.outlying.any()))
 
 
 def _kind(found: Summary) -> str:
-    """The verdict whose colour the head of the page has."""
+    """The verdict that sets the colour of the page's head."""
     calm = not (any(look.drifts for look in found.looks) or found.outliers or found.failures)
     if _too_few(found) or (calm and not _drift_tested(found)):
         return "unknown"
@@ -100,7 +100,7 @@ def _kind(found: Summary) -> str:
 
 
 def _row(look: Look) -> tuple[str, ...]:
-    """One figure as a row of the table of all."""
+    """One metric as a row of the table of all metrics."""
     s, judged = look.spread, bool(np.isfinite(look.spread.z).any())
     if not s.count:
         return (look.metric.name, look.metric.unit, "0", *("",) * 6)
@@ -119,40 +119,40 @@ def _row(look: Look) -> tuple[str, ...]:
 
 
 def described(found: Summary, look: Look) -> str:
-    """One figure in words: where it lies, whether it drifts, how many run rules it breaks."""
+    """One metric in words: median and range, drift, number of broken run rules."""
     s, unit = look.spread, "" if look.metric.unit == "1" else f" {look.metric.unit}"
     low, high = number(s.quantiles[0], s), number(s.quantiles[3], s)
-    said = [f"Median {number(s.median, s)}{unit}, 90 % of the logs from {low} to {high}{unit}."]
+    parts = [f"Median {number(s.median, s)}{unit}, 90 % of the logs from {low} to {high}{unit}."]
     if look.drifts and look.change is not None:
         c = look.change
-        said.append(
+        parts.append(
             f"The level changes from {number(c.before, s)} to {number(c.after, s)}{unit} about "
             f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1} of the line "
             f"(p {c.p:.1e})."
         )
     if look.chart is not None:
-        told = []
+        broken_rules = []
         for rule in RULES:
             broken, chance = int(look.chart.alarms[rule].sum()), _by_chance(look, rule)
-            told.append(
+            broken_rules.append(
                 f"rule {rule}: {broken}" + ("" if chance is None else f" ({chance:.1f} by chance)")
             )
-        said.append(f"Run rules broken: {'; '.join(told)}.")
+        parts.append(f"Run rules broken: {'; '.join(broken_rules)}.")
     elif look.metric.name == found.ordered_by:
-        said.append("The logs are ordered by it, so it has no control chart and cannot drift.")
+        parts.append("The logs are ordered by it, so it has no control chart and cannot drift.")
     else:
-        said.append("No control chart: too few logs, or no scatter.")
-    return " ".join(said)
+        parts.append("No control chart: too few logs, or no scatter.")
+    return " ".join(parts)
 
 
 def _by_chance(look: Look, rule: int) -> float | None:
-    """How often a steady line would break ``rule``; None where limits of so few logs err."""
+    """How often a steady line would break ``rule``; None where there are too few logs to say."""
     n = look.values.size
     return BY_CHANCE[rule] * n if n >= FEWEST_BY_CHANCE else None
 
 
 def number(value: float, about: Spread) -> str:
-    """``value`` with a digit more than the scatter of its figure has, at least four in all."""
+    """``value`` rounded to one digit below the scatter of its metric, at least four digits."""
     width = max(about.quantiles[3] - about.quantiles[0], 1e-300)
     digits = 4
     if value:
@@ -161,7 +161,7 @@ def number(value: float, about: Spread) -> str:
 
 
 def document(found: Summary) -> dict[str, Any]:
-    """All of it as one JSON-able document."""
+    """The whole summary as one JSON-able document."""
     return {
         "schema": 1,
         "logs": len(found.logs),

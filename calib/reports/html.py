@@ -1,7 +1,7 @@
-"""Pages of HTML, each one file: a template of `templates`, filled with plain texts and numbers.
+"""HTML pages, one file each: a template of `templates`, filled with plain texts and numbers.
 
-Nothing in a page is fetched and nothing in it runs: style and figures are inside. The templates
-escape every text, so that whoever writes a report hands over plain text.
+Style and figures are inside the file; a page fetches nothing and has no scripts. The templates
+escape every text, so a report passes plain text to them.
 """
 
 import base64
@@ -44,7 +44,7 @@ def page(template: str, /, **view: object) -> str:
 
 
 def picture(content: bytes, kind: str, key: str = "") -> Picture:
-    """The bytes of a picture of MIME type image/``kind``, to stand inside a page."""
+    """A picture of MIME type image/``kind`` from its bytes, for use inside a page."""
     return Picture(f"data:image/{kind};base64,{base64.b64encode(content).decode()}", key)
 
 

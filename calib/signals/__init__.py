@@ -1,1 +1,1 @@
-"""From a log to clean signals on one clock."""
+"""Signals of a log: axle means, blocks, noise, brake events."""

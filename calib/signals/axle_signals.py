@@ -1,8 +1,8 @@
-r"""From a log to clean signals on one clock.
+r"""Axle signals of a log on one clock.
 
-    log --> axle means, z --> blocks of 50 ms (causal: a block is known when it has passed)
-                         \-> lead-in: the unbraked part in front of the first braking
-                          \-> noise: what each sensor adds, colour included
+    log --> axle means, z --> blocks of 50 ms (causal: a block is complete at its end)
+                         \-> lead-in: the unbraked part before the first braking
+                          \-> noise: of each sensor, white and coloured
 
 Wheel speeds of an axle are averaged left and right: steering and road crown cancel to first order.
 """
@@ -29,8 +29,8 @@ class Signals:
     """Axle signals at the log's own rate, shapes (n,), SI.
 
     ``p_f``, ``p_r`` axle pressures (wheel pressures where logged, else master cylinder); ``z`` (5);
-    ``omega_f``, ``omega_r`` axle means; ``v`` reference speed or None; ``speed`` v, else what the
-    rear wheels say. ``lead_in`` is true where the car is not yet braked; ``sample_time`` [s].
+    ``omega_f``, ``omega_r`` axle means; ``v`` reference speed or None; ``speed`` v, else the rear
+    wheels'. ``lead_in`` is true before the first braking; ``sample_time`` [s].
     """
 
     time: Array
@@ -46,7 +46,7 @@ class Signals:
 
 
 def eta_of(omega_f: Array, omega_r: Array) -> Array:
-    """omega_r/omega_f of (22) [1]; 1 where the front wheels stand, so that no slip shows."""
+    """omega_r/omega_f of (22) [1]; 1 where the front wheels stand still."""
     return np.divide(omega_r, omega_f, out=np.ones_like(omega_f), where=omega_f > 0.0)
 
 
@@ -79,7 +79,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
 
 
 def _axle_pressure(log: Log, axle: str) -> Array:
-    """Mean of both wheel pressures [Pa] where both are logged, else the master cylinder's."""
+    """Mean of both wheel pressures [Pa] if both are logged, else the master cylinder's."""
     left, right = f"p_{axle}l", f"p_{axle}r"
     if left in log and right in log:
         return 0.5 * (log[left] + log[right])
@@ -87,10 +87,10 @@ def _axle_pressure(log: Log, axle: str) -> Array:
 
 
 def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -> Mask:
-    """Samples of steady rolling before the first braking, less ``SETTLE``; all if there is none.
+    """Mask (n,) of steady rolling before the first braking, less ``SETTLE`` [s].
 
-    An engine that pulls hard makes the driven wheels slip, so that eta is no zero there. ``step``
-    is the sample time [s].
+    If there is no braking, of the whole run. Strong acceleration is left out: driven wheels slip,
+    so that eta cannot be zeroed there. ``step`` is the sample time [s].
     """
     smooth = trailing_mean(pressure, max(1, round(0.05 / step)))
     braked = np.flatnonzero(smooth > BITE)

@@ -1,4 +1,4 @@
-"""Means over blocks of 50 ms: causal, a block is known when it has passed."""
+"""Means over blocks of 50 ms: causal, a block is complete at its end."""
 
 from dataclasses import dataclass
 
@@ -12,14 +12,15 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 BLOCK = 0.05
-"""Length of a block [s]: ten samples at 200 Hz, short against a brake application (0.2 s)."""
+"""Length of a block [s]: ten samples at 200 Hz, short compared to a brake application (0.2 s)."""
 
 
 @dataclass(frozen=True)
 class Blocks:
     """Means over blocks, shapes (k,), SI; ``end`` is the time at which a block is complete.
 
-    ``spin_f``, ``spin_r`` are d omega/dt from one block to the next (causal); ``samples`` in each.
+    ``spin_f``, ``spin_r`` are d omega/dt from one block to the next (causal); ``samples`` is
+    their number in each.
     """
 
     end: Array
@@ -43,7 +44,7 @@ class Blocks:
 
 
 def blocks(s: Signals, length: float = BLOCK) -> Blocks:
-    """Means over consecutive blocks of about ``length`` [s]; a shorter rest is dropped."""
+    """Means over consecutive blocks of about ``length`` [s]; a shorter rest is left out."""
     n = max(1, round(length / s.sample_time))
     count = s.time.size // n
     omega_f, omega_r = block_mean(s.omega_f, n), block_mean(s.omega_r, n)

@@ -1,7 +1,7 @@
-r"""What the car did in a run, roughly: speed, deceleration, when it was braked, in which strokes.
+r"""Approximate motion of the car in a run: speed, deceleration, brake events.
 
-For judging a log before anything is fitted, so without a vehicle. Only the brake pressure and the
-four wheel speeds with ``a_x`` are looked at, and the reference speed where there is one.
+Used to judge a log before a fit, so no vehicle file is needed. Inputs are the brake pressure, the
+four wheel speeds, ``a_x``, and the reference speed if it is logged.
 
     p_mc   ___/~~~~\_____/~~\__
            |  |    |     |  |
@@ -24,19 +24,19 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 BITE_Z = 0.08
-"""Deceleration [g] taken for braking where no pressure was logged: above drag and engine."""
+"""Deceleration [g] that counts as braking if no pressure is logged: above drag and engine."""
 STEADY = 0.15
-"""An unbraked car that changes its speed faster than this is driven [g]: its wheels slip."""
+"""Largest change of speed of a car that rolls [g]; above it, the engine drives and wheels slip."""
 SHORTEST = 0.3
-"""A shorter touch of the pedal is no event [s]."""
+"""Shortest brake event [s]."""
 PAUSE = 0.2
-"""A shorter release does not end an event [s]."""
+"""Shortest release that ends a brake event [s]."""
 SETTLE = 0.1
-"""Left out between lead-in and first event [s]: pressure rises before it passes ``BITE``."""
+"""Time left out between lead-in and first event [s]: pressure rises before it reaches ``BITE``."""
 SMOOTH = 0.1
-"""Width of the centred mean that takes the noise out [s]."""
+"""Width of the centred mean that reduces the noise [s]."""
 NOMINAL_RADIUS = 0.32
-"""Rolling radius [m] of a usual wheel, for a rough speed where no reference speed was logged."""
+"""Rolling radius [m] of a usual wheel, for an approximate speed if ``v`` is not logged."""
 
 
 @dataclass(frozen=True)
@@ -60,12 +60,12 @@ class DrivingRecord:
 
     @cached_property
     def moving(self) -> Mask:
-        """Where the car moves fast enough to be judged."""
+        """Mask (n,): the car is fast enough to be judged."""
         return self.speed > MOVING
 
     @cached_property
     def unbraked(self) -> Mask:
-        """The steady part of the lead-in; all steady unbraked motion where that is too short."""
+        """Mask (n,): the steady lead-in; all steady unbraked motion if it is too short."""
         steady = ~self.braked & self.moving & (np.abs(self.z) < STEADY)
         first = self.lead_in & steady
         return first if first.sum() * self.step >= 0.5 else steady
@@ -78,7 +78,7 @@ class BrakeEvent:
     ``start``, ``end`` [s]; ``first``, ``last`` sample numbers; ``pressure`` highest [Pa] or None;
     ``z_low``, ``z_high`` range of the deceleration from its start to its end [1]; ``speed_start``,
     ``speed_end`` [m/s]; ``braking`` time above 3 m/s [s]; ``rise`` length of the longest steady
-    rise of the braking [s] and ``rise_z`` the deceleration it spans [1].
+    rise of the braking [s] and ``rise_z`` its range of deceleration [1].
     """
 
     start: float
@@ -96,7 +96,7 @@ class BrakeEvent:
 
 
 def driving_record(log: Log) -> DrivingRecord:
-    """Judge what the car did. The log must have ``time``, ``a_x`` and the four wheel speeds."""
+    """Approximate motion. The log must have ``time``, ``a_x`` and the four wheel speeds."""
     time, step = log.time, log.sample_time
     width = max(1, round(SMOOTH / step)) | 1
     wheel = centred_mean(np.mean([log[f"omega_{w}"] for w in WHEELS], axis=0), width)
@@ -114,7 +114,7 @@ def driving_record(log: Log) -> DrivingRecord:
 
 
 def _joined(active: Mask, step: float) -> Mask:
-    """Applications of the brake: short pauses closed, short touches dropped."""
+    """Applications of the brake: short pauses are closed, short applications dropped."""
     braked = active.copy()
     for start, end in runs(~active):
         if start > 0 and end < active.size and (end - start) * step < PAUSE:
@@ -126,7 +126,7 @@ def _joined(active: Mask, step: float) -> Mask:
 
 
 def brake_events(driving: DrivingRecord) -> tuple[BrakeEvent, ...]:
-    """The applications of the brake, in their order."""
+    """The applications of the brake, in order of time."""
     return tuple(_event(driving, start, end) for start, end in runs(driving.braked))
 
 
@@ -153,16 +153,16 @@ def _event(driving: DrivingRecord, start: int, end: int) -> BrakeEvent:
 
 
 STROKE = 0.25
-"""Steps in which a rise is judged [s]: longer than a driver's tremble, shorter than a ramp."""
+"""Interval in which a rise is judged [s]: longer than pedal tremble, shorter than a ramp."""
 
 
 def _steady_rise(driving: DrivingRecord, part: slice) -> tuple[float, float]:
     """Length [s] and span [g] of the steadiest rise of the braking in an event.
 
-    Looks at pressure (deceleration where there is none) in strokes of a quarter second and takes
-    the longest stretch in which it never falls by more than 5 % of its range. That begins where it
-    last had 5 % of the range and ends where it has 95 %, so that a step with a long hold behind it
-    counts as short.
+    Takes means of the pressure (of the deceleration if there is none) over a quarter second, and
+    the longest part in which they never fall by more than 5 % of their range. It begins at the last
+    value below 5 % of the range and ends at 95 %, so that a step followed by a long hold counts as
+    short.
     """
     moving = driving.moving[part]
     drive = driving.z[part] if driving.pressure is None else driving.pressure[part]

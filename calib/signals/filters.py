@@ -1,4 +1,4 @@
-"""Means, low-pass and stretches: what every room does to a sampled signal, each once."""
+"""Means, low-pass and intervals of a sampled signal."""
 
 from functools import lru_cache
 
@@ -11,7 +11,7 @@ Index = NDArray[np.int64]
 
 
 def block_mean(x: Array, size: int) -> Array:
-    """Means over blocks of ``size`` samples along the last axis; a shorter rest is dropped.
+    """Means over blocks of ``size`` samples along the last axis; a shorter rest is left out.
 
     >>> block_mean(np.array([1.0, 3.0, 5.0, 7.0, 9.0]), 2)
     array([2., 6.])
@@ -21,7 +21,7 @@ def block_mean(x: Array, size: int) -> Array:
 
 
 def trailing_mean(x: Array, width: int) -> Array:
-    """Mean of the last ``width`` samples; of those there are, at the start. Shape (n,)."""
+    """Mean of the last ``width`` samples, fewer at the start. Shape (n,)."""
     total = np.cumsum(np.concatenate([[0.0], x]))
     stop = np.arange(1, x.size + 1)
     start = np.maximum(stop - width, 0)
@@ -31,9 +31,8 @@ def trailing_mean(x: Array, width: int) -> Array:
 def centred_mean(x: Array, width: int, *, held_ends: bool = False) -> Array:
     """Mean over the ``width`` samples around each. Shape (n,).
 
-    An even width has one sample more before than behind. At both ends the mean is over fewer
-    samples, or, with ``held_ends``, over ``width`` of which those outside repeat the first or the
-    last.
+    An even width has one sample more before than after. At both ends the mean is over fewer
+    samples; with ``held_ends`` it is over ``width``, with the first or last sample repeated.
 
     >>> centred_mean(np.array([0.0, 3.0, 6.0]), 3)
     array([1.5, 3. , 4.5])
@@ -52,7 +51,7 @@ def centred_mean(x: Array, width: int, *, held_ends: bool = False) -> Array:
 
 @lru_cache(maxsize=8)
 def _window(size: int, width: int) -> tuple[Index, Index, Array]:
-    """First, one past the last, and number of the samples around each; equal for all channels."""
+    """Start, end (exclusive) and number of the samples around each sample; cached."""
     first = np.arange(size) - width // 2
     low, high = np.maximum(first, 0), np.minimum(first + width, size)
     return low, high, (high - low).astype(np.float64)
@@ -61,8 +60,8 @@ def _window(size: int, width: int) -> tuple[Index, Index, Array]:
 def low_pass(x: Array, step: float, time_constant: float) -> Array:
     """First-order causal low-pass of ``x`` (n,), started at its first value.
 
-    ``step`` and ``time_constant`` [s]. A sample is taken as held since the one before; where the
-    input is to run straight between its samples, use `calib.physics.lag.first_order`.
+    ``step`` and ``time_constant`` [s]. The input is constant between samples; for an input that is
+    linear between samples, use `calib.physics.lag.first_order`.
     """
     from scipy.signal import lfilter
 
@@ -72,7 +71,7 @@ def low_pass(x: Array, step: float, time_constant: float) -> Array:
 
 
 def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
-    """First and one-past-last sample of each stretch of ``least`` samples where ``mask`` holds.
+    """Start and end (exclusive) of each run of at least ``least`` samples with a true ``mask``.
 
     >>> runs(np.array([False, True, True, False, True]))
     [(1, 3), (4, 5)]

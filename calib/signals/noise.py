@@ -1,4 +1,4 @@
-"""What each sensor adds to its signal, colour included."""
+"""Noise of each sensor, white and coloured."""
 
 from dataclasses import dataclass
 
@@ -14,15 +14,15 @@ from calib.signals.filters import block_mean
 Array = NDArray[np.float64]
 
 NOISE_FLOOR = {"omega": 3e-4, "z": 1e-4, "v": 3e-4}
-"""Least noise densities believed: no sensor on a car is better, a simulation may be."""
+"""Lower bounds of the noise densities: no sensor on a car is better, but a simulation may be."""
 
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """What the sensors add: long-run density, so that a mean over T has sd density/sqrt(T).
+    """Long-run noise density of the sensors: a mean over T [s] has sd density/sqrt(T).
 
     ``omega`` [rad/s s^0.5] of one axle mean; ``z`` [s^0.5]; ``v`` [m/s s^0.5]; ``omega_white``
-    [rad/s] the sample-to-sample part of one axle mean.
+    [rad/s] the white part of one axle mean.
     """
 
     omega: float
@@ -34,8 +34,8 @@ class SensorNoise:
 def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
     """Noise of the sensors, from the whole run.
 
-    Left minus right wheel speed holds the sensors' noise and no common motion; its mean square over
-    four is that of the axle mean. ``z`` is compared with the pressure, ``v`` with the wheels.
+    Left minus right wheel speed contains only sensor noise; a quarter of its mean square is that of
+    the axle mean. ``z`` is compared with the pressure, ``v`` with the wheels.
     """
     n, step = b.samples, b.length
     moving = b.speed > MOVING
@@ -53,14 +53,14 @@ def sensor_noise(log: Log, b: Blocks) -> SensorNoise:
 
 
 COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
-"""Long-run over white noise that is assumed where a run is too short to tell: road-shaken wheels
-and bodies, an unshaken receiver. The logs at hand lie between 0.8 and 2.5, 1.5 and 4, and at 1."""
+"""Assumed ratio of long-run to white noise if a run is too short to measure it [1]. The available
+logs have 0.8 to 2.5 for omega, 1.5 to 4 for z (both from road excitation), and 1 for v."""
 
 
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
-    """Noise of the sensors as far as the lead-in shows it: its white part and a usual colour.
+    """Noise of the sensors from the lead-in: white part times a usual `COLOUR`.
 
-    Uses nothing after the lead-in, so that an estimator may use it.
+    Uses only the lead-in, so that an online estimator may use it.
     """
     step = np.sqrt(s.sample_time)
 
@@ -83,13 +83,12 @@ def long_run_density(
     """Long-run noise density [unit s^0.5] of block means ``x`` taken every ``step`` [s].
 
     Blocks are averaged to ``group`` [s]. In each ``window`` [s] a parabola and the ``companion``
-    signal are taken out; what is left is read as an AR(1) process, whose long-run standard
-    deviation is sd sqrt((1 + r)/(1 - r)). r is corrected for the degrees of freedom taken out and
-    kept at 0 or above: a negative colour (a tooth-timing sensor) promises more than a short stop
-    can hold. On noise with a time constant of 0.1 s it reads about 10 % low, and 30 % low with a
-    ``window`` of 2 s, where parabola and companion take much of it
-    (tests/signals/test_axle_signals.py). Below 8 groups nothing is taken out and the noise is read
-    as white.
+    signal are subtracted; the residual is modelled as an AR(1) process, whose long-run standard
+    deviation is sd sqrt((1 + r)/(1 - r)). r is corrected for the fitted degrees of freedom and not
+    below 0: a negative r (a tooth-timing sensor) would give a too small noise for a short stop. For
+    noise with a time constant of 0.1 s the result is about 10 % too low, and 30 % with a ``window``
+    of 2 s, because parabola and companion absorb much of it (tests/signals/test_axle_signals.py).
+    Below 8 groups nothing is subtracted and the noise is taken as white.
     """
     per_group = max(1, round(group / step))
     groups = x.size // per_group
@@ -114,8 +113,8 @@ def long_run_density(
     total = float(np.sum(residual**2))
     if total == 0.0:
         return 0.0
-    # the median keeps the window in which the brake bites out of the variance, not out of r: a
-    # violent bite reads up to 3 times high
+    # the median excludes the window of the brake application from the variance, but not from r: a
+    # very fast application gives a result up to 3 times too high
     variance = float(np.median(np.sum(residual**2, axis=1))) / (length - taken)
     lagged = float(np.sum(residual[:, 1:] * residual[:, :-1]))
     r = lagged / total * length / (length - 1) + taken / length

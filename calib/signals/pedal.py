@@ -1,7 +1,7 @@
-"""What the foot did: a pressure without the noise of its sensor.
+"""The driver's pressure without sensor noise.
 
-Whatever has memory, such as hysteresis, would take the noise for the foot; and a sensor that does
-not read below nought reads its noise as a slight, lasting brake.
+Effects with memory, such as hysteresis, would react to the noise; and the noise of a sensor that
+does not read below zero has a positive mean, like a slight constant braking.
 """
 
 import numpy as np
@@ -13,18 +13,18 @@ from calib.statistics.intervals import QUARTILE
 Array = NDArray[np.float64]
 
 HOLD = 0.1
-"""Width [s] over which a held pressure is averaged."""
+"""Width [s] over which a constant pressure is averaged."""
 
 NOTHING = 0.4e5
-"""A held pressure below this [Pa] is no pressure: return springs hold the pads off."""
+"""A constant pressure below this [Pa] is zero: return springs keep the pads off the disc."""
 
 
 def as_pressed(p: Array, step: float) -> Array:
-    """Pressure [Pa] (n,) averaged where it is held, smoothed where it moves; ``step`` [s].
+    """Pressure [Pa] (n,) averaged where it is constant, smoothed where it changes; ``step`` [s].
 
-    Held is what stays within eight sigma over twice the width. Elsewhere a parabola through the
-    samples around stands for each, unless it lies more than four sigma off: a bite stays sharp.
-    Sigma is that of the third differences. A pressure without noise comes back as it is.
+    Constant means within eight sigma over twice the width. Elsewhere a sample is replaced by a
+    parabola through its neighbours, unless that differs by more than four sigma: a fast application
+    stays sharp. Sigma is that of the third differences. A pressure without noise is not changed.
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
     from scipy.signal import savgol_filter

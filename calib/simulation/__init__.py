@@ -1,1 +1,1 @@
-"""The car driven forward, and logs driven again."""
+"""Simulation of the car, and replay of logs."""

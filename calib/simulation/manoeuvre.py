@@ -1,9 +1,9 @@
-"""What the driver does: pressure over time from a first speed, an input of the simulation.
+"""Manoeuvres for the simulation: brake pressure over time from a first speed.
 
     ramp ____/    step ___|----    wave ___~~~~    staircase ___.-'-'    coast ________
 
 Every manoeuvre but `stop` and `coast` begins with an unbraked lead-in, where eta can be zeroed. All
-pressures are in Pa. `RISE` bounds how fast a step is: no master cylinder jumps.
+pressures are in Pa. `RISE` limits the slope of a step, as in a real master cylinder.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,13 +17,13 @@ from calib.errors import ModelError
 Array = NDArray[np.float64]
 
 RISE = 400e5
-"""Rise of the pressure in a step [Pa/s]; a foot that brakes in earnest gives 60 bar in 0.15 s."""
+"""Rise of the pressure in a step [Pa/s]; a driver in an emergency reaches 60 bar in 0.15 s."""
 
 LEAD_IN = 1.5
-"""Unbraked seconds at the start."""
+"""Unbraked time at the start [s]."""
 
 RATES = (40.0, 1000.0)
-"""Sample rates [Hz] between which the program works."""
+"""Lowest and highest sample rate [Hz] of the program."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def ramp(
 ) -> Manoeuvre:
     """Rise by ``slope`` [Pa/s] to ``pressure`` [Pa], kept for ``hold`` [s]: the calibration run.
 
-    From 33 m/s the sedan of the paper stands still before 5 bar/s come to 50 bar.
+    From 33 m/s, the sedan of the paper stops before a slope of 5 bar/s reaches 50 bar.
     """
     top = lead_in + pressure / slope
     return _trace("ramp", v0, rate, [(lead_in, 0.0), (top, pressure), (top + hold, pressure)])
@@ -136,16 +136,17 @@ def manoeuvre(
 ) -> Manoeuvre:
     """Return the manoeuvre of that name; its own pressure [Pa] if none is given.
 
-    Raises ModelError for an unknown name, a pressure for `coast`, numbers that cannot be driven.
+    Raises ModelError for an unknown name, a pressure for `coast`, a pressure or speed that is not
+    positive, and a rate outside `RATES`.
     """
     if name not in NAMES:
         raise ModelError(f"unknown manoeuvre {name!r}", expected=f"one of {', '.join(NAMES)}")
     if name == "coast" and pressure is not None:
         raise ModelError("coast takes no pressure", do="leave the pressure out")
     if pressure is not None and not 0.0 < pressure < np.inf:
-        raise ModelError(f"pressure {pressure:g} Pa", where=name, expected="more than nought")
+        raise ModelError(f"pressure {pressure:g} Pa", where=name, expected="more than zero")
     if not 0.0 < v0 < np.inf:
-        raise ModelError(f"first speed {v0:g} m/s", where=name, expected="more than nought")
+        raise ModelError(f"first speed {v0:g} m/s", where=name, expected="more than zero")
     if name == "coast":
         return coast(v0, rate)
     return BRAKING[name](v0, rate=rate, **({} if pressure is None else {"pressure": pressure}))

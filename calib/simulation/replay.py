@@ -1,4 +1,4 @@
-"""A log driven again by a model: its pressures, its first speed, its clock."""
+"""Replay of a log with a model: same pressures, first speed and clock."""
 
 import numpy as np
 
@@ -14,19 +14,19 @@ from calib.signals.pedal import as_pressed
 from calib.simulation.simulate import simulate
 
 FIRST_SECONDS = 0.25
-"""Least span [s] of the line that gives the first speed: it takes 0.02 m/s of noise to 0.006 m/s,
-and a brake that is just being applied bends v by less than 0.01 m/s in it."""
+"""Shortest span [s] of the line for the first speed: it reduces 0.02 m/s of noise to 0.006 m/s, and
+a beginning braking changes v by less than 0.01 m/s."""
 
 COAST_SECONDS = 1.5
-"""Longest span [s], where nothing is braked: drag bends v by less than 0.001 m/s in it."""
+"""Longest span [s], without braking: drag bends v by less than 0.001 m/s."""
 
 
 def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
-    """Drive the model with the pressures of a log from its first speed, open loop.
+    """Simulate the model with the pressures of a log from its first speed, open loop.
 
-    Wheel pressures [Pa] are used where they are logged, ``p_mc`` elsewhere; disc temperatures where
-    they are logged. Ends as `simulate` does, at ``stop_speed`` [m/s] at the latest. Raises LogError
-    if the log has no first speed, ModelError if there is nothing to drive.
+    Wheel pressures [Pa] and disc temperatures are used if they are logged, else ``p_mc``. Ends like
+    `simulate`, at ``stop_speed`` [m/s] at the latest. Raises LogError
+    if the log has no first speed, ModelError if there is nothing to simulate.
     """
     step = log.sample_time
     return simulate(
@@ -45,7 +45,7 @@ def first_speed(log: Log, vehicle: Vehicle) -> float:
     """Speed [m/s] at the first sample, from a straight line through the first samples of ``v``.
 
     Without ``v``, through the mean of R omega over the wheels: too low by their slip if the log
-    begins braked. Raises LogError if there are no two finite samples of it.
+    begins with braking. Raises LogError if there are not two finite samples.
     """
     since = log.time - log.time[0]
     braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])

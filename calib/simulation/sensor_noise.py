@@ -2,8 +2,8 @@
 
     reading = round(truth + white + coloured),   coloured: x[k+1] = a x[k] + e,  a = exp(-dt/0.1 s)
 
-The usual levels follow the coasting log of `sample_logs/sedan`: the accelerometer rides on the
-body, so a good part of its variance is slow.
+The default levels follow the coasting log of `sample_logs/sedan`: body motion makes a large part of
+the accelerometer's variance slow.
 """
 
 import zlib
@@ -32,7 +32,7 @@ class NoiseLevel:
     sd : standard deviation before rounding.
     coloured : share of the variance that is correlated in time [1].
     quantum : step of the reading; 0 for none.
-    floor : the sensor reads nothing below this.
+    floor : lowest value that the sensor reads.
     """
 
     sd: float
@@ -51,10 +51,11 @@ LEVELS: dict[str, NoiseLevel] = {
 
 
 def add_noise(log: Log, seed: int, levels: Mapping[str, NoiseLevel] = LEVELS) -> Log:
-    """Return the log as noisy sensors would have given it; what has no level stays.
+    """Return the log with sensor noise; channels without a level are not changed.
 
-    Every channel has its own stream of numbers, so that one more channel changes no other. Truth
-    is left alone. The colour is exact on an even clock; on another the median step is taken.
+    Every channel has its own random numbers, so that an additional channel changes no other. Truth
+    channels are not changed. The coloured part uses the median step; it is exact for a uniform
+    clock.
     """
     channels = {
         name: reading(values, levels[name], log.sample_time, _stream(seed, name))
@@ -74,7 +75,7 @@ def add_noise(log: Log, seed: int, levels: Mapping[str, NoiseLevel] = LEVELS) ->
 def reading(
     truth: Array, level: NoiseLevel, sample_time: float, random: np.random.Generator
 ) -> Array:
-    """What one sensor reads of ``truth`` (n,), sampled every ``sample_time`` [s]."""
+    """Reading of a sensor for ``truth`` (n,), sampled every ``sample_time`` [s]."""
     white = level.sd * np.sqrt(1.0 - level.coloured) * random.standard_normal(truth.size)
     colour = level.sd * np.sqrt(level.coloured) * _coloured(truth.size, sample_time, random)
     seen: Array = truth + white + colour
@@ -89,7 +90,7 @@ def _coloured(size: int, sample_time: float, random: np.random.Generator) -> Arr
 
     a = np.exp(-sample_time / TIME_CONSTANT)
     shocks = random.standard_normal(size)
-    shocks[1:] *= np.sqrt(1.0 - a * a)  # the first sample is drawn from the stationary law itself
+    shocks[1:] *= np.sqrt(1.0 - a * a)  # the first sample has the stationary distribution
     return np.asarray(lfilter([1.0], [1.0, -a], shocks))
 
 

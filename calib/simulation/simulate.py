@@ -1,8 +1,8 @@
-"""The physics forward: from pressure and first speed to what the sensors see.
+"""Simulation: from pressure and first speed to the channels of a log.
 
-Straight line; slip on the rising branch. Left and right tyres are alike, and the load transfer is
-without delay, unless an effect of the model says otherwise. `calib.simulation.solver` says how it
-is solved.
+Valid for a straight line and slip on the rising branch of the tyre. Left and right tyres are equal,
+and the load transfer has no delay, unless the model has an effect for it. The method of solution is
+in `calib.simulation.solver`.
 """
 
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ from calib.physics.brakes import brakes_of
 from calib.physics.effects.combined import as_driven, as_read
 from calib.physics.history import RunHistory, at_rest
 from calib.physics.model import Model
-from calib.simulation.solver import Drive, State, end_of, history_of, solve
+from calib.simulation.solver import Drive, SolverState, end_of, history_of, solve
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ def simulate(
     stop_speed: float = 1.0,
     name: str = "simulation",
 ) -> Log:
-    """Drive the model with a pressure in its brakes. The first sample is taken as steady.
+    """Simulate the model with a given brake pressure. The first sample is a steady state.
 
     Parameters
     ----------
@@ -47,17 +47,17 @@ def simulate(
     v0 : first speed [m/s].
     wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
     temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; thermal fade
-        does nothing on an axle without.
-    stop_speed : at which it ends [m/s].
+        has no effect on an axle without one.
+    stop_speed : speed at which the simulation ends [m/s].
     name : of the log.
 
     Returns
     -------
     A log with truth channels. It ends with the last sample at or above ``stop_speed``, or the last
-    one before a wheel would pass the peak of its tyre or an axle would lift; its last note says
-    which, when and why.
+    one before a wheel would pass the peak of its tyre or an axle would lift; its last note
+    gives the time and the reason.
 
-    Raises ModelError if there is nothing to drive: ``v0`` not above ``stop_speed``, shapes that
+    Raises ModelError if nothing can be simulated: ``v0`` not above ``stop_speed``, shapes that
     differ, time that does not increase, numbers that are not finite, an unknown effect, an
     empirical term over a temperature that is not given, an end before the second sample.
 
@@ -104,7 +104,7 @@ def _check_drive(time: Array, v0: float, stop_speed: float) -> None:
             f"first speed {v0:g} m/s", expected=f"more than the stop speed, {stop_speed:g} m/s"
         )
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
-        raise ModelError("time does not increase", expected="two samples or more, each later")
+        raise ModelError("time does not increase", expected="two samples or more, increasing")
 
 
 def _check_inputs(
@@ -125,7 +125,7 @@ def _first(channels: Mapping[str, Array], end: int) -> dict[str, Array]:
     return {name: values[:end].copy() for name, values in channels.items()}
 
 
-def _channels(run: Drive, state: State, history: RunHistory) -> dict[str, Array]:
+def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
     model, brakes = run.brakes.model, run.brakes
     a_x = as_read(model.vehicle, model.effects, history, -G * state.z)
     channels = {"time": run.time, "p_mc": run.rest.p_mc, "a_x": a_x}
@@ -135,7 +135,7 @@ def _channels(run: Drive, state: State, history: RunHistory) -> dict[str, Array]
     return channels | {"v": state.v}
 
 
-def _truth(run: Drive, state: State, history: RunHistory) -> dict[str, Array]:
+def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:
     twins = {w: run.brakes.twin(w) for w in WHEELS}
     truth = {f"true_Tb_{w}": state.demand[twin].torque for w, twin in twins.items()}
     truth |= {f"true_Fx_{w}": state.force[twin] for w, twin in twins.items()}

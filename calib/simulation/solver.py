@@ -1,12 +1,12 @@
-"""A run solved by fixed-point iteration: speed, loads, torques and slips, until they agree.
+"""Fixed-point iteration for a run: speed, loads, torques and slips, until they agree.
 
     v(t) --> loads, effects, torques --> slip (1) --> tyre forces --> z(t) (5) --> v(t)
      ^                                                                  |
      +------------------ until v and slip no longer change -------------+
 
-An iteration takes every sample at once. Each sample depends on earlier ones only, so the solution
-converges from the front to the back, and what lies after the end of the run (the stop, or a wheel
-past the peak of its tyre) cannot disturb what lies before.
+An iteration takes every sample at once. Each sample depends on earlier ones only, so the
+solution converges from the first sample to the last, and samples after the end of the run (the
+stop, or a wheel past the peak of its tyre) do not affect those before it.
 """
 
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ TOLERANCE = 1e-9
 """Largest change of v (relative to the first speed) and of slip in the last iteration."""
 
 ITERATIONS = 60
-"""An iteration gains one to two digits; half a minute of coasting takes a dozen."""
+"""Each iteration gains one to two digits; 30 s of coasting need about twelve."""
 
 LEAST_LOAD = 0.01
 """Share of the weight [1] below which an axle counts as lifted."""
@@ -39,10 +39,10 @@ LEAST_LOAD = 0.01
 
 @dataclass(frozen=True)
 class Drive:
-    """What does not change from one iteration to the next.
+    """Inputs that do not change between iterations.
 
-    ``brakes`` with the model as driven; ``rest`` clock, pressure and temperatures; first and last
-    speed ``v0``, ``stop_speed`` [m/s].
+    ``brakes`` with the model; ``rest`` clock, pressure and temperatures; ``v0``, ``stop_speed``
+    first and last speed [m/s].
     """
 
     brakes: Brakes
@@ -56,29 +56,29 @@ class Drive:
         return self.rest.time
 
     def total(self, force: Mapping[str, Array]) -> Array:
-        """Sum of the tyre forces of all four wheels [N] (n,); one without its twin counts twice.
+        """Sum of the tyre forces of all four wheels [N] (n,); one without a twin counts twice.
 
-        Axle by axle: twins that are equal then sum to the last bit as one that stands for both.
+        Summed by axle, so that two equal wheels give exactly the same sum as one that counts twice.
         """
         axles = [force[f"{a}l"] + force.get(f"{a}r", force[f"{a}l"]) for a in AXLES]
         return axles[0] + axles[1]
 
     def speed(self, z: Array) -> Array:
-        """V [m/s] (n,): v0 less the integral of g z, by trapezes."""
+        """V [m/s] (n,): v0 minus the integral of g z, by the trapezoidal rule."""
         lost = 0.5 * G * (z[1:] + z[:-1]) * np.diff(self.time)
         return self.v0 - np.concatenate([[0.0], np.cumsum(lost)])
 
     def moving(self, v: Array) -> Array:
-        """V [m/s] above zero: after the stop it does not matter, but it must keep its sign."""
+        """V [m/s] with a positive lower bound: after the stop only its sign matters."""
         return np.maximum(v, 0.5 * self.stop_speed)
 
 
 @dataclass(frozen=True)
-class State:
+class SolverState:
     """The result of one iteration: ``v`` [m/s], ``z`` [1], ``loads`` of the axles [N] (n,).
 
     By wheel: ``slip`` [1], ``demand`` its torque, moment and load, ``force`` [N], ``used`` slip
-    over that of the tyre's peak [1]; above 1 the state is not physical.
+    over the slip at the tyre's peak [1]; above 1 the state is not physical.
     """
 
     v: Array
@@ -90,10 +90,10 @@ class State:
     used: dict[str, Array]
 
 
-def solve(run: Drive) -> State:
+def solve(run: Drive) -> SolverState:
     """Iterate until neither v nor slip changes before the end.
 
-    Raises ModelError if that does not converge.
+    Raises ModelError if it does not converge, or if fewer than two samples remain.
     """
     state = _first(run)
     for _ in range(ITERATIONS):
@@ -114,8 +114,8 @@ def solve(run: Drive) -> State:
     )
 
 
-def history_of(run: Drive, state: State) -> RunHistory:
-    """The run as the effects see it: turned angles and dissipated heat among the rest."""
+def history_of(run: Drive, state: SolverState) -> RunHistory:
+    """The run as input of the effects, with wheel angles and dissipated heat."""
     if not run.brakes.model.effects:
         return run.rest
     v = run.moving(state.v)
@@ -125,7 +125,7 @@ def history_of(run: Drive, state: State) -> RunHistory:
         omega = np.mean([forces.wheel_speed(axle, state.slip[w], v) for w in wheels], axis=0)
         torque = np.mean([state.demand[w].torque for w in wheels], axis=0)
         angle[a] = integral(run.time, omega)
-        energy[a] = integral(run.time, np.abs(torque * omega))  # a brake only ever takes
+        energy[a] = integral(run.time, np.abs(torque * omega))  # a brake only dissipates
     return replace(
         run.rest,
         v=v,
@@ -137,8 +137,8 @@ def history_of(run: Drive, state: State) -> RunHistory:
     )
 
 
-def end_of(run: Drive, state: State) -> tuple[int, str]:
-    """Number of samples that stand, and why there are no more."""
+def end_of(run: Drive, state: SolverState) -> tuple[int, str]:
+    """Number of valid samples, and the reason for the end."""
     weight = run.brakes.model.vehicle.weight
     limits = {
         f"slower than {run.stop_speed:g} m/s": state.v < run.stop_speed,
@@ -154,8 +154,8 @@ def end_of(run: Drive, state: State) -> tuple[int, str]:
     return end, f"ends before {run.time[end]:.3f} s at {pressure:.1f} bar: {reasons}"
 
 
-def _first(run: Drive) -> State:
-    """Where the iteration starts: brakes alone, no inertia, every wheel on a straight tyre."""
+def _first(run: Drive) -> SolverState:
+    """Start of the iteration: brakes only, no inertia, linear tyres."""
     vehicle, zero = run.brakes.model.vehicle, np.zeros_like(run.time)
     torque = run.brakes.torques(run.rest)
     force = {w: T_b / run.brakes.axle(w).rolling_radius for w, T_b in torque.items()}
@@ -163,11 +163,11 @@ def _first(run: Drive) -> State:
     straight = np.clip(z / np.mean(run.brakes.model.tyre.stiffness), -0.02, 0.02)
     demand = {w: wheel.WheelDemand(T_b, zero, zero) for w, T_b in torque.items()}
     loads = forces.axle_loads(vehicle, z)
-    return State(run.speed(z), z, loads, dict.fromkeys(force, straight), demand, force, {})
+    return SolverState(run.speed(z), z, loads, dict.fromkeys(force, straight), demand, force, {})
 
 
-def _iterate(run: Drive, old: State) -> State:
-    """Loads (6), (7), effects, one step towards (1) for every wheel, (5), and v."""
+def _iterate(run: Drive, old: SolverState) -> SolverState:
+    """Loads (6), (7), effects, one step of (1) for every wheel, (5), and v."""
     model, vehicle = run.brakes.model, run.brakes.model.vehicle
     history = history_of(run, old)
     travel = wheel.Travel(run.time, run.moving(old.v), old.z)
@@ -185,11 +185,11 @@ def _iterate(run: Drive, old: State) -> State:
         used[w] = tyre.used(slip[w])
     body = total_body_force(vehicle, model.effects, motion)
     z = (run.total(force) + body) / vehicle.weight  # (5)
-    return State(run.speed(z), z, _loads(run, z, history), slip, demand, force, used)
+    return SolverState(run.speed(z), z, _loads(run, z, history), slip, demand, force, used)
 
 
 def _loads(run: Drive, z: Array, history: RunHistory) -> Pair:
-    """Axle loads [N] at z [1], (6) and (7), less what has not arrived at the front yet."""
+    """Axle loads [N] at z [1], (6) and (7), less the transfer that is delayed by an effect."""
     vehicle = run.brakes.model.vehicle
     front, rear = forces.axle_loads(vehicle, z)
     late = vehicle.weight * total_load_shift(vehicle, run.brakes.model.effects, history)

@@ -1,1 +1,1 @@
-"""The end of the line: one car, one verdict, one report."""
+"""One car at the end of the line: its verdict and its report."""

@@ -1,6 +1,6 @@
-"""`station.json`: identifiers, verdict, every check, what it rests on. No clock, no path.
+"""`station.json`: identifiers, verdict, every check, inputs. It holds no time and no path.
 
-The same logs, limits and identifiers give the same bytes, whenever and wherever they are run.
+The same logs, limits and identifiers give the same bytes, at any time and on any computer.
 """
 
 import json
@@ -17,7 +17,7 @@ SCHEMA = 1
 
 
 def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str, Any]:
-    """The document as plain data; ``files`` are those that lie beside it."""
+    """The document as plain data; ``files`` are the other files in its folder."""
     return {
         "schema": SCHEMA,
         "verdict": found.verdict,
@@ -43,7 +43,7 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
 
 
 def to_text(document: dict[str, Any]) -> str:
-    """The document as it is written."""
+    """The text of `station.json`."""
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 

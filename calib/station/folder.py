@@ -1,8 +1,8 @@
-"""What a run at the station leaves behind: all of it, or nothing.
+"""The files of a run at the station: all of them, or none.
 
 DIR/station.json  junit.xml  report.html  summary.json  <stop>.parquet  exports
 
-The verdict is moved into place last: where there is no station.json, there is no verdict.
+The verdict is moved into place last: without a station.json the run is not complete.
 """
 
 import json
@@ -17,9 +17,9 @@ FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
 def publish(work: Path, out: Path) -> list[Path]:
     """Move everything from ``work`` into ``out``, the verdict last; return the paths.
 
-    Files of an earlier run that this one did not make again are taken away: an export of a car
-    that has failed since must not lie there. What else lies in ``out`` stays. Where a move fails
-    those before it are taken away again. Raises OSError.
+    Files of an earlier run that this one did not make again are removed: an export must not stay
+    when the car fails now. Other files in ``out`` stay. If a move fails, the files that were
+    already moved are removed. Raises OSError.
     """
     names = sorted((p.name for p in work.iterdir()), key=lambda name: name == DOCUMENT)
     stale = _listed(out) - set(names)
@@ -38,7 +38,7 @@ def publish(work: Path, out: Path) -> list[Path]:
 
 
 def _listed(out: Path) -> set[str]:
-    """Plain file names that the verdict in ``out`` lists; none where it cannot be read."""
+    """File names that the verdict in ``out`` lists; none where it cannot be read."""
     with suppress(OSError, ValueError, KeyError, TypeError):
         names = json.loads((out / DOCUMENT).read_text(encoding="utf-8"))["files"]
         return {n for n in names if isinstance(n, str) and n == Path(n).name and n not in FIXED}

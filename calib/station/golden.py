@@ -1,6 +1,6 @@
-"""How far a car's table lies from the golden table of its model: D(eta) against D(eta).
+"""Distance of a car's table from the golden table of its model: D(eta) against D(eta).
 
-Both are compared where both are measured. D = C (eta - 1) depends on the road, so the golden table
+They are compared where both are measured. D = C (eta - 1) depends on the road, so the golden table
 has to be one of the same track.
 """
 
@@ -20,10 +20,10 @@ OVERLAP = 0.5
 @dataclass(frozen=True)
 class Distance:
     """``relative``: largest departure of D over the golden peak [1]; ``bands``: the same over the
-    combined 95 % half widths at its eta ``at`` [1], so that at 1 the difference is just resolved.
+    combined 95 % half widths at its eta ``at`` [1]; above 1 the difference is significant.
 
-    ``bands`` of a departure is infinite where neither table has a band. Nearer to eta = 1 both
-    widths vanish and a ratio to them says nothing.
+    ``bands`` is infinite where neither table has a band. Near eta = 1 both widths go to zero, so
+    the ratio to them has no meaning there.
     """
 
     relative: float
@@ -37,7 +37,7 @@ def distance(table: Table, golden: Table) -> Distance | None:
     end = float(min(ours.eta[-1], theirs.eta[-1]))
     if end - 1.0 < OVERLAP * (float(theirs.eta[-1]) - 1.0):
         return None
-    # both are straight between their rows, so that they are farthest apart at a row of one of them
+    # both are linear between their rows, so the largest departure is at a row of one of them
     rows = np.union1d(ours.eta, theirs.eta)
     eta = rows[(rows > 1.0) & (rows <= end)]
     a, b = (np.interp(eta, d.eta, d.D) for d in (ours, theirs))

@@ -1,9 +1,9 @@
-"""Which car stood at which station: the words that line systems know it by."""
+"""Identifiers of the car and the station, as the systems of the line use them."""
 
 from dataclasses import dataclass, fields
 
 LONGEST = 64
-"""Characters of an identifier; a VIN has 17."""
+"""Largest number of characters of an identifier; a VIN has 17."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Identity:
         return {name: value for name, value in values.items() if value is not None}
 
     def flaw(self) -> tuple[str, str] | None:
-        """Name of the first identifier that is none, and why; None if all will do."""
+        """Name of the first identifier that is not valid, and why; None if all are valid."""
         for name, value in self.given().items():
             if not value.strip():
                 return name, "is empty"
@@ -46,4 +46,4 @@ TITLES = {
     "station": "Station",
     "rxswin": "RXSWIN",
 }
-"""What each is called in a report."""
+"""Names of the identifiers in a report."""

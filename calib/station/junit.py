@@ -1,6 +1,6 @@
-"""JUnit XML of a car, for the line's systems: one test case a check, classes by scope.
+"""JUnit XML of a car, for the line's systems: one test case per check, classes by scope.
 
-A warning passes and says so in `system-out`; a figure that is not known is skipped.
+A check with a warning passes, with a text in `system-out`; a metric that is not known is skipped.
 """
 
 from xml.etree import ElementTree
@@ -13,7 +13,7 @@ from calib.validation.limits import FAILED, NOT_KNOWN, WARNING
 
 
 def junit_xml(found: StationOutcome, stored: Stored) -> bytes:
-    """The document. Times are nought: the same car gives the same bytes."""
+    """The document. All times are zero, so that the same car gives the same bytes."""
     n = found.counts()
     totals = {
         "tests": str(len(found.checks)),
@@ -25,13 +25,13 @@ def junit_xml(found: StationOutcome, stored: Stored) -> bytes:
     root = ElementTree.Element("testsuites", totals)
     suite = ElementTree.SubElement(root, "testsuite", {"name": "brake-cal station", **totals})
     properties = ElementTree.SubElement(suite, "properties")
-    told = {
+    stated = {
         "verdict": found.verdict,
         "table": stored.id,
         "digest": stored.digest,
         **found.identity.given(),
     }
-    for name, value in told.items():
+    for name, value in stated.items():
         ElementTree.SubElement(properties, "property", {"name": name, "value": _clean(value)})
     for check in found.checks:
         _case(suite, check)
@@ -47,12 +47,12 @@ def _case(suite: ElementTree.Element, check: Check) -> None:
         failure = ElementTree.SubElement(case, "failure", {"message": _clean(sentence(check))})
         failure.text = action(check.figure)
     elif check.verdict == NOT_KNOWN:
-        ElementTree.SubElement(case, "skipped", {"message": "the logs cannot give this figure"})
+        ElementTree.SubElement(case, "skipped", {"message": "the logs cannot give this metric"})
     elif check.verdict == WARNING:
-        said = ElementTree.SubElement(case, "system-out")
-        said.text = f"warning: {_clean(sentence(check))}. {action(check.figure)}"
+        output = ElementTree.SubElement(case, "system-out")
+        output.text = f"warning: {_clean(sentence(check))}. {action(check.figure)}"
 
 
 def _clean(text: str) -> str:
-    """``text`` without what XML 1.0 cannot hold; a log may be named in any bytes."""
+    """``text`` without characters that XML 1.0 cannot hold; a log's name may have any bytes."""
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)

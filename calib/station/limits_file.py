@@ -16,13 +16,13 @@ Limits for `brake-cal station --limits` and `brake-cal validate --limits`.
 
 fail = [low, high]   outside it the car fails;   -inf or inf leaves an end open
 warn = [low, high]   outside it, but inside fail, the car passes with a warning
-required = true      a figure that the logs cannot give counts as failed, not as not known
+required = true      a metric that the logs cannot give counts as failed, not as not known
 
-A line taken out is not judged. `validate` judges the stops and leaves the car's figures alone."""
+A metric without a line is not judged. `validate` judges the metrics of the stops only."""
 
 
 def limits_file() -> str:
-    """The text: every figure that is judged by default, then those that could be, as comments."""
+    """The text: every metric that is judged by default, then the other ones, as comments."""
     import tomlkit
 
     judged = {row.limit.figure for row in ADVICE}

@@ -1,6 +1,6 @@
-"""What is judged of a car as a whole: each figure once, with unit, default limit and its reason.
+"""The metrics of a car as a whole, each with its meaning and unit.
 
-The figures of each hold-out are those of `calib.validation.metrics`; they are judged stop by stop.
+The metrics of each hold-out are those of `calib.validation.metrics`; they are judged stop by stop.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from calib.validation.validate import Validation, agreement
 
 METRICS: dict[str, str] = {
     "ramp_deceleration": "deceleration up to which the ramps were used [g]",
-    "measured_share": "rows of f1, f2 that were seen often enough, of all rows [1]",
+    "measured_share": "share of the rows of f1, f2 with enough blocks [1]",
     "band_width": "half width of the 95 % band of D(eta) where D is largest, relative [1]",
     "ramp_eta_zero": "radius mismatch of the axles while coasting in the ramp, largest [1]",
     "pad_scale": "pad friction of the car over that of the vehicle file, both axles [1]",
@@ -27,25 +27,24 @@ METRICS: dict[str, str] = {
     "side_difference_f": "brake force left less right over their mean, front axle [1]",
     "side_difference_r": "brake force left less right over their mean, rear axle [1]",
     "front_biased_up_to": "deceleration up to which the front axle locks first, these pads; 9.99 "
-    "for all beyond [g]",
+    "stands for all larger values [g]",
     "repeatability_f": "largest departure of a stop's front pad friction from their mean [1]",
     "repeatability_r": "largest departure of a stop's rear pad friction from their mean [1]",
     "golden_distance": "largest departure of D(eta) from the golden table, over its peak [1]",
-    "golden_bands": "that departure over the 95 % half widths of both there; 1: just resolved [1]",
+    "golden_bands": "that departure over the 95 % half widths of both; above 1: significant [1]",
 }
-"""Every figure of the car, with its meaning."""
+"""Every metric of the car, with its meaning."""
 
 CUT = {"front_biased_up_to": 9.99}
-"""Figures that may be without bound, as without a rear brake, and the value that they end at."""
+"""Metrics that may be infinite, as without a rear brake, and the largest value that is given."""
 
 
 @dataclass(frozen=True)
 class Car:
-    """What a verdict on a car rests on.
+    """The inputs of a verdict on a car.
 
     ``ramps`` the logs that the table was fitted on, without coasts; ``stops`` the hold-outs and
-    ``results`` theirs;
-    ``golden`` the table of its model, if there is one.
+    ``results`` their validations; ``golden`` the table of its model, if there is one.
     """
 
     table: Table
@@ -68,8 +67,8 @@ def metrics_of(car: Car) -> dict[str, float | None]:
         "front_biased_up_to": _front_biased_up_to(table),
     }
     for axle in "fr":
-        seen = [side_difference(table, log, axle) for log in car.ramps]
-        out[f"side_difference_{axle}"] = _largest([s.value if s else None for s in seen])
+        sides = [side_difference(table, log, axle) for log in car.ramps]
+        out[f"side_difference_{axle}"] = _largest([s.value if s else None for s in sides])
     together = agreement(list(car.results))
     out["repeatability_f"] = together.spread_f if together else None
     out["repeatability_r"] = together.spread_r if together else None
@@ -92,9 +91,9 @@ def _eta_zero(log: Log) -> float | None:
 
 
 def _front_biased_up_to(table: Table) -> float:
-    """z [1] of equal adhesion with the pads as identified, not as the vehicle file has them.
+    """z [1] at which both axles use the same friction, with the identified pads.
 
-    It ends at its `CUT`, which stands for that and all beyond.
+    At most its value in `CUT`, which is also given for all larger values.
     """
     car, cal = table.vehicle, table.calibration
     front = replace(car.front, pad_friction=cal.pad_friction_f.value)
@@ -103,5 +102,5 @@ def _front_biased_up_to(table: Table) -> float:
 
 
 def _largest(values: Sequence[float | None]) -> float | None:
-    """The one of largest size, with its sign."""
+    """The value of largest magnitude, with its sign."""
     return max((v for v in values if v is not None), key=abs, default=None)

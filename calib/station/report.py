@@ -1,4 +1,4 @@
-"""The report of a car: verdict on top, what to do, figures, limits, where it all comes from."""
+"""The report of a car: verdict, next steps, metrics and limits, curves, origin of the data."""
 
 from calib import __version__
 from calib.plots.sheet import Sheet
@@ -15,7 +15,7 @@ from calib.validation.validate import Validation
 
 
 def report_html(found: StationOutcome, stored: Stored) -> str:
-    """Return the report as one HTML document, without a clock or a path in it."""
+    """Return the report as one HTML document, without a time or a path in it."""
     table, results, identity = found.table, found.results, found.identity
     given = [(TITLES[name], value) for name, value in identity.given().items()]
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
@@ -68,7 +68,7 @@ def report_html(found: StationOutcome, stored: Stored) -> str:
 
 
 def _by_figure(checks: list[Check]) -> list[list[Check]]:
-    """The checks of all stops, those of one figure together."""
+    """The checks of all stops, grouped by metric."""
     groups: dict[str, list[Check]] = {}
     for check in checks:
         groups.setdefault(check.figure, []).append(check)
@@ -81,7 +81,7 @@ def _ranges(check: Check) -> tuple[str, str]:
 
 
 def _cell(check: Check) -> str:
-    """A value of one stop; what does not pass says so."""
+    """The value of one stop, with the verdict if it did not pass."""
     value = value_of(check, 3)
     return value if check.verdict in (PASSED, NOT_KNOWN) else f"{value} {check.verdict}"
 
@@ -100,7 +100,7 @@ def _pad(result: Validation, axle: str) -> tuple[str, str]:
 
 
 def _curve_rows(table: Table) -> list[tuple[str, ...]]:
-    """Every few rows of f1 and f2: at most 16 of them, the ends too."""
+    """Rows of f1 and f2 for the page: at most 16, both ends among them."""
     p = table.paper
     return [
         (
@@ -117,7 +117,7 @@ def _curve_rows(table: Table) -> list[tuple[str, ...]]:
 
 
 def _over_time(pictures: Sheet, stops: int) -> Picture:
-    """Pad friction over time, two stops a row; the last one alone takes the whole row."""
+    """Pad friction over time, two stops per row; a last single stop takes the whole row."""
     names = [f"stop-{i}" for i in range(1, stops + 1)]
     rows = [tuple(names[i : i + 2]) for i in range(0, stops - 1, 2)]
     if stops % 2:

@@ -1,4 +1,4 @@
-"""Left against right: how much harder one brake of an axle grips than its twin.
+"""Left against right: the difference of the two brakes of an axle.
 
 slip of each wheel, zeroed on the unbraked part, (20) --> the tyre curve g of the table
 d = (g(s_l) - g(s_r)) / mean: left and right carry the same load on a straight, level road
@@ -20,23 +20,22 @@ from calib.table.table import Table, TyreCurve
 Array = NDArray[np.float64]
 
 LOW, HIGH = 0.10, 0.40
-"""Deceleration [1] between which it is read: below slip is lost in noise, above the tyre bends."""
+"""Range of deceleration [1]: below it noise is too large, above it the tyre curve is not linear."""
 
 WIDEST = 0.05
-"""Half width of the 95 % interval [1] beyond which the difference counts as not known."""
+"""Half width of the 95 % interval [1] above which the difference counts as not known."""
 
 FEWEST = 8
-"""Blocks of 0.2 s below which a scatter says nothing."""
+"""Least number of blocks of 0.2 s for an estimate of the scatter."""
 
 
 def side_difference(table: Table, log: Log, axle: str) -> IntervalEstimate | None:
     """Brake force left less right over their mean [1], of ``axle`` "f" or "r".
 
-    Where the log knows both pressures of the axle their difference is taken out, so that what is
-    left is that of the pads. Moments in which a wheel slips beyond the end of the tyre curve are
-    left out: the table knows no force there. None where the log cannot tell: no reference speed,
-    too little braking between 0.1 and 0.4 g within the curve, or an interval wider than
-    +-``WIDEST``.
+    Where the log has both pressures of the axle, their difference is subtracted, so that the rest
+    is that of the pads. Samples in which a wheel slips beyond the end of the tyre curve are left
+    out: the table has no force there. None where the log has no reference speed, too little
+    braking between 0.1 and 0.4 g within the curve, or gives an interval wider than +-``WIDEST``.
     """
     if "v" not in log:
         return None
@@ -72,12 +71,12 @@ def _means(x: Array, mask: NDArray[np.bool_], driving: DrivingRecord) -> Array:
 
 
 def _force(tyre: TyreCurve, s: Array) -> Array:
-    """Normalised force [1] of the tyre curve at slip ``s``; odd, as noise about nought is."""
+    """Normalised force [1] of the tyre curve at slip ``s``; odd, for noise about zero."""
     return np.asarray(np.sign(s) * np.interp(np.abs(s), tyre.slip, tyre.force))
 
 
 def _slope(x: Array, y: Array, free: Array) -> IntervalEstimate | None:
-    """Slope of y = d x through nought, its interval with that of the zero of ``free``."""
+    """Slope d of y = d x with its 95 % interval, which includes that of the zero of ``free``."""
     power = float(x @ x)
     if power == 0.0:
         return None
@@ -92,7 +91,7 @@ def _slope(x: Array, y: Array, free: Array) -> IntervalEstimate | None:
 
 
 def _pressures(log: Log, axle: str, use: NDArray[np.bool_]) -> float:
-    """Left less right over their mean of the wheel pressures [1]; nought where not logged."""
+    """Left less right over their mean of the wheel pressures [1]; zero where not logged."""
     if f"p_{axle}l" not in log or f"p_{axle}r" not in log:
         return 0.0
     left, right = (float(np.mean(log[f"p_{axle}{side}"][use])) for side in "lr")

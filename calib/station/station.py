@@ -1,6 +1,6 @@
-"""The verdict on one car: fitted, proved on its stops, every figure held against its limit.
+"""The verdict on one car: fitted, validated on its stops, every metric checked with its limit.
 
-ramps, coasts --> table --> stops --> figures --> checks --> passed, warning or failed
+ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or failed
 """
 
 from collections.abc import Sequence
@@ -20,34 +20,34 @@ from calib.validation.metrics import METRICS as OF_STOPS
 from calib.validation.validate import Validation, validate_one
 
 CAR = "car"
-"""What the scope of a check on the car as a whole is called."""
+"""Scope of a check of the car as a whole."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """One figure held against its limit: of the hold-out named ``stop``, None for the car."""
+    """One metric and its limit: of the hold-out named ``stop``; None for the car."""
 
     stop: str | None
     judgement: Judgement
 
     @property
     def of_car(self) -> bool:
-        """Whether it is of the car as a whole."""
+        """Whether the check is of the car as a whole."""
         return self.stop is None
 
     @property
     def scope(self) -> str:
-        """`CAR` or the name of the hold-out, which may be the same word."""
+        """`CAR` or the name of the hold-out; a hold-out may be named like `CAR`."""
         return CAR if self.stop is None else self.stop
 
     @property
     def figure(self) -> str:
-        """Name of the figure."""
+        """Name of the metric."""
         return self.judgement.figure
 
     @property
     def meaning(self) -> str:
-        """What the figure is, with its unit."""
+        """Meaning of the metric, with its unit."""
         return OF_CAR[self.figure] if self.of_car else OF_STOPS[self.figure]
 
     @property
@@ -58,10 +58,10 @@ class Check:
 
 @dataclass(frozen=True)
 class StationOutcome:
-    """All that is known of the car after its run at the station.
+    """All results of a car after its run at the station.
 
     ``logs`` of the ramps and coasts first, as given; ``results`` of the hold-outs in their order;
-    ``caveats`` what `brake-cal check` has to say of a log, by its name; ``golden`` the id of the
+    ``caveats`` remarks of `brake-cal check` on a log, by its name; ``golden`` the id of the
     golden table, "" without one.
     """
 
@@ -83,7 +83,7 @@ class StationOutcome:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing fails; a warning passes."""
+        """Whether no check fails; warnings pass."""
         return self.verdict != FAILED
 
     def with_verdict(self, word: str) -> list[Check]:
@@ -91,24 +91,24 @@ class StationOutcome:
         return [check for check in self.checks if check.verdict == word]
 
     def counts(self) -> dict[str, int]:
-        """How many checks came out how."""
+        """Number of checks by verdict."""
         return {word: len(self.with_verdict(word)) for word in (PASSED, WARNING, FAILED, NOT_KNOWN)}
 
 
 def table_of(
     vehicle: Vehicle, ramps: Sequence[Log], coasts: Sequence[Log], identity: Identity
 ) -> Table:
-    """Fit the table of the car, which says in its provenance which car it is.
+    """Fit the table of the car; its provenance holds the ``identity`` of the car.
 
-    Raises LogError where a ramp holds no braking or a coast does: it was given in the wrong place.
+    Raises LogError for a ramp without braking and for a coast with braking.
     """
     table = fit(vehicle, [*ramps, *coasts])
     roles = {log.digest: log.role for log in table.provenance.logs}
-    for told, logs in (("ramp", ramps), ("coast", coasts)):
+    for role, logs in (("ramp", ramps), ("coast", coasts)):
         for log in logs:
-            if roles[log.digest] != told:
+            if roles[log.digest] != role:
                 raise LogError(
-                    f"given as a {told}, and it is a {roles[log.digest]}",
+                    f"given as a {role}, and it is a {roles[log.digest]}",
                     where=log.source,
                     do="the ramp comes first, further ones with --ramp, coasts with --coast",
                 )
@@ -116,13 +116,13 @@ def table_of(
 
 
 def validated(table: Table, log: Log, limits: Sequence[Limit]) -> Validation:
-    """Validate one hold-out. Raises LogError where the table was fitted on it: no proof."""
+    """Validate one hold-out. Raises LogError where the table was fitted on it."""
     result = validate_one(table, log, None, tuple(x for x in limits if x.figure in OF_STOPS))
     if result.role == "calibration":
         raise LogError(
             "the table is fitted on this log, which proves nothing as a hold-out",
             where=log.source,
-            do="give each run once: the ramp first, then stops that took no part",
+            do="give each run once: the ramp first, then stops that are not part of the fit",
         )
     return result
 
@@ -130,7 +130,7 @@ def validated(table: Table, log: Log, limits: Sequence[Limit]) -> Validation:
 def outcome(
     car: Car, coasts: Sequence[Log], limits: Sequence[Limit], identity: Identity, golden: str = ""
 ) -> StationOutcome:
-    """Judge the car and gather everything. ``golden`` is the id of ``car.golden``."""
+    """Judge the car and collect all results. ``golden`` is the id of ``car.golden``."""
     logs = (*car.ramps, *coasts, *car.stops)
     figures = metrics_of(car)
     of_car = judge(tuple(x for x in limits if x.figure in OF_CAR), figures)

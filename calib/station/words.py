@@ -1,4 +1,4 @@
-"""A check in words: value, limit and what became of it, for people and for line systems alike."""
+"""A check in words: value, limit and verdict, for people and for line systems."""
 
 from calib.station.metrics import CUT
 from calib.station.station import Check, StationOutcome
@@ -13,12 +13,12 @@ HEADINGS = {
 
 
 def shown(value: float | None, digits: int = 4) -> str:
-    """A figure with so many digits."""
+    """A value with ``digits`` significant digits."""
     return "not known" if value is None else f"{value:.{digits}g}"
 
 
 def value_of(check: Check, digits: int = 4) -> str:
-    """The value of a check with so many digits, and `or more` where it is cut."""
+    """The value of a check with ``digits`` digits, and `or more` where it is at its `CUT`."""
     value = check.judgement.value
     beyond = value is not None and value == CUT.get(check.figure)
     return shown(value, digits) + " or more" * beyond
@@ -38,7 +38,7 @@ def bounds(low: float | None, high: float | None) -> str:
 
 
 def sentence(check: Check) -> str:
-    """What a check says: `side_difference_f of the car is 0.31; the limit is -0.2 to 0.2`."""
+    """A check as a sentence: `side_difference_f of the car is 0.31; the limit is -0.2 to 0.2`."""
     of = "of the car" if check.of_car else f"of the stop {check.scope}"
     if check.judgement.value is None:
         return f"{check.figure} {of} is not known, and it is required"
@@ -47,14 +47,14 @@ def sentence(check: Check) -> str:
 
 
 def in_full(check: Check) -> str:
-    """The same for a reader who does not know the names: what it is, value, limit."""
+    """The same without the metric's name: meaning, value, limit."""
     of = "" if check.of_car else f"stop {check.scope}, "
     kind = "no warning" if check.verdict == WARNING else "limit"
     return f"{of}{check.meaning}: {value_of(check)}; {kind}: {_limit(check)}"
 
 
 def _limit(check: Check) -> str:
-    """The range that decided: that of the warning where there is one."""
+    """The range that decided the verdict: that of the warning for a warning."""
     j = check.judgement
     warns = check.verdict == WARNING
     return bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)

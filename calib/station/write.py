@@ -1,4 +1,4 @@
-"""Every file of a run at the station, made in one folder before any is shown to anybody."""
+"""Every file of a run at the station, made in one folder before any is published."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,8 +32,9 @@ def store_and_write(
 ) -> tuple[Stored, dict[str, Any]]:
     """Write everything into ``work``, then store the table; return it and the document.
 
-    In this order what fails leaves no version without a verdict. Where another car has taken the
-    version in between, the files are written again. Raises OSError, ExchangeError, StoreError.
+    In this order an error leaves no version without a verdict. Where another run has taken the
+    version number meanwhile, the files are written again. Raises OSError, ExchangeError,
+    StoreError.
     """
     while True:
         expected = store.foreseen(found.table)
@@ -48,7 +49,7 @@ def write_all(
 ) -> dict[str, Any]:
     """Write everything into ``work`` and return the document of `station.json`.
 
-    A car that failed gets no exports: nothing of it must reach an ECU. ``date`` is for `DATED`.
+    A car that failed gets no exports, so that its table reaches no ECU. ``date`` is for `DATED`.
     Raises OSError, ExchangeError.
     """
     write_results(list(found.results), validation_dict(stored.id, list(found.results)), work)

@@ -1,1 +1,1 @@
-"""Propose a channel map for a foreign log, from names, units and physics."""
+"""Propose a channel map for a foreign log from names, units and physics."""

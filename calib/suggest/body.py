@@ -1,4 +1,4 @@
-"""Which columns are the car's speed, its acceleration and its brake pressure."""
+"""Find the columns for the car's speed, acceleration and brake pressure."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -30,20 +30,20 @@ from calib.suggest.words import (
 Array = NDArray[np.float64]
 
 FOLLOWS = 0.8
-"""Correlation [1] from which on one signal follows another."""
+"""Lowest correlation [1] of two signals that belong together."""
 ACCELERATED = 0.5
-"""Range of the derivative of speed [m/s^2] below which it says nothing of an accelerometer."""
+"""Smallest range of the derivative of speed [m/s^2] to check an acceleration with."""
 LATER = 0.01
-"""Gain of correlation [1] by which a pressure must fit better when taken late to be called late."""
+"""Gain of correlation [1] from which on a pressure counts as later than the deceleration."""
 PRESSED = 2e5
-"""Range of a pressure [Pa] below which the brake was not applied."""
+"""Smallest range of a brake pressure [Pa] in a log with braking."""
 SLOPES = (0.7, 1.4)
-"""a_x over the derivative of speed [1]: a hill, pitch and slip move it, a wrong unit more."""
+"""Allowed a_x over the derivative of speed [1]: slope, pitch and slip change it less than this."""
 
 
 @dataclass(frozen=True)
 class Found:
-    """At most one proposal for a channel, or the doubts; and of which columns it is not, why."""
+    """At most one proposal for a channel, or doubts; ``refused`` columns with the reason."""
 
     proposal: Proposal | None = None
     doubts: tuple[Doubt, ...] = ()
@@ -54,7 +54,7 @@ class Found:
 def choose(
     channel: str, passed: list[tuple[Series, int]], why: str, found: Callable[[Series], Proposal]
 ) -> Found:
-    """The one whose name says most; several that say as much are a doubt."""
+    """The column whose name fits best; if several fit equally well, a doubt."""
     if not passed:
         return Found()
     best = max(points for _, points in passed)
@@ -62,23 +62,23 @@ def choose(
     exact = [s for s in top if s.name == channel] or top
     if len(exact) > 1:
         names = tuple(s.name for s in exact)
-        return Found(doubts=(Doubt(channel, names, why, f"say which: --take {channel}=NAME"),))
-    second = [(s.name, f"{exact[0].name} is the likelier {channel}") for s, _ in passed]
+        return Found(doubts=(Doubt(channel, names, why, f"choose one: --take {channel}=NAME"),))
+    second = [(s.name, f"{exact[0].name} is more likely {channel}") for s, _ in passed]
     refused = tuple(pair for pair in second if pair[0] != exact[0].name)
     return Found(found(exact[0]), (), refused, exact[0])
 
 
 def find_speed(series: list[Series], wheels: Array | None) -> Found:
-    """The reference speed: a speed by name and unit that goes with the wheels."""
+    """Find the reference speed: a speed by name and unit that agrees with the wheels."""
     passed, refused = [], []
     for item in series:
         if item.si != "m/s" or corner(item.name):
             continue
         points = 99 if item.name == "v" else score(item.name, SPEED, NO_SPEED)
         if points < 1:
-            refused.append((item.name, "a speed, by its name not that of the car"))
+            refused.append((item.name, "a speed, but not of the car, by its name"))
         elif wheels is not None and np.ptp(wheels) and correlation(item.values, wheels) < 0.98:
-            refused.append((item.name, "a speed that does not go with the wheels"))
+            refused.append((item.name, "a speed that does not agree with the wheels"))
         else:
             passed.append((item, points))
     checked = wheels is not None and bool(np.ptp(wheels))
@@ -87,7 +87,7 @@ def find_speed(series: list[Series], wheels: Array | None) -> Found:
         reasons = (
             "name",
             f"unit {item.column.unit}",
-            *(["goes with the wheels"] if checked else []),
+            *(["agrees with the wheels"] if checked else []),
         )
         return Proposal("v", Mapping(item.name), SURE if checked else LIKELY, reasons)
 
@@ -98,7 +98,7 @@ def find_speed(series: list[Series], wheels: Array | None) -> Found:
 def find_acceleration(
     series: list[Series], rate: Array | None, clock: ColumnClock, metres: bool
 ) -> Found:
-    """The longitudinal acceleration: by unit, and it is the derivative of speed up to a sign.
+    """Find the longitudinal acceleration: by unit, and by the derivative of speed up to its sign.
 
     Parameters
     ----------
@@ -114,11 +114,11 @@ def find_acceleration(
         if item.si != "m/s^2":
             continue
         if points < 0:
-            refused.append((item.name, "an acceleration, by its name not along the car"))
+            refused.append((item.name, "an acceleration, but not longitudinal, by its name"))
         elif measured and rate is not None and abs(_follows(item, rate, clock)) < FOLLOWS:
             refused.append((item.name, "an acceleration that is not the derivative of speed"))
         elif not measured and points < 1:
-            refused.append((item.name, "an acceleration that nothing shows to be along the car"))
+            refused.append((item.name, "an acceleration, not known to be longitudinal"))
         else:
             passed.append((item, points))
     used = rate if measured else None
@@ -126,7 +126,7 @@ def find_acceleration(
     def proposal(item: Series) -> Proposal:
         return _acceleration(item, used, clock, metres)
 
-    found = choose("a_x", passed, "more than one acceleration along the car", proposal)
+    found = choose("a_x", passed, "more than one longitudinal acceleration", proposal)
     wrong = _wrong_unit(found.series, used, clock, metres)
     if wrong:
         return Found(doubts=(wrong,), refused=tuple(refused))
@@ -146,13 +146,13 @@ def _acceleration(item: Series, rate: Array | None, clock: ColumnClock, metres: 
     if rate is None:
         sign = -1 if DECELERATION & set(words(item.name)) else 1
         reasons.append("speed does not change enough to check its sign")
-        reasons += ["called a deceleration: turned round"] if sign < 0 else []
+        reasons += ["named a deceleration: sign reversed"] if sign < 0 else []
         return Proposal("a_x", Mapping(item.name, sign=sign), LIKELY, tuple(reasons))
     follows = _follows(item, rate, clock)
     sign = 1 if follows > 0 else -1
     reasons.append(f"is the derivative of speed (correlation {abs(follows):.2f})")
     if sign < 0:
-        reasons.append("positive when the car slows down: turned round")
+        reasons.append("positive when the car slows down: sign reversed")
     sure = SURE if named else LIKELY
     return Proposal("a_x", Mapping(item.name, sign=sign), sure, tuple(reasons))
 
@@ -160,7 +160,7 @@ def _acceleration(item: Series, rate: Array | None, clock: ColumnClock, metres: 
 def _wrong_unit(
     item: Series | None, rate: Array | None, clock: ColumnClock, metres: bool
 ) -> Doubt | None:
-    """A doubt where the size of the acceleration contradicts its unit."""
+    """A doubt if the size of the acceleration contradicts its unit."""
     if item is None or rate is None:
         return None
     ratio = abs(slope(centred_mean(item.values, clock.width(0.2) | 1), rate))
@@ -172,15 +172,15 @@ def _wrong_unit(
         (f": is it in {u}?" for u, f in (("g", 1 / G), ("m/s^2", G)) if 0.7 < off / f < 1.4), ""
     )
     why = f"in {item.column.unit} it is {off:.3g} times the derivative of {what}{hint}"
-    return Doubt("a_x", (item.name,), why, "say its unit: --take 'a_x=NAME [UNIT]'")
+    return Doubt("a_x", (item.name,), why, "give its unit: --take 'a_x=NAME [UNIT]'")
 
 
 def find_pressure(series: list[Series], braking: Array | None, clock: ColumnClock) -> Found:
-    """The brake pressure: a pressure by unit, that comes before the deceleration and goes with it.
+    """Find the brake pressure: by unit, correlated with the deceleration and not later than it.
 
-    ``braking`` is the deceleration, shape (n,), or None where speed does not change. A column
-    without a unit is a doubt if its name speaks of a brake pressure: a torque or a percentage
-    looks the same.
+    ``braking`` is the deceleration, shape (n,), or None if speed does not change. A column
+    without a unit is a doubt if it is named a brake pressure: it could be a torque or a
+    percentage.
     """
     passed, refused, unnamed = [], [], []
     for item in series:
@@ -203,8 +203,8 @@ def find_pressure(series: list[Series], braking: Array | None, clock: ColumnCloc
     doubts = found.doubts
     if found.proposal is None and not doubts and unnamed:
         names = tuple(item.name for item in unnamed)
-        why = "called a brake pressure, but the file names no unit that is known"
-        doubts = (Doubt("p_mc", names, why, "say its unit: --take 'p_mc=NAME [bar]'"),)
+        why = "named a brake pressure, but it has no unit that is known"
+        doubts = (Doubt("p_mc", names, why, "give its unit: --take 'p_mc=NAME [bar]'"),)
     return Found(found.proposal, doubts, (*refused, *found.refused), found.series)
 
 
@@ -213,19 +213,19 @@ def _brake_score(name: str) -> int:
 
 
 def _presses(item: Series) -> bool:
-    said = set(words(item.name))
-    return bool(said & {"pressure", "press", "prs", "druck", "bremsdruck", "p"})
+    found = set(words(item.name))
+    return bool(found & {"pressure", "press", "prs", "druck", "bremsdruck", "p"})
 
 
 def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClock) -> str | None:
-    """Why a pressure is not that of the brake, or None."""
+    """Reason why a pressure is not the brake pressure, or None."""
     if item.values.max() > PRESSURE:
-        return f"a pressure of {item.values.max() / 1e5:.0f} bar is no brake's"
+        return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
     if braking is None or np.ptp(braking) < ACCELERATED or not item.moves:
-        return None if points > 0 else "a pressure that nothing shows to be the brake's"
+        return None if points > 0 else "a pressure, not known to be of the brake"
     ahead, follows = lead(item.values, braking, clock)
     if follows < FOLLOWS:
-        return f"a pressure that the deceleration does not follow (correlation {follows:.2f})"
+        return f"a pressure that does not agree with the deceleration (correlation {follows:.2f})"
     in_time = lead(item.values, braking, clock, LATE)[1]
     if follows - in_time > LATER:
         return f"a pressure that comes {-ahead:.2f} s after the deceleration"
@@ -233,16 +233,16 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
 
 
 def _pressure(item: Series, braking: Array | None, clock: ColumnClock) -> Proposal:
-    reasons = ["name", f"unit {item.column.unit}"] if _said(item) else [f"unit {item.column.unit}"]
+    reasons = [*(["name"] if _is_named(item) else []), f"unit {item.column.unit}"]
     applied = float(np.ptp(item.values)) > PRESSED
     if braking is None or not applied or np.ptp(braking) < ACCELERATED:
-        reasons.append("no braking in the log to check it by")
+        reasons.append("no braking in the log to check it with")
         return Proposal("p_mc", Mapping(item.name), LIKELY, tuple(reasons))
     ahead, follows = lead(item.values, braking, clock, LATE)
     when = f"{ahead:.2f} s before" if ahead > 0 else "with"
     reasons.append(f"{when} the deceleration (correlation {follows:.2f})")
-    return Proposal("p_mc", Mapping(item.name), SURE if _said(item) else LIKELY, tuple(reasons))
+    return Proposal("p_mc", Mapping(item.name), SURE if _is_named(item) else LIKELY, tuple(reasons))
 
 
-def _said(item: Series) -> bool:
+def _is_named(item: Series) -> bool:
     return item.name == "p_mc" or _brake_score(item.name) > 0

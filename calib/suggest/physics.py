@@ -1,6 +1,6 @@
-"""What a braked car cannot but do: the tests that a column has to pass.
+"""Physical tests for the columns of a braked car.
 
-speed        the four wheels and the car go together
+speed        the four wheels and the car agree
 a_x          is the derivative of speed, up to a sign
 pressure     comes before the deceleration, and both rise and fall together
 """
@@ -17,35 +17,35 @@ Array = NDArray[np.float64]
 SMOOTH = 0.2
 """Width [s] over which a speed is smoothed before it is differentiated."""
 LAG = 0.5
-"""Longest lag looked at [s]: a brake builds up in 0.1 to 0.2 s."""
+"""Longest lag that is tried [s]: a brake builds up in 0.1 to 0.2 s."""
 LATE = 0.06
-"""A pressure may seem to come this much after its effect [s]: filters in the sensors differ."""
+"""A pressure may be later than its effect by this [s], because sensor filters differ."""
 SLOW = 0.15
-"""Share of the highest speed [1] below which the car is about to stand."""
+"""Share of the highest speed [1] below which samples are not used: the car is about to stop."""
 TOGETHER, RATIO = 0.99, 0.1
-"""Correlation of two wheels at least, and the difference of their means at most [1]."""
+"""Lowest correlation of two wheels, and largest relative difference of their means [1]."""
 
 
 @dataclass(frozen=True)
 class ColumnClock:
-    """Seconds [s] of each row, and the median step [s]."""
+    """Time of each row, shape (n,), and the median step [s]."""
 
     time: Array
     step: float
 
     def width(self, seconds: float) -> int:
-        """Samples in a time."""
+        """Number of samples in ``seconds`` [s], at least 1."""
         return max(1, round(seconds / self.step))
 
 
 def together(four: list[Array]) -> bool:
-    """Whether four speeds are those of one car: alike in level and in course."""
+    """Whether four speeds are of one car: similar means, high correlation."""
     means = [float(np.mean(x)) for x in four]
     if min(means) <= 0.0 or max(means) > (1.0 + RATIO) * min(means):
         return False
     if any(np.ptp(x) == 0.0 for x in four):
         return False
-    steady = max(float(np.std(x)) for x in four) < 0.02 * max(means)  # nothing to correlate
+    steady = max(float(np.std(x)) for x in four) < 0.02 * max(means)  # constant: no correlation
     return steady or float(np.corrcoef(four).min()) > TOGETHER
 
 
@@ -56,21 +56,21 @@ def rate_of(speed: Array, clock: ColumnClock) -> Array:
 
 
 def correlation(a: Array, b: Array) -> float:
-    """Correlation [1]; 0 where one of them does not move."""
+    """Correlation of ``a`` and ``b``, both (n,) [1]; 0 if one of them is constant."""
     if np.ptp(a) == 0.0 or np.ptp(b) == 0.0:
         return 0.0
     return float(np.corrcoef(a, b)[0, 1])
 
 
 def slope(y: Array, x: Array) -> float:
-    """Slope of y over x, through their means [unit of y/unit of x]."""
+    """Least-squares slope of y over x, both (n,) [unit of y/unit of x]."""
     return float(np.cov(y, x)[0, 1] / np.var(x, ddof=1))
 
 
 def lead(first: Array, then: Array, clock: ColumnClock, latest: float = LAG) -> tuple[float, float]:
-    """By how much ``first`` comes before ``then`` [s], and their correlation at that lag [1].
+    """Time by which ``first`` leads ``then`` [s], and their correlation at that lag [1].
 
-    It is not looked for more than ``latest`` [s] behind. A slow ramp alone says little of a lag.
+    ``first`` may be later by at most ``latest`` [s]. The lag is uncertain for a slow ramp alone.
     """
     reach = min(clock.width(LAG), first.size // 4)
     back = min(reach, round(latest / clock.step))
@@ -84,7 +84,7 @@ def _lagged(first: Array, then: Array, k: int) -> float:
 
 
 def moving(speed: Array, clock: ColumnClock) -> slice:
-    """The longest stretch in which the car moves, less what the smoothing blurs at its ends."""
+    """The longest part in which the car moves, without the ends that smoothing distorts."""
     fast = speed > SLOW * float(speed.max())
     start, end = max(runs(fast), key=lambda run: run[1] - run[0], default=(0, speed.size))
     margin = 2 * clock.width(SMOOTH)

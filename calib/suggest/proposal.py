@@ -1,16 +1,16 @@
-"""What was found out of a foreign log: what is which channel, how sure that is, and what is not."""
+"""The proposed channel map of a foreign log: proposals, doubts and unused columns."""
 
 from dataclasses import dataclass
 
 from calib.logs.channel_map import Mapping
 
 SURE, LIKELY = "sure", "likely"
-"""Sure: name, unit and physics agree. Likely: one of them is silent, none speaks against it."""
+"""Sure: name, unit and physics agree. Likely: one is missing, and none contradicts."""
 
 
 @dataclass(frozen=True)
 class Proposal:
-    """One channel's origin, how ``sure`` it is, and the ``reasons`` in words."""
+    """Source of one channel, how ``sure`` it is, and the ``reasons`` in words."""
 
     channel: str
     mapping: Mapping
@@ -30,16 +30,16 @@ class Doubt:
 
 @dataclass(frozen=True)
 class Suggestion:
-    """The outcome.
+    """Result of `calib.suggest.propose.suggest`.
 
     Attributes
     ----------
-    log : the file that was looked at.
-    proposals : what is proposed, in the order of the page of names.
-    doubts : what has to be asked; a map is only written where there are none.
-    missing : channels that every log must have and that this one does not, with the reason.
-    left : columns that are not taken, with the reason.
-    ignore : columns that bear the name of a channel and are none.
+    log : path of the log.
+    proposals : what is proposed, in the order of `calib.names.CHANNELS`.
+    doubts : questions to the user; a map is written only if there are none.
+    missing : required channels that this log does not have, with the reason.
+    left : columns that are not used, with the reason.
+    ignore : columns that have the name of a channel but another content.
     """
 
     log: str

@@ -1,7 +1,7 @@
-"""Put the findings together: a proposal for each channel, doubts, and what is left.
+"""Propose a channel map: a proposal for each channel, doubts, and unused columns.
 
 columns --> clock --> wheels --> speed --> a_x --> pressure --> the rest, by name and unit
-(each is a test for those behind it)
+(each step uses the results of the steps before)
 """
 
 from collections.abc import Callable
@@ -44,27 +44,27 @@ def suggest(
     ----------
     source : of any format.
     where : the file's path, for messages.
-    told : by channel the source that the user names, ``Brake [bar]`` with or without a unit; empty
-        for a channel that is not to be mapped.
-    radius : rolling radius [m] with which the car made wheel speeds at the rim, if it did.
+    told : sources given by the user, by channel: ``Brake [bar]`` with or without a unit; empty
+        for a channel that must not be mapped.
+    radius : rolling radius [m] if the log has wheel speeds as speeds at the rim.
 
     Returns
     -------
-    The suggestion. Nothing is invented: what no column fits is missing, what several fit is a
-    doubt. Raises InputError for a channel or column that is told and does not exist.
+    The suggestion. A channel is missing if no column fits, and a doubt if several fit. Raises
+    InputError for a channel or column in ``told`` that does not exist.
     """
     told = dict(told or {})
     series, left = read_series(source)
     work = _Work(series, left, told, radius)
     for channel, cell in told.items():
-        work.tell(channel, cell, source, where)
+        work.assign(channel, cell, source, where)
     work.find()
     return work.suggestion(where)
 
 
 @dataclass
 class _Work:
-    """What is known so far. Columns that are taken are not offered again."""
+    """Intermediate state. Columns that are assigned are not proposed again."""
 
     series: list[Series]
     left: dict[str, str]
@@ -74,24 +74,24 @@ class _Work:
     doubts: list[Doubt] = field(default_factory=list)
     clock: ColumnClock | None = None
 
-    def tell(self, channel: str, cell: str, source: ColumnSource, where: str) -> None:
-        """Take what the user says."""
+    def assign(self, channel: str, cell: str, source: ColumnSource, where: str) -> None:
+        """Assign the source that the user gives."""
         if channel not in CHANNELS:
-            raise InputError(f"no channel is called {channel!r}", expected=", ".join(CHANNELS))
+            raise InputError(f"there is no channel {channel!r}", expected=", ".join(CHANNELS))
         if not cell:
             return
         column = _column_called(cell, source)
         if column is None:
             names = ", ".join(repr(c.name) for c in source.columns)
             raise InputError(f"{where} has no column {cell!r}", expected=f"one of {names}")
-        spoken = column_from_cell(cell)
-        unit = spoken.unit if column.name != cell and spoken.unit != column.unit else None
+        given = column_from_cell(cell)
+        unit = given.unit if column.name != cell and given.unit != column.unit else None
         _check_unit(unit or column.unit, channel, cell)
         mapping = Mapping(column.name, unit)
-        self.proposals[channel] = Proposal(channel, mapping, SURE, ("told",))
+        self.proposals[channel] = Proposal(channel, mapping, SURE, ("given",))
 
     def find(self) -> None:
-        """Look for every channel that was not told, in the order in which one tests the next."""
+        """Find every channel that the user did not give, in the order of the module's sketch."""
         self._clock()
         clock = self.clock
         if clock is None:
@@ -99,7 +99,7 @@ class _Work:
         wheels = find_wheels(self._free(), self.radius)
         self.left.update(dict(wheels.refused))
         self._take_group("omega", wheels.proposals, wheels.doubts)
-        mean = wheels.mean if wheels.mean is not None else self._told_wheels()
+        mean = wheels.mean if wheels.mean is not None else self._given_wheels()
         speed = self._take("v", find_speed(self._free(), mean))
         metres = speed is not None
         motion = speed if speed is not None else mean
@@ -114,7 +114,7 @@ class _Work:
     def _while_moving(
         self, motion: Array | None, clock: ColumnClock
     ) -> tuple[Array | None, ColumnClock]:
-        """Derivative of the speed; from here on only rows in which the car moves are looked at."""
+        """Derivative of the speed; drops all rows in which the car does not move."""
         if motion is None:
             return None, clock
         part = moving(motion, clock)
@@ -123,13 +123,13 @@ class _Work:
         return rate, ColumnClock(clock.time[part], clock.step)
 
     def _free(self) -> list[Series]:
-        """Columns that nothing has taken; one told for a channel that is looked for is not free."""
+        """Columns that are neither assigned nor refused."""
         taken = {p.mapping.source for p in self.proposals.values()}
         return [s for s in self.series if s.name not in taken and s.name not in self.left]
 
     def _clock(self) -> None:
         if "time" in self.proposals:
-            series = [_told(s, self.proposals["time"]) for s in self.series]
+            series = [_given_values(s, self.proposals["time"]) for s in self.series]
             named = next((s for s in series if s is not None), None)
             if named is not None:
                 self.clock = ColumnClock(named, float(np.median(np.diff(named))))
@@ -139,21 +139,21 @@ class _Work:
         if found:
             self.proposals["time"] = found
 
-    def _told_wheels(self) -> Array | None:
-        """Mean wheel speed of the columns that the user named [rad/s], or None."""
+    def _given_wheels(self) -> Array | None:
+        """Mean wheel speed of the columns that the user gave [rad/s], or None."""
         four = []
         for wheel in WHEELS:
             proposal = self.proposals.get(f"omega_{wheel}")
-            found = [_told(s, proposal) for s in self.series] if proposal else []
+            found = [_given_values(s, proposal) for s in self.series] if proposal else []
             four += [x for x in found if x is not None]
         return np.mean(four, axis=0) if len(four) == 4 else None
 
     def _take(self, channel: str, found: Found) -> Array | None:
-        """Enter a finding, unless the user said something else. Returns the column's values."""
+        """Record a proposal, unless the user gave another source. Returns the column's values."""
         self.left.update({k: v for k, v in found.refused if k not in self.left})
         if channel in self.told:
             proposal = self.proposals.get(channel)
-            values = [_told(s, proposal) for s in self.series] if proposal else []
+            values = [_given_values(s, proposal) for s in self.series] if proposal else []
             return next((x for x in values if x is not None), None)
         self.doubts += found.doubts
         if found.proposal is None or found.series is None:
@@ -169,7 +169,7 @@ class _Work:
             self.doubts += doubts
 
     def _computed(self) -> None:
-        """Set pressures aside that are a column of another quantity times a number."""
+        """Refuse pressures that are a column of another quantity times a number."""
         others = [s for s in self.series if s.si not in ("Pa", None, "?", "s")]
         for item in self._free():
             for other in others if item.si == "Pa" else []:
@@ -192,7 +192,7 @@ class _Work:
                 )
 
     def _by_name(self) -> None:
-        """Channels that no physics here can test."""
+        """Find the channels that are not tested with physics."""
         wanted: dict[str, Callable[[Series], bool]] = {
             "steering": lambda s: s.si == "rad" and score(s.name, STEERING, NO_STEERING) > 0,
             "T_disc_f": lambda s: (
@@ -208,19 +208,19 @@ class _Work:
             if channel in self.told or not found:
                 continue
             if len(found) > 1:
-                do = f"say which: --take {channel}=NAME; or none: --take {channel}="
+                do = f"choose one: --take {channel}=NAME; or none: --take {channel}="
                 names = tuple(s.name for s in found)
-                self.doubts.append(Doubt(channel, names, "several by name", do))
+                self.doubts.append(Doubt(channel, names, "several columns fit by name", do))
                 continue
-            reasons = ("name", f"unit {found[0].column.unit}", "nothing here can test it")
+            reasons = ("name", f"unit {found[0].column.unit}", "not tested")
             self.proposals[channel] = Proposal(channel, Mapping(found[0].name), LIKELY, reasons)
 
     def suggestion(self, where: str) -> Suggestion:
-        """The outcome."""
+        """The result."""
         ordered = tuple(self.proposals[name] for name in CHANNELS if name in self.proposals)
         taken = {p.mapping.source for p in ordered}
         doubted = {name for doubt in self.doubts for name in doubt.channel.split(" ... ")}
-        left = {s.name: self.left.get(s.name, "none of ours") for s in self.series}
+        left = {s.name: self.left.get(s.name, "not a known channel") for s in self.series}
         left = {name: why for name, why in {**self.left, **left}.items() if name not in taken}
         missing = {
             name: f"the column of that name is {left[name]}" if name in left else _why_missing(name)
@@ -236,15 +236,15 @@ class _Work:
 
 def _why_missing(name: str) -> str:
     why = {
-        "time": "no column runs forward and is called a time",
-        "p_mc": "no column is a brake pressure by name, unit and course",
-        "a_x": "no column is an acceleration along the car by name, unit and course",
+        "time": "no column is increasing and named a time",
+        "p_mc": "no column is a brake pressure by name, unit and values",
+        "a_x": "no column is a longitudinal acceleration by name, unit and values",
     }
-    return why.get(name, "no four columns are wheel speeds by name, unit and course")
+    return why.get(name, "no four columns are wheel speeds by name, unit and values")
 
 
 def _column_called(cell: str, source: ColumnSource) -> Column | None:
-    """The column that a user means: by its name, the whole cell, or the name with another unit."""
+    """The column with this name or header cell, also if ``cell`` has another unit; or None."""
     for name in (cell, column_from_cell(cell).name):
         for column in source.columns:
             if name in (column.name, column.full):
@@ -253,10 +253,10 @@ def _column_called(cell: str, source: ColumnSource) -> Column | None:
 
 
 def _check_unit(unit: str | None, channel: str, cell: str) -> None:
-    """Raise InputError for a column that is told without a unit, or with one of another kind."""
+    """Raise InputError if the unit is missing or of another quantity."""
     si = CHANNELS[channel].si
     if unit is None:
-        do = f"say it: '{channel}={cell} [{CHANNELS[channel].unit}]'"
+        do = f"give it: '{channel}={cell} [{CHANNELS[channel].unit}]'"
         raise InputError(f"{cell!r} has no unit", where=channel, expected=f"one of {si}", do=do)
     try:
         unit_of(unit, si)
@@ -264,14 +264,14 @@ def _check_unit(unit: str | None, channel: str, cell: str) -> None:
         raise InputError(f"{cell!r}: {cause}", where=channel) from cause
 
 
-def _told(series: Series, proposal: Proposal | None) -> Array | None:
-    """The values [SI] of a column that was told, or None if it is another or has no unit."""
+def _given_values(series: Series, proposal: Proposal | None) -> Array | None:
+    """The values [SI] of a column if it is the source of ``proposal``, else None."""
     if proposal is None or series.name != proposal.mapping.source:
         return None
     unit = proposal.mapping.unit
     if unit is None:
         return series.values
-    # A unit that was told overrides the file's: back to what is written, then on.
+    # A given unit overrides the file's: undo that conversion, then apply the given one.
     written = series.values
     if series.column.unit and series.si not in (None, "?"):
         written = from_si(series.values, series.column.unit, str(series.si))

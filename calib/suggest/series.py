@@ -1,4 +1,4 @@
-"""The columns of a source that hold numbers, with what their unit says."""
+"""The numeric columns of a source, in SI if their unit is known."""
 
 from dataclasses import dataclass
 
@@ -15,9 +15,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Series:
-    """One column with numbers in every row, shape (n,); ``si`` of its unit, None if it has none.
+    """A column with a number in every row; ``si`` is the SI unit, None without a unit.
 
-    ``values`` are in SI where the unit is known, else as written.
+    ``values``, shape (n,), are in SI if the unit is known, else as written.
     """
 
     column: Column
@@ -36,7 +36,7 @@ class Series:
 
 
 def read_series(source: ColumnSource) -> tuple[list[Series], dict[str, str]]:
-    """The columns of numbers, and of the others by name why they are none."""
+    """The numeric columns, and for the others the reason, by name."""
     found, left = [], {}
     for column, values in zip(source.columns, _arrays(source), strict=True):
         if isinstance(values, str):
@@ -45,14 +45,14 @@ def read_series(source: ColumnSource) -> tuple[list[Series], dict[str, str]]:
             left[column.name] = "truth of a simulation"
         elif not np.isfinite(values).all():
             empty = np.isnan(values).all()
-            left[column.name] = "empty" if empty else "has rows without a value"
+            left[column.name] = "empty" if empty else "has missing values"
         else:
             found.append(_series(column, values))
     return found, left
 
 
 def _arrays(source: ColumnSource) -> list[Array | str]:
-    """Every column, or why it cannot be read; all at once where that works."""
+    """The values of every column, or why it cannot be read; read all at once if possible."""
     try:
         return list(source.read(range(len(source.columns))))
     except LogError:
@@ -63,7 +63,7 @@ def _one(source: ColumnSource, index: int) -> Array | str:
     try:
         return source.read([index])[0]
     except LogError as error:
-        return f"no numbers: {error.what}"
+        return f"not numeric: {error.what}"
 
 
 def _series(column: Column, values: Array) -> Series:
@@ -71,7 +71,7 @@ def _series(column: Column, values: Array) -> Series:
     if column.unit:
         own = CHANNELS.get(column.name)
         try:
-            # A unit of one's own channel is looked up there: `Hz` is no frequency on a wheel.
+            # For a canonical channel only its own units count: `Hz` on a wheel is an angular speed.
             si = own.si if own and is_unit(column.unit, own.si) else si_of(column.unit)
         except UnknownUnit:
             return Series(column, values, "?")

@@ -1,4 +1,4 @@
-"""Which four columns are the wheel speeds, and which the wheel pressures."""
+"""Find the four columns of the wheel speeds, and of the wheel pressures."""
 
 from dataclasses import dataclass, replace
 
@@ -18,9 +18,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Wheels:
-    """What was found: proposals, doubts, and the mean wheel speed, in whatever unit it has.
+    """Proposals, doubts, and the mean wheel speed in its own unit.
 
-    ``angular`` says whether that unit is rad/s.
+    ``angular`` is true if that unit is rad/s.
     """
 
     proposals: tuple[Proposal, ...] = ()
@@ -31,7 +31,7 @@ class Wheels:
 
 
 def groups(series: list[Series], *quantities: str | None) -> list[dict[str, Series]]:
-    """Columns of one kind of quantity that come in fours, one for each wheel."""
+    """Sets of four columns of the given quantities, one for each wheel."""
     found: dict[tuple[str, str | None], dict[str, Series]] = {}
     for item in series:
         wheel, rest = loose_corner(item.name)
@@ -41,9 +41,9 @@ def groups(series: list[Series], *quantities: str | None) -> list[dict[str, Seri
 
 
 def find_wheels(series: list[Series], radius: float | None) -> Wheels:
-    """The wheel speeds: named for the four wheels, alike in level and course, with a unit.
+    """Find the wheel speeds: named for the four wheels, similar, with a unit.
 
-    Speeds at the rim (km/h) need the ``radius`` [m] that the car made them with.
+    Speeds at the rim (km/h) need the ``radius`` [m] with which the car computed them.
     """
     good, refused = [], []
     for four in groups(series, "rad/s", "m/s", None):
@@ -51,7 +51,7 @@ def find_wheels(series: list[Series], radius: float | None) -> Wheels:
             good.append(four)
         elif next(iter(four.values())).si is not None:
             refused += [
-                (s.name, "does not go together with its three wheels") for s in four.values()
+                (s.name, "does not agree with the other three wheels") for s in four.values()
             ]
     angular = [four for four in good if four["fl"].si == "rad/s"]
     fit = [four for four in angular if four["fl"].name == "omega_fl"] or angular or good
@@ -59,8 +59,8 @@ def find_wheels(series: list[Series], radius: float | None) -> Wheels:
         return Wheels(refused=tuple(refused))
     if len(fit) > 1:
         names = tuple(" ".join(four[w].name for w in WHEELS) for four in fit)
-        do = "say which: --take omega_fl=NAME, and so for the others"
-        return Wheels(doubts=(Doubt("omega_fl ... omega_rr", names, "several fours", do),))
+        do = "choose one: --take omega_fl=NAME, and the same for the others"
+        return Wheels(doubts=(Doubt("omega_fl ... omega_rr", names, "several sets of four", do),))
     return replace(_of(fit[0], radius), refused=tuple(refused))
 
 
@@ -68,17 +68,17 @@ def _of(four: dict[str, Series], radius: float | None) -> Wheels:
     mean = np.mean([four[w].values for w in WHEELS], axis=0)
     names = tuple(four[w].name for w in WHEELS)
     unit, kind = four["fl"].column.unit, four["fl"].si
-    reasons: tuple[str, ...] = ("name", f"unit {unit}", "the four go together")
+    reasons: tuple[str, ...] = ("name", f"unit {unit}", "the four wheels agree")
     if kind is None:
-        do = "say it: --take 'omega_fl=NAME [rad/s]', and so for the others"
-        doubt = Doubt("omega_fl ... omega_rr", names, "the file names no unit", do)
+        do = "give it: --take 'omega_fl=NAME [rad/s]', and the same for the others"
+        doubt = Doubt("omega_fl ... omega_rr", names, "the file gives no unit", do)
         return Wheels(doubts=(doubt,), mean=mean)
     if kind == "rad/s":
         found = [Proposal(f"omega_{w}", Mapping(four[w].name), SURE, reasons) for w in WHEELS]
         return Wheels(tuple(found), (), mean, True)
     if radius is None:
-        do = "give the radius that the car makes them with: --radius 0.31"
-        why = f"speeds at the rim, in {unit}, are no wheel speeds without a radius"
+        do = "give the radius with which the car computes them: --radius 0.31"
+        why = f"speeds at the rim, in {unit}, need a radius to become wheel speeds"
         return Wheels(doubts=(Doubt("omega_fl ... omega_rr", names, why, do),), mean=mean)
     reasons = (*reasons, f"divided by the given radius of {radius:g} m")
     scale = to_si(1.0, str(unit), "m/s") / radius

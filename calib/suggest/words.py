@@ -1,4 +1,4 @@
-"""What the names of columns say: the words that engineers use for each quantity, and for wheels."""
+"""Words in column names for each quantity and each wheel."""
 
 import re
 from itertools import pairwise
@@ -15,7 +15,7 @@ CORNERS = {
     "rl": {"rl", "lr", "hl", "rearleft", "leftrear"},
     "rr": {"rr", "hr", "rearright", "rightrear"},
 }
-"""One word for a wheel, in English order, the other way round, and in German."""
+"""Abbreviations of a wheel: English in both orders, and German."""
 
 TIME = {"time", "zeit", "t", "timestamp", "timestamps", "timestemp", "ts"}
 BRAKE = {"brake", "brk", "brakes", "bremse", "brems", "bremsdruck", "bremskraft"}
@@ -53,7 +53,7 @@ NO_LONG = {
     *("latacc", "roll", "pitch"),
 }
 DERIVED = {"est", "estimate", "estimated", "filt", "filtered", "model", "req", "requested", "raw"}
-"""Words of a second, computed channel beside a first."""
+"""Words for a second, computed channel of the same quantity."""
 SPEED = {"v", "vx", "speed", "velocity", "vehicle", "geschwindigkeit", "gps", "gnss", "ground"}
 NO_SPEED = {
     *("engine", "wheel", "rad", "motor", "wind", "fan", "turbine", "vertical", "vert", "target"),
@@ -62,12 +62,12 @@ NO_SPEED = {
 STEERING = {"steering", "steer", "swa", "lenk", "lenkwinkel", "lenkrad", "delta"}
 NO_STEERING = {"yaw", "heading", "slip", "pitch", "roll", "rate", "road", "rear"}
 WHOLE = 5
-"""Letters from which on a word is found within another: ``Fahrzeuggeschwindigkeit``."""
+"""Fewest letters of a word that is also searched within compounds: ``Fahrzeuggeschwindigkeit``."""
 DISC = {"disc", "disk", "rotor", "scheibe", "bremsscheibe"}
 
 
 def words(name: str) -> list[str]:
-    """The words of a name in small letters.
+    """The words of a name in lower case.
 
     >>> words("WheelSpeed_FL"), words("Brake pressure MC")
     (['wheel', 'speed', 'fl'], ['brake', 'pressure', 'mc'])
@@ -76,7 +76,7 @@ def words(name: str) -> list[str]:
 
 
 def corner(name: str) -> str | None:
-    """The wheel that a name speaks of, or None: ``fl``, ``fr``, ``rl``, ``rr``.
+    """The wheel in a name, ``fl``, ``fr``, ``rl`` or ``rr``, or None.
 
     >>> corner("nRad_VL"), corner("rear right speed"), corner("speed")
     ('fl', 'rr', None)
@@ -85,9 +85,9 @@ def corner(name: str) -> str | None:
 
 
 def loose_corner(name: str) -> tuple[str | None, str]:
-    """The wheel that a name speaks of or ends with, and the name without it.
+    """The wheel in a name or at its end, and the name without it.
 
-    Only worth something where all four wheels have such a name.
+    Reliable only if all four wheels have such a name.
 
     >>> loose_corner("WSFL"), loose_corner("WSRR")
     (('fl', 'ws'), ('rr', 'ws'))
@@ -108,7 +108,7 @@ def _corner(found: list[str]) -> str | None:
     if one:
         return None
     for first, second in pairwise(found):
-        turned = [(second, first)] if len(first + second) > 2 else []  # `l r` is no wheel
+        turned = [(second, first)] if len(first + second) > 2 else []  # `l r` is not a wheel
         for a, b in [(first, second), *turned]:
             if a in FRONT | REAR and b in LEFT | RIGHT:
                 return ("f" if a in FRONT else "r") + ("l" if b in LEFT else "r")
@@ -116,7 +116,7 @@ def _corner(found: list[str]) -> str | None:
 
 
 def stem(name: str) -> str:
-    """A name without its wheel: the same for the four of a group.
+    """A name without its wheel: the same for all four wheels.
 
     >>> stem("WheelSpeed_FL"), stem("WheelSpeed_RR")
     ('wheel speed', 'wheel speed')
@@ -126,7 +126,7 @@ def stem(name: str) -> str:
 
 
 def axle(name: str) -> str | None:
-    """The axle that a name speaks of, ``f`` or ``r``, or None; not where it names a wheel."""
+    """The axle in a name, ``f`` or ``r``, or None; None also for the name of a wheel."""
     found = set(words(name))
     if corner(name) is not None or bool(found & FRONT) == bool(found & REAR):
         return None
@@ -134,17 +134,17 @@ def axle(name: str) -> str | None:
 
 
 def score(name: str, wanted: set[str], unwanted: set[str]) -> int:
-    """How far a name speaks of a quantity: wanted words, less a second, computed one's; -1 for no.
+    """How well a name fits a quantity: wanted words, less one if computed; -1 if unwanted.
 
     >>> score("a_x", LONG, NO_LONG), score("a_y", LONG, NO_LONG), score("a_x_est", LONG, NO_LONG)
     (2, -1, 1)
     """
     found = set(words(name))
-    if _said(found, unwanted):
+    if _matching(found, unwanted):
         return -1
-    return 2 * len(_said(found, wanted)) - (1 if found & DERIVED else 0)
+    return 2 * len(_matching(found, wanted)) - (1 if found & DERIVED else 0)
 
 
-def _said(found: set[str], wanted: set[str]) -> set[str]:
-    """The words that say one of ``wanted``, long ones also within a compound."""
+def _matching(found: set[str], wanted: set[str]) -> set[str]:
+    """The words in ``wanted`` that occur, long ones also within a compound."""
     return {w for w in found if w in wanted or any(len(x) >= WHOLE and x in w for x in wanted)}

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def to_toml(found: Suggestion) -> str:
-    """The channel map, ready to be read; how sure each entry is stands in a comment."""
+    """The channel map as TOML; comments say how sure each entry is."""
     import tomlkit
 
     document = tomlkit.document()
@@ -48,7 +48,7 @@ def _one_line(text: str) -> str:
 
 
 def to_lines(found: Suggestion) -> Iterator[tuple[str, str]]:
-    """Channel and what is said of it: proposals, doubts, what is missing, what is left."""
+    """Channel and text for each proposal, doubt, missing channel and unused column."""
     for proposal in found.proposals:
         mapping = proposal.mapping
         extra = "" if mapping.sign == 1 else ", sign -1"
@@ -60,7 +60,7 @@ def to_lines(found: Suggestion) -> Iterator[tuple[str, str]]:
         )
     for doubt in found.doubts:
         names = ", ".join(doubt.candidates) or "none"
-        yield doubt.channel, f"not certain: {doubt.why}; candidates: {names}; {doubt.do}"
+        yield doubt.channel, f"uncertain: {doubt.why}; candidates: {names}; {doubt.do}"
     for name, why in found.missing.items():
         yield name, f"missing: {why}"
     for name, why in found.left.items():

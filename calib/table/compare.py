@@ -1,4 +1,4 @@
-"""What sets two tables apart: curve by curve, and key by key of their records."""
+"""The differences of two tables: curve by curve, and key by key of their records."""
 
 import json
 from dataclasses import dataclass
@@ -16,8 +16,9 @@ class CurveGap:
     """Distance of one curve of ``b`` from the same of ``a`` where both are defined.
 
     ``curve`` D, f1, f2 or g; ``start``, ``end`` of the common axis, eta or slip [1]; ``largest``
-    b - a of largest size [1] and ``at`` where; ``rms`` over the common axis [1]; ``in_bands``
-    largest size of b - a over the combined 95 % half-width [1], infinite where neither has a band.
+    the b - a of largest magnitude [1], at the axis value ``at``; ``rms`` over the common axis [1];
+    ``in_bands`` largest magnitude of b - a over the combined 95 % half-width [1], infinite where
+    neither has a band.
     """
 
     curve: str
@@ -31,7 +32,7 @@ class CurveGap:
 
 @dataclass(frozen=True)
 class RecordChange:
-    """One key of the records that differs; the JSON of what each has, None where it has none."""
+    """One key of the records that differs; the JSON of both values, None where there is none."""
 
     key: str
     a: str | None
@@ -40,10 +41,10 @@ class RecordChange:
 
 @dataclass(frozen=True)
 class Difference:
-    """``curves`` one gap per curve with a common axis; ``apart`` the curves that have none.
+    """``curves`` one gap per curve with a common axis; ``apart`` the curves without one.
 
-    ``changes`` by section of the record: vehicle, calibration, quality, provenance and so on; a
-    section that is equal is not there.
+    ``changes`` by section of the record: vehicle, calibration, quality, provenance and so on;
+    without the sections that are equal.
     """
 
     curves: tuple[CurveGap, ...]
@@ -86,7 +87,7 @@ def _gap(
     start, end = max(a[0][0], b[0][0]), min(a[0][-1], b[0][-1])
     if not start < end:
         return None
-    # Both curves are straight between these points, so the largest gap lies on one of them.
+    # Both curves are linear between these points, so the largest gap is at one of them.
     x = np.union1d(a[0], b[0])
     x = np.union1d(x[(x >= start) & (x <= end)], [start, end])
     gap = np.interp(x, b[0], b[1]) - np.interp(x, a[0], a[1])
@@ -110,12 +111,12 @@ def _rms(x: Array, y: Array) -> float:
 
 
 def _in_bands(gap: Array, band: Array) -> float:
-    seen = gap != 0.0  # at eta = 1 both gap and band are nought
-    if not np.any(seen):
+    differs = gap != 0.0  # at eta = 1 both gap and band are zero
+    if not np.any(differs):
         return 0.0
-    if np.any(band[seen] == 0.0):
+    if np.any(band[differs] == 0.0):
         return float("inf")
-    return float(np.max(np.abs(gap[seen]) / band[seen]))
+    return float(np.max(np.abs(gap[differs]) / band[differs]))
 
 
 def _changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
@@ -131,7 +132,7 @@ def _changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
 
 
 def _flat(value: object, path: str = "") -> dict[str, str]:
-    """Leaves of a JSON value as JSON, by dotted key; logs by name, other lists by position."""
+    """Single values of a JSON value, by dotted key; logs by name, other lists by position."""
     if isinstance(value, dict):
         items = {str(key): part for key, part in value.items()}
     elif isinstance(value, list):

@@ -1,7 +1,7 @@
 """One curve as the bytes of a Parquet file: float64 columns, each with its unit.
 
-Plain on purpose (no compression, no dictionary, one row group), so that any reader takes it and the
-same columns give the same bytes under one version of the Parquet library.
+Without compression and dictionary, in one row group: so any reader can read it, and the same
+columns give the same bytes under one version of the Parquet library.
 """
 
 import io
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 UNIT = "1"
-"""Unit of every column: eta, slip, normalised forces, counts and flags are all bare numbers."""
+"""Unit of every column: eta, slip, normalised forces, counts and flags have no dimension."""
 
 
 def curve_bytes(columns: dict[str, Array]) -> bytes:
@@ -29,12 +29,12 @@ def curve_bytes(columns: dict[str, Array]) -> bytes:
 
 
 def read_curve(data: bytes) -> dict[str, Array]:
-    """Columns of a Parquet file, each float64 (n,). Raises ValueError when it is no such file."""
+    """Columns of a Parquet file, each float64 (n,). Raises ValueError for any other file."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     try:
-        # Without threads: a pool still at work when a short program ends aborts it, exit code 134.
+        # Without threads: a pool that still runs when a short program ends aborts it (code 134).
         table = pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
     except OSError as error:
         raise ValueError(str(error)) from error

@@ -1,7 +1,7 @@
-"""What must hold in every table, whoever fitted it.
+"""Conditions that every table must satisfy.
 
-Each check takes a table and yields its violations in words; `violations` runs them all. They look
-at the table alone: whether the fit is good is for the hold-outs to say.
+Each check takes a table and yields its violations in words; `violations` runs them all. They use
+the table alone: only hold-outs can show whether the fit is good.
 """
 
 import re
@@ -18,7 +18,7 @@ from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 Array = NDArray[np.float64]
 
 CONSTRAINT_TOLERANCE = 1e-9
-"""On (18) [1]: rounding of f1 and f2, which are below 1, is a million times smaller."""
+"""Tolerance of (18) [1]: a million times the rounding error of f1 and f2, which are below 1."""
 
 DIGEST = re.compile(r"[0-9a-f]{64}")
 
@@ -26,7 +26,7 @@ DIGEST = re.compile(r"[0-9a-f]{64}")
 def violations(table: Table) -> tuple[str, ...]:
     """Return every way in which ``table`` is not sound; empty when it is."""
     shapes = tuple(_shapes(table))
-    if shapes:  # what follows would compare columns of different lengths
+    if shapes:  # the next checks need columns of equal length
         return shapes
     checks = (_finite, _axes, _bands, _flags, _zero, _constraint, _covariance, _parents)
     return tuple(flaw for check in checks for flaw in check(table))
@@ -116,7 +116,7 @@ def _covariance(table: Table) -> Iterator[str]:
         yield f"posterior: {n} names, mean and covariance of other sizes"
         return
     covariance = np.asarray(posterior.covariance, dtype=np.float64)
-    if n and np.all(np.isfinite(covariance)):  # what is not finite is already a flaw
+    if n and np.all(np.isfinite(covariance)):  # values that are not finite are reported above
         sigma = np.sqrt(np.abs(np.diag(covariance)))
         scale = np.where(sigma > 0.0, sigma, 1.0)
         # Compared as correlations: a stiffness and an exponent differ by orders of magnitude.

@@ -1,4 +1,4 @@
-"""The record of a stored table as a JSON file, read back as the value that it was."""
+"""The record of a stored table as a JSON file, and the table built from it."""
 
 from dataclasses import fields
 from typing import Any
@@ -24,7 +24,7 @@ from calib.table.table import (
 
 
 class VehicleRecord(Section):
-    """The vehicle as it is written: of its effects only those with a name."""
+    """The vehicle in a record: of its effects only the named ones."""
 
     name: str
     mass: float
@@ -63,7 +63,7 @@ class Parent(Section):
 
 
 class Address(Section):
-    """What a listing reads of a stored table."""
+    """The part of a stored table that a listing reads."""
 
     model_config = ConfigDict(extra="ignore")
 

@@ -4,8 +4,8 @@
       sedan/                      a table, named after its vehicle
         v0001/                    a version, see `calib.table.version`
 
-A version is made in a hidden directory beside it and renamed into place, so a reader sees all of it
-or nothing, and of two writers one takes the next number.
+A version is made in a hidden directory beside it and then renamed, so a reader gets all of it or
+nothing, and of two writers one takes the next number.
 """
 
 import contextlib
@@ -53,14 +53,14 @@ class StoreEntry:
 
 @dataclass(frozen=True)
 class StoreVerdict:
-    """What `verify` found of one version: its violations in words, none when it is sound."""
+    """Result of `verify` for one version: its violations in words, none when it is sound."""
 
     id: str
     violations: tuple[str, ...]
 
     @property
     def sound(self) -> bool:
-        """Whether nothing was found."""
+        """Whether there are no violations."""
         return not self.violations
 
 
@@ -90,11 +90,11 @@ class Store:
     def save(self, table: Table) -> Stored:
         """Write ``table`` as the next version of its name, or return the one that holds it already.
 
-        Raises StoreError when the name is no name, the table is not sound or the store cannot be
-        written; the store is then as it was.
+        Raises StoreError when the name is not valid, the table is not sound or the store cannot be
+        written; the store is then not changed.
         """
         home = self._home(table)
-        work = home / f".new-{secrets.token_hex(8)}"  # hidden: no listing sees it
+        work = home / f".new-{secrets.token_hex(8)}"  # hidden: no listing shows it
         try:
             version = _identical(home, _versions(home), table.digest) or _add(table, home, work)
         except OSError as error:
@@ -108,9 +108,9 @@ class Store:
         return self.load(f"{table.name}@{version}")
 
     def foreseen(self, table: Table) -> Stored:
-        """What `save` will return if no other writer comes first; writes nothing.
+        """What `save` will return if no other writer adds a version before; writes nothing.
 
-        Raises StoreError when the name is no name, the table is not sound or the store cannot be
+        Raises StoreError when the name is not valid, the table is not sound or the store cannot be
         read.
         """
         from calib.table.record_file import from_content
@@ -128,8 +128,8 @@ class Store:
     def load(self, reference: str) -> Stored:
         """Read and verify a table: ``name`` (its latest), ``name@version`` or a path to a version.
 
-        Raises TableNotFound when there is none, DamagedTable when it is not what its digests
-        promise.
+        Raises TableNotFound when there is none, DamagedTable when it does not agree with its
+        digests.
         """
         path = _path_of(reference)
         if path is not None:
@@ -160,10 +160,10 @@ class Store:
         )
 
     def verify(self, name: str | None = None) -> tuple[StoreVerdict, ...]:
-        """Recompute everything that the store promises, for one table or for all.
+        """Recompute digests and invariants, of one table or of all.
 
-        One verdict per version, and one per version that should be there and is not. Raises
-        TableNotFound when there is no store, or no table of that name.
+        One verdict per version, and one per missing version. Raises TableNotFound when there is no
+        store, or no table of that name.
         """
         names = self._names() if name is None else (self._known_name(name),)
         return tuple(
@@ -173,13 +173,13 @@ class Store:
         )
 
     def _home(self, table: Table) -> Path:
-        """Where the versions of ``table`` lie. Raises StoreError for one that may not be stored."""
+        """Directory of the versions of ``table``. Raises StoreError if it may not be stored."""
         home = self.folder / _checked_name(table.name)
         if found := violations(table):
             raise StoreError(
                 f"the table is not sound and was not stored: {'; '.join(found)}",
                 where=table.name,
-                expected="what `brake-cal tables verify` passes",
+                expected="a table that `brake-cal tables verify` passes",
             )
         return home
 
@@ -214,7 +214,7 @@ class Store:
 def _version_flaws(home: Path, name: str, version: int) -> tuple[str, ...]:
     path = home / _folder(version)
     if not path.is_dir():
-        return ("missing: the versions have a hole here",)
+        return ("missing: a later version is there, this one is not",)
     try:
         return violations(read_version(path, f"{name}@{version}").table)
     except StoreError as error:
@@ -222,7 +222,7 @@ def _version_flaws(home: Path, name: str, version: int) -> tuple[str, ...]:
 
 
 def _checked_name(name: str) -> str:
-    """Return ``name`` if it can name a table and cannot lead out of the store."""
+    """Return ``name`` if it is a valid name of a table, which is always a folder of the store."""
     if not NAME.fullmatch(name) or ".." in name:
         raise StoreError(
             f"{name!r} cannot name a table",
@@ -236,7 +236,7 @@ def _folder(version: int) -> str:
 
 
 def _versions(home: Path) -> list[int]:
-    """Version numbers in a table's directory, ascending; empty when it is not there."""
+    """Version numbers in a table's directory, ascending; empty without the directory."""
     if not home.is_dir():
         return []
     found = [(p, FOLDER.fullmatch(p.name)) for p in home.iterdir()]
@@ -269,15 +269,15 @@ def _add(table: Table, home: Path, work: Path) -> int:
     work.mkdir(parents=True)
     write_curves(table, work)
     while True:
-        # Looked up once for both questions: a version that another writer adds in between then
-        # makes the rename fail, and the next round sees it.
+        # One listing for both decisions: if another writer adds a version after it, the rename
+        # fails, and the next round has the new version.
         versions = _versions(home)
         if (same := _identical(home, versions, table.digest)) is not None:
             return same
         version = max(versions, default=0) + 1
         write_record(table, version, work)
         try:
-            # A rename never replaces a directory that has files in it: the number is ours or taken.
+            # A rename never replaces a directory with files in it: it fails if the number is taken.
             os.rename(work, home / _folder(version))
         except OSError as error:
             if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
@@ -288,9 +288,9 @@ def _add(table: Table, home: Path, work: Path) -> int:
 
 
 def _identical(home: Path, versions: list[int], digest: str) -> int | None:
-    """Version that holds the content ``digest`` already.
+    """Version that already holds the content ``digest``, None if there is none.
 
-    One that cannot be read holds nothing: it is for `verify` to report, not in the way of a save.
+    A version that cannot be read is skipped: `verify` reports it, and it does not prevent a save.
     """
     for version in reversed(versions):
         if _entry(home.name, version, home / _folder(version)).digest == digest:

@@ -1,4 +1,4 @@
-"""The look-up table as a value: three look-ups, what they rest on, and how far to trust them.
+"""The look-up table as a value: three look-ups, their origin and their uncertainty.
 
 A table is plain data. ``content`` gives it as one JSON-able record and named float columns;
 `from_content` in `calib.table.record_file` builds the same table again. The digest is over that
@@ -28,14 +28,14 @@ Array = NDArray[np.float64]
 SCHEMA = 1
 
 MEASURED, INTERPOLATED, EXTRAPOLATED = 0.0, 1.0, 2.0
-"""Flags of a cell: seen often enough, between such cells, beyond them."""
+"""Flags of a cell: with enough blocks, between such cells, beyond them."""
 
 
 @dataclass(frozen=True)
 class DifferenceCurve:
     """D(eta) with D(1) = 0, on the branch where eta rises.
 
-    ``eta`` [1]; ``D`` = F_f - F_r [1]; ``lower``, ``upper`` 95 % band [1]; ``count`` blocks seen in
+    ``eta`` [1]; ``D`` = F_f - F_r [1]; ``lower``, ``upper`` 95 % band [1]; ``count`` of blocks in
     the cell; ``flag`` MEASURED, INTERPOLATED or EXTRAPOLATED. Shapes (n,).
     """
 
@@ -48,7 +48,7 @@ class DifferenceCurve:
 
     @property
     def peak(self) -> tuple[float, float]:
-        """(eta, D) [1] where D is largest in size."""
+        """(eta, D) [1] where the magnitude of D is largest."""
         i = int(np.argmax(np.abs(self.D)))
         return float(self.eta[i]), float(self.D[i])
 
@@ -93,14 +93,14 @@ class TyreCurve:
 
 @dataclass(frozen=True)
 class Value:
-    """A figure with one standard deviation, in SI."""
+    """A value with one standard deviation, in SI."""
 
     value: float
     sigma: float
 
     @property
     def ci95(self) -> tuple[float, float]:
-        """95 % interval, taking the figure as normally distributed."""
+        """95 % interval of a normal distribution."""
         return self.value - Z95 * self.sigma, self.value + Z95 * self.sigma
 
     def __str__(self) -> str:
@@ -109,7 +109,7 @@ class Value:
 
 @dataclass(frozen=True)
 class Calibration:
-    """What the ramps said of the pads.
+    """Pad parameters estimated from the ramps.
 
     ``pad_scale`` common factor on the nominal pad friction, from the sum of forces;
     ``pad_log_ratio`` ln of (mu_f/mu_r) over its nominal value; ``pad_friction_f``,
@@ -124,7 +124,7 @@ class Calibration:
 
 @dataclass(frozen=True)
 class TyrePosterior:
-    """What the ramps said of tyre and pads, as a Gaussian over named parameters.
+    """Posterior of tyre and pads from the ramps, as a Gaussian over named parameters.
 
     ``names`` those of `calib.fitting.parameters.RampParameters`; ``mean`` (k,), ``covariance``
     (k, k).
@@ -155,9 +155,9 @@ class TyrePosterior:
 
 @dataclass(frozen=True)
 class LogReference:
-    """A log that took part: its name, the SHA-256 of its bytes, and what its reader did to it.
+    """A log of the fit: its name, the SHA-256 of its bytes, its role, and notes of its reader.
 
-    ``notes`` say what was resampled or decoded, and how; empty for a log that was taken as it is.
+    ``notes`` say what was resampled or decoded, and how; empty for a log that was used unchanged.
     """
 
     name: str
@@ -170,8 +170,8 @@ class LogReference:
 class Provenance:
     """Parents of a table: logs, settings, program version.
 
-    ``identity`` says which car it was made for at a station: serial number, VIN and the like, see
-    `calib.station.identity`. A table made without one has none in its record either.
+    ``identity`` of the car at a station: serial number, VIN and the like, see
+    `calib.station.identity`. The record of a table without one does not have the key.
     """
 
     logs: tuple[LogReference, ...]
@@ -184,10 +184,9 @@ class Provenance:
 class Table:
     """A fitted table, without version: the store gives it one.
 
-    ``effects`` holds drag and rolling resistance with their sigma; what else was known beforehand,
-    empirical terms among it, is in the vehicle; ``noise`` the long-run noise density of each sensor
-    [unit * s^0.5]; ``quality`` figures that say how good the fit is; ``remarks`` what the user must
-    know, in words.
+    ``effects`` holds drag and rolling resistance with their sigma; other known effects, empirical
+    terms among them, are in the vehicle; ``noise`` the long-run noise density of each sensor
+    [unit * s^0.5]; ``quality`` metrics of the fit; ``remarks`` for the user, in words.
     """
 
     name: str
@@ -219,7 +218,7 @@ class Table:
     def content(self) -> tuple[dict[str, Any], dict[str, dict[str, Array]]]:
         """Return the record (JSON-able) and the curves (named float columns)."""
         record = asdict(self)
-        # as tables were written when a vehicle held named effects only, and one term stood beside
+        # the format of older tables: a vehicle with named effects only, and one term beside it
         vehicle = record["vehicle"].pop("effects")
         record["vehicle"]["effects"] = vehicle["parameters"]
         record["effects"] = {
@@ -230,7 +229,7 @@ class Table:
             one = len(vehicle["terms"]) == 1
             record["empirical"] = vehicle["terms"][0] if one else vehicle["terms"]
         for log in record["provenance"]["logs"]:
-            if not log["notes"]:  # as tables were written before a reader had anything to say
+            if not log["notes"]:  # the format of older tables: without notes of a reader
                 del log["notes"]
         if not self.provenance.identity:
             del record["provenance"]["identity"]

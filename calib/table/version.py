@@ -1,12 +1,12 @@
-"""One version of a table as a directory: a record to read, one Parquet file per curve, digests.
+"""One version of a table as a directory: a record, one Parquet file per curve, digests.
 
     v0001/record.json           {id, version, digest, parents, files, record}
           difference.parquet    D(eta)
           paper.parquet         f1(eta), f2(eta)
           tyre.parquet          g(slip)
 
-``digest`` is that of the table's content, whatever packs it; ``files`` holds the SHA-256 of each
-Parquet file, so that damage is found before a byte of it is parsed, and in which file.
+``digest`` is that of the table's content and does not depend on the file format; ``files`` holds
+the SHA-256 of each Parquet file, so that a damaged file is detected before it is parsed.
 """
 
 import hashlib
@@ -69,10 +69,10 @@ def write_record(table: Table, version: int, path: Path) -> None:
 
 
 def read_version(path: Path, promised: str | None = None) -> Stored:
-    """Read one version and hold it against its digests.
+    """Read one version and compare it with its digests.
 
-    ``promised`` is the id that its place in a store says it has. Raises DamagedTable naming the
-    part that differs, StoreError when it cannot be read at all.
+    ``promised`` is the id that belongs to its place in a store. Raises DamagedTable naming the part
+    that differs, StoreError when it cannot be read at all.
     """
     from calib.table.record_file import RecordFile, table_of
 
@@ -98,7 +98,7 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
 
 
 def stored_content(path: Path) -> tuple[str, tuple[str, ...]]:
-    """Digest and names of the parent logs as the record states them, unverified.
+    """Digest and names of the parent logs in the record, not verified.
 
     Raises StoreError when the record cannot be read.
     """
@@ -141,7 +141,7 @@ def _checked(data: bytes, schema: "type[S]", path: Path) -> "S":
 
 
 def _curve_file(path: Path, digests: dict[str, str]) -> dict[str, Array]:
-    """Columns of one curve, after its bytes were held against their digest."""
+    """Columns of one curve, after its bytes were compared with their digest."""
     data = _bytes(path)
     if hashlib.sha256(data).hexdigest() != digests[path.name]:
         raise _damaged(path.parent, f"{path.name}: its bytes differ from their digest")

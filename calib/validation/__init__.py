@@ -1,1 +1,1 @@
-"""The estimator on hold-out logs: metrics, limits, results."""
+"""Validation of the estimator on hold-out logs: metrics, limits, results."""

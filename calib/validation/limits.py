@@ -1,7 +1,7 @@
-"""Limits of a validation: which figure may be how large.
+"""Limits of a validation: the allowed range of each metric.
 
-A figure that a log cannot give (no truth, say) is not judged and says so; where it is ``required``
-it fails.
+A metric that a log cannot give (without truth, for example) is `not known`; where it is
+``required`` it fails.
 """
 
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ PASSED, WARNING, FAILED, NOT_KNOWN = "passed", "warning", "failed", "not known"
 
 @dataclass(frozen=True)
 class Limit:
-    """A figure's allowed range; any end may be open (None).
+    """Allowed range of a metric; any end may be open (None).
 
     Outside ``low`` to ``high`` it fails, outside ``warn_low`` to ``warn_high`` it warns. A
-    ``required`` figure that is not known fails.
+    ``required`` metric that is not known fails.
     """
 
     figure: str
@@ -28,9 +28,9 @@ class Limit:
 
 @dataclass(frozen=True)
 class Judgement:
-    """A limit and what came: ``passed`` is None where the log cannot give the figure.
+    """A limit and the value: ``passed`` is None where the log cannot give the metric.
 
-    ``warned``: it passed, but lies outside ``warn_low`` to ``warn_high``.
+    ``warned``: it passed, but is outside ``warn_low`` to ``warn_high``.
     """
 
     figure: str
@@ -63,11 +63,11 @@ DEFAULTS: tuple[Limit, ...] = (
     Limit("torque_error_r", None, 0.08),
     Limit("truth_in_interval", 0.80, None),
 )
-"""What a stop must hold when the user gives no limits. Errors count only where a log has truth."""
+"""Limits of a stop when the user gives none. Those on errors need a log with truth."""
 
 
 def judge(limits: tuple[Limit, ...], figures: dict[str, float | None]) -> tuple[Judgement, ...]:
-    """Hold the figures against the limits, in the order of the limits."""
+    """Compare the metrics ``figures`` with the limits, in the order of the limits."""
     out = []
     for limit in limits:
         value = figures.get(limit.figure)

@@ -6,8 +6,8 @@
     valid_share = { min = 0.7 }
 
 Between pass and fail there may be a warning: `pad_scale = { fail = [0.8, 1.2], warn = [0.9, 1.1] }`
-fails outside the first range and warns outside the second; `-inf` and `inf` leave an end open, and
-`min`, `max` are another word for the ends of `fail`. With `required = true` a figure that a log
+fails outside the first range and warns outside the second; `-inf` and `inf` leave an end open.
+`min` and `max` are other words for the ends of `fail`. With `required = true` a metric that a log
 cannot give fails.
 """
 
@@ -50,7 +50,7 @@ Ends = Annotated[
 
 
 class LimitSection(Section):
-    """Ends of a figure: ``min`` and/or ``max``, or ``fail``; inside them ``warn``."""
+    """Range of a metric: ``min`` and/or ``max``, or ``fail``; inside it ``warn``."""
 
     min: Finite | None = None
     max: Finite | None = None
@@ -65,7 +65,7 @@ class LimitSection(Section):
 
     @property
     def ends(self) -> Range:
-        """Outside of which it fails."""
+        """The range outside of which the metric fails."""
         return (self.min, self.max) if self.fail is None else self.fail
 
     @model_validator(mode="after")
@@ -81,25 +81,23 @@ class LimitSection(Section):
         warn_low, warn_high = self.warn or OPEN
         for warn, fail, sign in ((warn_low, low, 1.0), (warn_high, high, -1.0)):
             if warn is not None and fail is not None and sign * warn < sign * fail:
-                raise wrong(
-                    f"warn {warn:g} lies beyond fail {fail:g}", "warn inside fail: it comes first"
-                )
+                raise wrong(f"warn {warn:g} lies beyond fail {fail:g}", "warn inside fail")
         return self
 
 
 def limits_schema(known: Collection[str]) -> type[FileSchema]:
-    """Return the schema of a limits file over the ``known`` figures."""
-    about = "How large each figure may be."
+    """Return the schema of a limits file over the ``known`` metrics."""
+    about = "The allowed range of each metric."
     limits: Any = by_name("LimitsSection", dict.fromkeys(sorted(known), LimitSection), about)
     return create_model("LimitsFile", __base__=FileSchema, __doc__=about, limits=(limits, ...))
 
 
 def read_limits(path: Path, known: Collection[str]) -> tuple[Limit, ...]:
-    """Read limits. Raises LimitsError for an unreadable file, an unknown figure or a bad range."""
+    """Read limits. Raises LimitsError for an unreadable file, an unknown metric or a bad range."""
     file: Any = read_toml(path, limits_schema(known), LimitsError)
     entries = file.limits.entries()
     if not entries:
-        raise LimitsError("no limits in it", where=path, expected="figures in the table [limits]")
+        raise LimitsError("no limits in it", where=path, expected="metrics in the table [limits]")
     return tuple(_limit(name, entry) for name, entry in entries)
 
 

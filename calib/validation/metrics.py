@@ -1,8 +1,8 @@
-"""How good an estimate is: against truth where the log has it, by its own consistency where not.
+"""Metrics of an estimate: errors against truth where the log has it, else its consistency.
 
 Constancy of the pad friction within a stop, whiteness of the innovation and coverage of the table
-can be had of any log. The force sum is reported and counts for nothing: with (18) it equals M a_x
-for any table at all.
+can be computed for any log. The force sum is reported but never judged: with (18) it equals M a_x
+for any table.
 """
 
 from dataclasses import dataclass
@@ -19,19 +19,19 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 METRICS: dict[str, str] = {
-    "valid_share": "valid samples among the braked ones above 3 m/s [1]",
-    "covered_share": "valid samples whose eta and z the table covers [1]",
+    "valid_share": "share of valid samples among the braked ones above 3 m/s [1]",
+    "covered_share": "share of valid samples whose eta and z the table covers [1]",
     "pad_friction_f": "mean compensated pad friction, front, over valid samples [1]",
     "pad_friction_r": "mean compensated pad friction, rear, over valid samples [1]",
     "pad_friction_drift_f": "change of pad friction from first to last third, front, relative [1]",
     "pad_friction_drift_r": "change of pad friction from first to last third, rear, relative [1]",
     "interval_f": "median half width of the 95 % interval, front, relative [1]",
     "interval_r": "median half width of the 95 % interval, rear, relative [1]",
-    "innovation_rms": "rms of the innovation of eta over its sigma; 1 or below is as promised",
-    "innovation_lag1": "autocorrelation of the innovation from block to block; nought is white",
+    "innovation_rms": "rms of the innovation of eta over its sigma; expected: 1 or below",
+    "innovation_lag1": "autocorrelation of the innovation from block to block; white: 0",
     "innovation_colour": "mean product of successive innovations, over their sigmas; white: 0",
     "eta_zero": "radius mismatch that was zeroed [1]",
-    "force_sum_error": "rms of the force sum against M a_x, relative: true for any table",
+    "force_sum_error": "rms of the force sum against M a_x, relative; small for any table",
     "torque_error_f": "rms error of the axle torque against truth, front, relative to its rms [1]",
     "torque_error_r": "rms error of the axle torque against truth, rear, relative to its rms [1]",
     "pad_friction_bias_f": "mean error of the pad friction against truth, front, relative [1]",
@@ -40,10 +40,10 @@ METRICS: dict[str, str] = {
     "final_error_r": "error of the pad friction at the end of the braking, rear, relative [1]",
     "normalised_force_rmse_f": "rms error of F_x/F_z against truth, quasi-static load, front [1]",
     "normalised_force_rmse_r": "rms error of F_x/F_z against truth, quasi-static load, rear [1]",
-    "truth_in_interval": "valid samples whose 95 % interval holds the truth, both axles [1]",
+    "truth_in_interval": "share of valid samples with the truth in the 95 % interval [1]",
     "gain_over_nominal": "torque error with nominal pads over that of the estimate [1]",
 }
-"""Every figure of a validation, with its meaning."""
+"""Every metric of a validation, with its meaning."""
 
 
 @dataclass(frozen=True)
@@ -94,11 +94,11 @@ def score(log: Log, vehicle: Vehicle, estimate: Estimate) -> dict[str, float | N
 
 
 def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
-    """Figures that need no truth."""
+    """Metrics that need no truth."""
     counted = e.braked & (e.speed > 3.0)
     valid = e.valid & counted
     out: dict[str, float | None] = {
-        # a stop in which nothing can be judged must not pass for want of figures
+        # 0, not None: a stop in which nothing can be judged must not pass
         "valid_share": _share(valid, counted) or 0.0,
         "covered_share": _share(valid & e.covered, valid),
         "eta_zero": e.eta_zero,
@@ -128,7 +128,7 @@ def _share(part: Mask, whole: Mask) -> float | None:
 
 
 def force_sum_error(vehicle: Vehicle, e: Estimate) -> float | None:
-    """Rms of (F_xf + F_xr)/(M a_x) - 1 over valid samples: Fig. 13(f). Never a validation."""
+    """Rms of (F_xf + F_xr)/(M a_x) - 1 over valid samples: Fig. 13(f). It validates nothing."""
     slowing = e.valid & (e.z > 0.0)
     if not slowing.any():
         return None
@@ -143,9 +143,9 @@ def force_sum_error(vehicle: Vehicle, e: Estimate) -> float | None:
 def accuracy(
     vehicle: Vehicle, e: Estimate, truth: tuple[AxleTruth, AxleTruth]
 ) -> dict[str, float | None]:
-    """Figures against truth, over the braked samples above 3 m/s or the valid ones as named.
+    """Metrics against truth, over the braked samples above 3 m/s or the valid ones, see `METRICS`.
 
-    None where the truth is nought throughout, so that nothing is relative to it.
+    None where the truth is zero throughout, as no relative error exists.
     """
     from calib.physics.forces import axle_loads
 

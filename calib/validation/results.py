@@ -1,7 +1,7 @@
-"""What `validate --out` leaves behind: one row per sample as Parquet, and the summary as JSON.
+"""Files of `validate --out`: one row per sample as Parquet, and the summary as JSON.
 
-Units stand in the metadata of each column, so that any Parquet reader can show them. Files are
-written whole or not at all.
+Units are in the metadata of each column, so that any Parquet reader can show them. Files are
+written completely or not at all.
 """
 
 import contextlib
@@ -37,7 +37,7 @@ def write_results(results: list[Validation], summary: dict[str, object], out: Pa
     """Write ``out``/<log>.parquet for every log and ``out``/summary.json; return the paths.
 
     All are made in a hidden directory first and then moved into place, so that a full disk leaves
-    nothing of them. Raises OSError if ``out`` cannot be written.
+    none of them. Raises OSError if ``out`` cannot be written.
     """
     made = not out.exists()
     out.mkdir(parents=True, exist_ok=True)

@@ -1,6 +1,6 @@
-"""`brake-cal validate`: the estimator on hold-out logs, scored, judged, written.
+"""`brake-cal validate`: the estimator on hold-out logs, its metrics and the verdict.
 
-table, log -> estimate -> figures -> judged against limits -> DIR/<stem>.parquet, summary.json
+table, log -> estimate -> metrics -> judged against limits -> DIR/<stem>.parquet, summary.json
 """
 
 import math
@@ -25,10 +25,10 @@ from calib.validation.warnings import PlausibilityWarning, warnings_of
 
 @dataclass(frozen=True)
 class Validation:
-    """One log: its estimate, its figures, its judgements, the baselines' errors if truth is known.
+    """One log: its estimate, its metrics, its judgements, the baselines' errors if truth is known.
 
-    ``role`` is "hold-out", or "calibration" for a log the table was fitted on, which is reported
-    but proves nothing.
+    ``role`` is "hold-out", or "calibration" for a log on which the table was fitted: it is
+    reported, but validates nothing.
     """
 
     log: str
@@ -48,15 +48,15 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """No judged figure fails."""
+        """Whether no judged metric fails."""
         return all(j.passed is not False for j in self.judgements)
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """Pad friction of the stops against each other: mean and largest relative departure [1].
+    """Pad friction of all stops: mean and largest relative departure from it [1].
 
-    Stops on other roads may differ in truth; on one road the departure is the repeatability.
+    On one road the departure is the repeatability; on different roads the pads may really differ.
     """
 
     mean_f: float
@@ -75,16 +75,16 @@ def validate(
 
     Parameters
     ----------
-    table : the one to be proved.
-    logs : hold-outs; a log that the table was fitted on is marked and proves nothing.
-    vehicle : the nominal pads if they are not the table's; else the same car.
-    limits : what decides pass or fail.
+    table : the one to be validated.
+    logs : hold-outs; a log on which the table was fitted is marked and validates nothing.
+    vehicle : nominal pads other than the table's; must be the same car in all else.
+    limits : of the metrics, for pass or fail.
 
     Returns
     -------
     One validation per log, in their order.
 
-    Raises LogError for a log that will not do, and when the vehicle of the log is plainly another;
+    Raises LogError for a log that cannot be used, and when the log is clearly of another vehicle;
     VehicleError when ``vehicle`` is another car than the table's.
 
     >>> import calib
@@ -94,7 +94,7 @@ def validate(
     >>> (result,) = calib.validate(table, [calib.read_log(logs / "stop_noisy.parquet")])
     >>> result.log, result.role, result.passed
     ('stop_noisy', 'hold-out', True)
-    >>> abs(result.figures["torque_error_f"]) < 0.02  # against the truth that the log carries
+    >>> abs(result.figures["torque_error_f"]) < 0.02  # against the truth in the log
     True
     """
     return [validate_one(table, log, vehicle, limits) for log in logs]
@@ -108,11 +108,11 @@ def validate_one(
     *,
     baselines: bool = True,
 ) -> Validation:
-    """Run, score and judge one log; without ``baselines`` the methods beside it are left out."""
+    """Run, score and judge one log; without ``baselines`` the other methods are left out."""
     problems = problems_for(log, "validate")
     if problems:
         raise LogError(
-            "this run will not do for a validation: " + "; ".join(problems),
+            "this run cannot be used for a validation: " + "; ".join(problems),
             where=log.source,
             do="see `brake-cal check`",
         )
@@ -142,9 +142,9 @@ pads that lost 30 % against the rear make it fall too, but by less."""
 
 
 def require_same_vehicle(table: Table, vehicle: Vehicle | None, where: object = None) -> None:
-    """Refuse a vehicle that differs from the table's in more than its pads and known effects.
+    """Raise VehicleError if ``vehicle`` differs from the table's in more than pads and effects.
 
-    ``where`` names its file. Raises VehicleError.
+    ``where`` names its file.
     """
     if vehicle is None:
         return
@@ -154,15 +154,15 @@ def require_same_vehicle(table: Table, vehicle: Vehicle | None, where: object = 
         raise VehicleError(
             f"the table was fitted for another car: {', '.join(differ[:4])}",
             where=vehicle.name if where is None else where,
-            expected="a vehicle that differs in its pads only",
+            expected="a vehicle with other pads only",
             do="fit a table for this car",
         )
 
 
 def require_same_car(table: Table, log: Log) -> None:
-    """Refuse a log that is plainly not of the table's car, or has its axles swapped.
+    """Raise LogError if the log is clearly not of the table's car, or has its axles swapped.
 
-    Raises LogError. A log of another car with the same wheels cannot be told.
+    A log of another car with the same wheels is not detected.
     """
     s = signals(log, table.vehicle)
     require_same_wheels(table.vehicle, log, s)
@@ -178,7 +178,7 @@ def require_same_car(table: Table, log: Log) -> None:
             f"the front wheels slip less than the rear while braking: eta {100 * rise:+.2f} %",
             where=log.source,
             expected=f"about {100 * expected:+.2f} % by the table of {table.name}",
-            do="are the axles swapped? put them right in a channel map",
+            do="are the axles swapped? correct them with a channel map",
         )
 
 
@@ -192,7 +192,7 @@ def _geometry(vehicle: Vehicle) -> dict[str, float]:
 
 
 def agreement(results: list[Validation]) -> Agreement | None:
-    """How the stops agree; None for fewer than two with an answer."""
+    """Agreement of the stops; None for fewer than two with an estimate."""
     f = [r.figures["pad_friction_f"] for r in results]
     r = [x.figures["pad_friction_r"] for x in results]
     pairs = [(a, b) for a, b in zip(f, r, strict=True) if a is not None and b is not None]
@@ -205,7 +205,7 @@ def agreement(results: list[Validation]) -> Agreement | None:
 
 
 def to_dict(table_id: str, results: list[Validation]) -> dict[str, object]:
-    """`summary.json`: every figure, judgement and baseline of every log, and the verdict."""
+    """`summary.json`: every metric, judgement and baseline of every log, and the verdict."""
     together = agreement(results)
     return {
         "schema": 1,

@@ -94,11 +94,11 @@ TEXTS = {
     "header only": (lambda t: t.splitlines()[0] + "\n", "no samples"),
     "truncated": (lambda t: t[: len(t) // 2], "cut off"),
     "blanks": (lambda t: t.replace(",", " "), "no separator"),
-    "decimal commas": (lambda t: t.replace(".", ","), "not a table that can be read"),
-    "two marks": (lambda t: t.replace(",", ";").replace(".", ",", 900), "mark is not certain"),
+    "decimal commas": (lambda t: t.replace(".", ","), "no separator fits this table"),
+    "two marks": (lambda t: t.replace(",", ";").replace(".", ",", 900), "mark is ambiguous"),
     "no pressure": (lambda t: without_column(t, "p_mc [bar]"), "channel p_mc missing"),
     "no wheel": (lambda t: without_column(t, "omega_rl [rad/s]"), "channel omega_rl missing"),
-    "channel twice": (repeated, "the channel is there twice"),
+    "channel twice": (repeated, "the channel occurs twice"),
     "unknown unit": (lambda t: t.replace("[bar]", "[barg]"), "'barg'"),
     "no unit": (lambda t: t.replace(" [bar]", ""), "the unit is missing"),
     "other quantity": (lambda t: t.replace("[bar]", "[N]"), "not of pressure"),
@@ -107,7 +107,10 @@ TEXTS = {
     "infinite": (lambda t: on(t, 40, "p_mc [bar]", "inf"), "an infinite value"),
     "word": (lambda t: on(t, 40, "p_mc [bar]", "high"), "'high' is not a number"),
     "time back": (back_in_time, "time goes back in row 201"),
-    "time stands": (lambda t: on(t, 41, "time [s]", t.splitlines()[40].split(",")[0]), "stands"),
+    "time stands": (
+        lambda t: on(t, 41, "time [s]", t.splitlines()[40].split(",")[0]),
+        "time does not increase in row 41",
+    ),
 }
 
 
@@ -166,8 +169,8 @@ def on_other_wheels(log):
 
 
 RUNS = {
-    "constant a_x": (constant("a_x"), "a_x hangs from 0.00"),
-    "constant wheel": (constant("omega_rl"), "omega_rl hangs from 0.00"),
+    "constant a_x": (constant("a_x"), "a_x does not change from 0.00"),
+    "constant wheel": (constant("omega_rl"), "omega_rl does not change from 0.00"),
     "constant pressure": (constant("p_mc"), ""),
     "swapped axles": (swapped, "are the axles swapped?"),
     "wrong sign of a_x": (lambda log: changed(log, a_x=-log["a_x"]), "a_x is positive while"),

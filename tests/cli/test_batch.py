@@ -116,7 +116,7 @@ def test_nothing_that_can_be_read_ends_with_3(batch, tmp_path):
     assert rows(tmp_path / "out")[0]["error"].startswith(str(bad))
     ran = batch("check", tmp_path / "nowhere", out=tmp_path / "none")
     assert ran.code == 3
-    assert "no log here" in ran.err
+    assert "no log found" in ran.err
     assert not (tmp_path / "none").exists()
 
 

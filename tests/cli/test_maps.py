@@ -38,7 +38,7 @@ def test_doubts_end_with_3_and_no_map(brake_cal, foreign, tmp_path):
     out = tmp_path / "map.toml"
     ran = brake_cal("map", "suggest", foreign, "--out", out)
     assert (ran.code, ran.out) == (3, "")
-    assert "p_mc: called a brake pressure" in ran.err
+    assert "p_mc: named a brake pressure" in ran.err
     assert "--take 'p_mc=NAME [bar]'" in ran.err
     assert not out.exists()
 
@@ -70,7 +70,7 @@ def test_json_is_one_document(brake_cal, foreign):
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
-        (("--take", "p_mc"), 2, "is no CHANNEL=NAME"),
+        (("--take", "p_mc"), 2, "is not CHANNEL=NAME"),
         (("--take", "p_cm=x"), 3, "no channel is called 'p_cm'"),
         (("--out", "/nowhere/map.toml"), 2, "cannot write"),
         (("--radius", "31"), 2, "--radius"),

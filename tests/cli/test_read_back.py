@@ -50,7 +50,7 @@ def test_a_changed_number_ends_with_4_and_is_named(tables, exported, form):
     ran = tables("import", out)
     assert ran.code == 4
     assert "sedan_mass: 1745.0, the table has 1744.0" in ran.out
-    assert "not those that its checksum is of" in ran.err
+    assert "do not agree with its checksum" in ran.err
     ran = tables("import", out, "--json")
     assert ran.code == 4
     assert json.loads(ran.out)["unchanged"] is False

@@ -103,7 +103,7 @@ def test_warnings_pass(station, tmp_path):
     [
         (("--export", "dmc"), 2, "did you mean 'dcm'"),
         (("--export", "cdfx"), 2, "give one, so that the same run gives the same bytes"),
-        (("--date", "31.3.2025"), 2, "is no date"),
+        (("--date", "31.3.2025"), 2, "is not a date"),
         (("--vin", ""), 2, "is empty"),
         (("--golden", "sedan-2up"), 2, "names no version"),
         (("--golden", "sedan@1"), 4, "no table store here"),

@@ -40,7 +40,7 @@ def test_a_name_with_brackets_is_a_name():
 
 @pytest.mark.parametrize("argument", ["nolog", "logs/*.mf4", "logz/*.csv"])
 def test_what_names_no_log_is_told(argument):
-    with pytest.raises(LogError, match="no log here"):
+    with pytest.raises(LogError, match="no log found"):
         found("logs", argument)
 
 

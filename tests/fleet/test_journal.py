@@ -165,7 +165,7 @@ def test_two_runs_do_not_write_at_once(tmp_path, fresh):
     ran = subprocess.run(
         [sys.executable, "-c", code, tmp_path], cwd=ROOT, capture_output=True, text=True
     )
-    assert "another run is at work here" in ran.stderr
+    assert "another run uses this folder" in ran.stderr
     assert journal.logs() == ["a"]
     journal.close()
     open_journal(tmp_path, SETTINGS).close()

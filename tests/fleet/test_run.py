@@ -134,7 +134,7 @@ def test_few_logs_are_under_way_at_a_time(job, sixty, tmp_path):
 
 
 def test_nothing_is_left_where_no_log_is_found(job, tmp_path):
-    with pytest.raises(LogError, match="no log here"):
+    with pytest.raises(LogError, match="no log found"):
         run_batch(job, [str(tmp_path)], tmp_path / "out", Here())
     assert not (tmp_path / "out").exists()
 

@@ -159,14 +159,14 @@ def test_no_log_no_results(seen):
 
 def test_two_watches_of_one_place_are_refused(seen, fitted):
     def second():
-        with pytest.raises(BatchError, match="another run is at work"):
+        with pytest.raises(BatchError, match="another run uses this folder"):
             watch(validating(fitted), Path("in"), Path("out"), Here(), Event())
 
     seen(second)
 
 
 def test_diagnose_is_refused(seen):
-    with pytest.raises(ValueError, match="whole"):
+    with pytest.raises(ValueError, match="complete"):
         seen(job=Job("diagnose"))
 
 

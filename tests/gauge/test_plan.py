@@ -34,13 +34,13 @@ def test_semicolons_separate_too(tmp_path):
     [
         ("log,car,sation\n", "did you mean 'station'"),
         ("log,station\na,b\n", "no column 'car'"),
-        ("log,car\n", "no log in it"),
-        ("log,car\na.csv,\n", "line 2 names no car"),
-        ("log,car\na.csv,1\n./a.csv,2\n", "a.csv is there twice"),
+        ("log,car\n", "the plan has no logs"),
+        ("log,car\na.csv,\n", "line 2 has no car"),
+        ("log,car\na.csv,1\n./a.csv,2\n", "a.csv occurs twice"),
         ("log,car,station\na.csv,1,x\nb.csv,2,\n", "some logs have a station"),
         ("log,car\na.csv,1,x,y\n", "more cells than columns"),
-        ("\nlog,car\n\na.csv,1\n  \nb.csv\n", "line 6 names no car"),
-        ("log,car,car\na.csv,1,2\n", "column 'car' is there twice"),
+        ("\nlog,car\n\na.csv,1\n  \nb.csv\n", "line 6 has no car"),
+        ("log,car,car\na.csv,1,2\n", "column 'car' occurs twice"),
     ],
 )
 def test_a_bad_plan_says_what_is_wrong(tmp_path, text, says):
@@ -88,9 +88,9 @@ def test_a_link_names_the_folders_it_lies_in(tmp_path):
     ("log", "layout"), [("/x.csv", "car"), ("/x.csv", "car/station"), ("/a/x.csv", "car/station")]
 )
 def test_a_log_without_its_folders_is_refused(log, layout):
-    with pytest.raises(InputError, match="not folders enough"):
+    with pytest.raises(InputError, match="not enough folders"):
         places_from_folders([Path(log)], layout)
-    with pytest.raises(InputError, match="cannot be told from its folders"):
+    with pytest.raises(InputError, match="ambiguous from its folders"):
         certain_layout([Path(log)])
 
 
@@ -103,5 +103,5 @@ def test_a_layout_is_taken_only_where_it_is_certain():
         [Path("/d/a/1.csv"), Path("/d/b/1.csv")],
         [Path("/x/1.csv"), Path("/a/x/1.csv"), Path("/b/x/1.csv")],
     ):
-        with pytest.raises(InputError, match="cannot be told from its folders"):
+        with pytest.raises(InputError, match="ambiguous from its folders"):
             certain_layout(logs)

@@ -50,7 +50,7 @@ def test_a_good_gauge_and_what_does_not_scatter():
     assert by_name["same"].verdict == "not judged"
     assert found.cars[0] == "car 0"
     assert found.stations == ("line 0", "line 1")
-    assert any("2 stations say little" in note for note in found.notes)
+    assert any("2 stations are few" in note for note in found.notes)
 
 
 def test_a_bad_gauge_fails():

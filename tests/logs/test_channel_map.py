@@ -91,7 +91,7 @@ def test_mapped_channel_still_needs_a_unit(tmp_path, log_file):
         ('source = "Decel"\n', "source = 5\n", ("channels.a_x.source: 5", "the name of a column")),
         ('"Decel"', '"true_ax"', ("truth",)),
         ('"kPa"', '"kPo"', ("channels.p_mc.unit", "'kPo'", "did you mean 'kPa'")),
-        ("scale = 2.0", "scale = 0", ("channels.p_mc.scale: 0 would wipe",)),
+        ("scale = 2.0", "scale = 0", ("channels.p_mc.scale: 0 would make every value 0",)),
         ("scale = 2.0", 'scale = "two"', ("channels.p_mc.scale", "'two'")),
         ("schema = 1", "schema = 9", ("schema 9",)),
         ("schema = 1", "schema = 1\nignore = 3", ("ignore", "a list of names")),
@@ -177,7 +177,7 @@ def test_a_map_tells_how_the_text_is_written(tmp_path):
         "time [s];p_mc [bar];a_x [g];omega_fl [rpm];omega_fr [rpm];omega_rl [rpm];omega_rr [rpm]"
     )
     path.write_text("\n".join([names, *rows, ""]))
-    with pytest.raises(LogError, match="decimal mark is not certain"):
+    with pytest.raises(LogError, match="decimal mark is ambiguous"):
         read_log(path)
     log = read_log(path, write_map(tmp_path, "schema = 1\n[text]\ndecimal = ','\n"))
     assert log["p_mc"][0] == pytest.approx(1.234e5)

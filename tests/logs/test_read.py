@@ -148,7 +148,7 @@ def test_time_is_always_required(tmp_path):
 def test_duplicate_channel(tmp_path):
     columns = {**table(), "a_x [g]": ["0.1"] * 60}
     message = refused(write(tmp_path, csv_text(columns)))
-    assert "a_x: the channel is there twice" in message
+    assert "a_x: the channel occurs twice" in message
 
 
 def test_missing_unit(tmp_path):
@@ -199,7 +199,7 @@ def test_optional_channel_with_holes_is_left_out_and_said(tmp_path):
     assert log.notes == ("v has no value in 1 of 60 rows, first in row 60, and was left out",)
 
 
-@pytest.mark.parametrize(("cell", "words"), [("0.05", "goes back"), ("0.09", "stands still")])
+@pytest.mark.parametrize(("cell", "words"), [("0.05", "goes back"), ("0.09", "does not increase")])
 def test_time_that_does_not_run(tmp_path, cell, words):
     columns = table()
     columns["time [s]"][10] = cell

@@ -94,7 +94,7 @@ def test_samples_out_of_order_twice_and_invalid():
     found = on_one_clock([clock, p], "run")
     np.testing.assert_allclose(found.values[1], found.time * 10)
     assert "p_mc: 1 samples are marked invalid and were left out" in found.notes
-    assert any("1 samples with the time of another" in note for note in found.notes)
+    assert any("1 samples repeat a time" in note for note in found.notes)
 
 
 def test_no_time_in_common():

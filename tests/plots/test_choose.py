@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from calib.logs.read import read_log
-from calib.plots.choose import Given, sheets
+from calib.plots.choose import PlotInput, sheets
 from calib.table.version import Stored
 from tests.plots.conftest import SEDAN, SIMULATION
 from tests.support.stored_results import made_result
@@ -16,13 +16,13 @@ def stored(sedan):
 
 
 def kinds(**given):
-    return [(s.kind, s.name) for s in sheets(Given(**given))]
+    return [(s.kind, s.name) for s in sheets(PlotInput(**given))]
 
 
 def test_a_table_alone_and_with_its_parents(stored, ramp):
     assert kinds(tables=(stored,)) == [("table", stored.id)]
     assert kinds(tables=(stored,), logs=(ramp,)) == [("table", stored.id)]
-    (sheet,) = sheets(Given(tables=(stored,), logs=(ramp,)))
+    (sheet,) = sheets(PlotInput(tables=(stored,), logs=(ramp,)))
     assert {"pressure", "forces"} <= {*sheet.names}
     coast = read_log(SEDAN / "coast.csv")
     assert kinds(tables=(stored,), logs=(coast,)) == [("log", "coast")]
@@ -55,5 +55,5 @@ def test_a_log_or_a_result_alone(ramp):
 
 def test_too_many_tables_are_an_error(stored, ramp):
     for given in ({"tables": (stored,) * 3}, {"tables": (stored,) * 2, "logs": (ramp,)}):
-        with pytest.raises(ValueError, match="two tables go alone"):
+        with pytest.raises(ValueError, match="two tables are drawn without logs"):
             kinds(**given)

@@ -188,7 +188,7 @@ def test_none_can_be_told():
 @pytest.mark.parametrize(
     ("told", "words"),
     [
-        ({"p_cm": "Zeit"}, "no channel is called 'p_cm'"),
+        ({"p_cm": "Zeit"}, "there is no channel 'p_cm'"),
         ({"p_mc": "Druck"}, "no column 'Druck'"),
         ({"p_mc": "nRad_VL"}, "angular speed, not of pressure"),
         ({"p_mc": "Driver"}, r"no unit.*p_mc=Driver \[bar\]"),
@@ -230,7 +230,7 @@ def test_a_wheel_that_does_not_go_with_the_others_is_none():
     columns[("nRad_HL", "U/min")] = RNG.normal(size=N) + 300
     result = suggestion(columns)
     assert "omega_rl" in result.missing
-    assert "does not go together" in result.left["nRad_HL"]
+    assert "does not agree" in result.left["nRad_HL"]
 
 
 @pytest.mark.parametrize(("scale", "unit"), [(1.0, "s"), (1e3, "ms"), (1e6, "us")])
@@ -272,7 +272,7 @@ def test_everything_is_told_in_words():
     columns = foreign()
     columns[("Bremsdruck HZ 2", "bar")] = RUN["p_mc"] / 1e5
     lines = dict(to_lines(suggestion(columns)))
-    assert "not certain" in lines["p_mc"]
+    assert "uncertain" in lines["p_mc"]
     assert "sign -1" in lines["a_x"]
 
 

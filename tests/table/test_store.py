@@ -370,7 +370,7 @@ def test_a_hole_in_the_versions_is_found(store):
         ("sedan@2", False),
         ("sedan@3", True),
     ]
-    assert "hole" in verdicts[1].violations[0]
+    assert "missing" in verdicts[1].violations[0]
     assert store.save(made_table(30.0)).version == 4
 
 

@@ -1,1 +1,1 @@
-"""Frames of a bus, decoded with a DBC."""
+"""Recordings of bus frames, decoded with a DBC."""

@@ -1,4 +1,4 @@
-"""Vector ASC through python-can, and whether its last block was ended."""
+"""Vector ASC, read with python-can; an ASC file without the end of its last block is refused."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -24,8 +24,8 @@ _END = re.compile(r"\s*end\s+triggerblock", re.IGNORECASE)
 class _Lines(Counted):
     """Lines of an ASC file.
 
-    python-can takes the line after the header for a part of it unless that says whether internal
-    events are logged; where the file does not say it, it is said here, so that no frame is lost.
+    python-can skips the line after the header if the header has no line on internal events. If the
+    file lacks this line, it is inserted here, so that no frame is lost.
     """
 
     def __init__(self, file: TextIO, path: Path):
@@ -62,9 +62,9 @@ class _Lines(Counted):
 def open_asc(path: Path, dbc: Sequence[Path]) -> Recording:
     """Open an ASC file.
 
-    Raises LogError for a block that is not ended, a last line or a frame that is cut off, a line
-    that looks like a frame and cannot be read, and timestamps that count from the line before.
-    Also without python-can, a DBC, or frames that the DBC knows.
+    Raises LogError for a block without its end, a last line or a frame that is cut off, a line that
+    looks like a frame and cannot be read, timestamps relative to the line before, if python-can or
+    a DBC is missing, and if no frame is described by the DBC.
     """
     where = str(path)
     can = need("can", "can", where)
@@ -74,21 +74,21 @@ def open_asc(path: Path, dbc: Sequence[Path]) -> Recording:
         found = lines.gathered(_whole(can.ASCReader(lines), where), known)
     if lines.begun and not lines.ended:
         raise LogError(
-            f"the end is missing: {len(found.times)} frames up to {found.times[-1]:.3f} s are "
-            "there, and no 'End TriggerBlock'",
+            f"the end is missing: {len(found.times)} frames up to {found.times[-1]:.3f} s were "
+            "read, but no 'End TriggerBlock'",
             where=path,
-            expected="a block that is ended",
-            do="copy the log again; how much is missing the file does not say",
+            expected="a block with its end",
+            do="copy the log again; the file does not show how much is missing",
         )
     lines.require_all(found)
     return recording(found, known, () if lines.begun else (NO_FOOTER,), where)
 
 
-NO_FOOTER = "no trigger block: a file cut at the end of a line cannot be told from a whole one"
+NO_FOOTER = "no trigger block: a file cut at the end of a line looks like a complete one"
 
 
 def _whole(messages: Any, where: str) -> Iterator[Any]:
-    """Pass frames on. Raises LogError for one with less data than its line says."""
+    """Yield the frames. Raises LogError for a frame with less data than its line states."""
     for message in messages:
         if not message.is_remote_frame and len(message.data) < message.dlc:
             raise LogError(
@@ -103,8 +103,8 @@ def _whole(messages: Any, where: str) -> Iterator[Any]:
 
 def _relative(path: Path) -> LogError:
     return LogError(
-        "its timestamps count from the line before ('timestamps relative')",
+        "its timestamps are relative to the line before ('timestamps relative')",
         where=path,
         expected="timestamps absolute",
-        do="export it again with absolute timestamps: lines left out would shift all that follow",
+        do="export it again with absolute timestamps: a missing line would shift all later ones",
     )

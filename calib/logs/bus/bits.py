@@ -1,4 +1,4 @@
-"""Signals cut out of the bytes of many frames at once.
+"""Extract a signal from the bytes of many frames at once.
 
 little endian: start is the lowest bit        big endian: start is the highest bit
 byte 0  7 6 5 4 3 2 1 0                       byte 0  7 6 5 4 3 2 1 0
@@ -17,7 +17,7 @@ Bytes = NDArray[np.uint8]
 def raw(data: Bytes, start: int, length: int, little: bool) -> NDArray[np.uint64]:
     """Unsigned integers of ``length`` bits, shape (n,), from frames of shape (n, bytes).
 
-    ``start`` counts as a DBC does: bit 8 b + k is bit k of byte b. The bytes must be there.
+    ``start`` counts as in a DBC: bit 8 b + k is bit k of byte b. All bytes must be present.
 
     >>> raw(np.array([[0x34, 0x12]], np.uint8), 0, 16, little=True)
     array([4660], dtype=uint64)
@@ -43,7 +43,7 @@ def raw(data: Bytes, start: int, length: int, little: bool) -> NDArray[np.uint64
 
 
 def last_byte(start: int, length: int, little: bool) -> int:
-    """Index of the last byte of a frame that a signal touches."""
+    """Index of the last byte of a frame that a signal uses."""
     if little:
         return (start + length - 1) // 8
     first, bit = divmod(start, 8)
@@ -51,7 +51,7 @@ def last_byte(start: int, length: int, little: bool) -> int:
 
 
 def number(value: NDArray[np.uint64], length: int, signed: bool, real: bool) -> Array:
-    """The numbers that raw integers of ``length`` bits stand for: two's complement, or IEEE 754."""
+    """Values of raw integers of ``length`` bits: unsigned, two's complement or IEEE 754."""
     if real:
         kinds: dict[int, tuple[type, type]] = {
             16: (np.uint16, np.float16),

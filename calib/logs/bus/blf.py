@@ -1,8 +1,8 @@
-"""Vector BLF through python-can, and what its header promises compared with what was there.
+"""Vector BLF, read with python-can; size and object count are compared with the header.
 
 header   LOGG, size of the file, number of objects, time of start and stop
 container LOBJ type 10, compressed
-    object LOBJ, size, type ...      may go on in the next container
+    object LOBJ, size, type ...      may continue in the next container
 """
 
 import struct
@@ -35,9 +35,9 @@ class Objects:
 def open_blf(path: Path, dbc: Sequence[Path]) -> Recording:
     """Open a BLF file.
 
-    Raises LogError for a file that is not as long as its header says or does not hold as many
-    objects; python-can reads such a file without a word. Also without python-can, a DBC, or frames
-    that the DBC knows.
+    Raises LogError for a file whose size or number of objects differs from its header (python-can
+    reads such a file without an error), if python-can or a DBC is missing, and if no frame is
+    described by the DBC.
     """
     where = str(path)
     can = need("can", "can", where)
@@ -73,7 +73,7 @@ def check_whole(path: Path) -> Objects:
             )
         if size < promised:
             raise LogError(
-                f"{size} of {promised} bytes are there: {promised - size} are missing "
+                f"the file has {size} of {promised} bytes: {promised - size} are missing "
                 f"({100 * (1 - size / promised):.0f} % of the file)",
                 where=path,
                 expected=f"the {count} objects that its header counts",
@@ -83,7 +83,7 @@ def check_whole(path: Path) -> Objects:
         objects = _count(file, path)
     if objects.all != count:
         raise LogError(
-            f"{objects.all} of {count} objects are there: {count - objects.all} are missing",
+            f"the file has {objects.all} of {count} objects: {count - objects.all} are missing",
             where=path,
             expected="as many as the header counts",
             do="copy the log again",
@@ -92,7 +92,7 @@ def check_whole(path: Path) -> Objects:
 
 
 def _count(file: BinaryIO, path: Path) -> Objects:
-    """Walk over all objects, those in containers too."""
+    """Count all objects, also those in containers."""
     total = frames = 0
     rest = b""
     for kind, content in _outer(file, path):
@@ -106,7 +106,7 @@ def _count(file: BinaryIO, path: Path) -> Objects:
 
 
 def _outer(file: BinaryIO, path: Path) -> Iterator[tuple[int, bytes]]:
-    """Type and content of the objects that lie open in the file."""
+    """Type and content of the top-level objects of the file."""
     while head := file.read(_OBJECT.size):
         if len(head) < _OBJECT.size or head[:4] != b"LOBJ":
             if not head.strip(b"\0"):
@@ -133,7 +133,7 @@ def _inflated(content: bytes, path: Path) -> bytes:
 
 
 def _inner(data: bytes) -> tuple[list[int], bytes]:
-    """Types of the objects that are whole, and the beginning of one that goes on."""
+    """Types of the complete objects, and the bytes of an object that is not complete yet."""
     kinds: list[int] = []
     place = 0
     while True:

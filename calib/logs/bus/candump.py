@@ -1,4 +1,4 @@
-"""Log of candump (``candump -L``) through python-can.
+"""Log of candump (``candump -L``), read with python-can.
 
 (1436509052.249713) vcan0 044#2A366C2BBA
 (1436509052.449847) vcan0 0F6##1112233         two #: CAN FD, then one digit of flags
@@ -15,16 +15,15 @@ from calib.logs.recording import Recording
 
 FRAME = re.compile(r"\s*\(\d+\.\d+\)\s")
 
-NO_FOOTER = (
-    "candump writes no footer: a log cut at the end of a line cannot be told from a whole one"
-)
+NO_FOOTER = "candump writes no footer: a log cut at the end of a line looks like a complete one"
 
 
 def open_candump(path: Path, dbc: Sequence[Path]) -> Recording:
     """Open a log of candump.
 
-    The format has no count and no footer. Raises LogError for a last line that is cut off and for
-    any line that is not a frame; also without python-can, a DBC, or frames that the DBC knows.
+    The format has no count and no footer. Raises LogError for a last line that is cut off, for
+    a line that is not a frame, if python-can or a DBC is missing, and if no frame is described by
+    the DBC.
     """
     where = str(path)
     can = need("can", "can", where)

@@ -1,4 +1,4 @@
-"""A DBC: which bits of which frame are which signal, with unit. Read by cantools."""
+"""DBC files: position and unit of each signal in the frames of a bus. Read with cantools."""
 
 import hashlib
 import re
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 INVALID = re.compile(
     r"\bsna\b|invalid|error|fault|not.?avail|undefined|\binit|fehler|ung(ue|ü)ltig", re.IGNORECASE
 )
-"""Names of raw values that say: this is no measurement."""
+"""Names of raw values that mark an invalid measurement."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Dbc:
 
     @property
     def keys(self) -> frozenset[Key]:
-        """Identifiers that are described."""
+        """Identifiers of all messages."""
         return frozenset(self.messages)
 
 
@@ -42,7 +42,7 @@ class Dbc:
 class Decoded:
     """A signal: ``time`` [s] of the frames that carry it, and its ``values`` in its unit.
 
-    Raw values whose name says that they are none are NaN. ``state``: every value has a name.
+    Raw values that are named as invalid are NaN. ``state`` is true if every value has a name.
     """
 
     time: Array
@@ -53,9 +53,9 @@ class Decoded:
 def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
     """Read DBC files.
 
-    ``extra`` is what to install where cantools is missing; ``where`` the log that needs them.
-    Raises LogError without cantools, ChannelMapError for a file that is missing or no DBC, and for
-    an identifier that two files describe differently.
+    ``extra`` is the package extra that installs cantools; ``where`` names the log in messages.
+    Raises LogError if cantools is missing, ChannelMapError for a file that is missing or not a DBC,
+    and for an identifier that two files describe differently.
     """
     cantools: Any = need("cantools", extra, where)
     messages: dict[Key, Message] = {}
@@ -68,9 +68,9 @@ def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
             text = content.decode("cp1252", errors="replace")
             database = cantools.database.load_string(text, database_format="dbc", strict=True)
         except Exception as cause:  # cantools raises many kinds, some of its parser's
-            raise ChannelMapError(f"no DBC: {cause}", where=path, expected="a DBC") from cause
+            raise ChannelMapError(f"not a DBC: {cause}", where=path, expected="a DBC") from cause
         if not database.messages:
-            raise ChannelMapError("no messages in it", where=path, expected="a DBC")
+            raise ChannelMapError("the file has no messages", where=path, expected="a DBC")
         for message in database.messages:
             key = (message.frame_id, message.is_extended_frame)
             if key in messages:
@@ -88,10 +88,10 @@ def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
 
 
 def decode(frames: Frames, message: "Message", signal: "Signal") -> Decoded:
-    """Decode one signal out of all frames of its message.
+    """Decode one signal from all frames of its message.
 
-    A multiplexed signal has samples only where its multiplexer selects it; so has one that lies
-    behind the end of a short frame.
+    A multiplexed signal has samples only in frames where its multiplexer selects it. Frames that
+    are too short for the signal have no sample either.
     """
     chosen = _present(frames, message, signal)
     data = frames.data if chosen.all() else frames.data[chosen]
@@ -110,7 +110,7 @@ def decode(frames: Frames, message: "Message", signal: "Signal") -> Decoded:
 
 
 def _present(frames: Frames, message: "Message", signal: "Signal") -> NDArray[np.bool_]:
-    """Which frames carry the signal: long enough, and selected by the multiplexer, if any."""
+    """Mask of the frames that contain the signal: long enough, and selected by the multiplexer."""
     little = signal.byte_order == "little_endian"
     here: NDArray[np.bool_] = frames.length > last_byte(signal.start, signal.length, little)
     if not signal.multiplexer_ids or signal.multiplexer_signal is None:

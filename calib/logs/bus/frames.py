@@ -1,4 +1,4 @@
-"""Frames of a bus, gathered by identifier."""
+"""Frames of a bus, grouped by identifier."""
 
 from array import array
 from collections.abc import Iterable
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from can import Message
 
 Key = tuple[int, bool]
-"""Identifier, and whether it is an extended one (29 bits)."""
+"""Identifier, and whether it is extended (29 bits)."""
 
 
 @dataclass(frozen=True)
 class Frames:
     """All frames of one identifier on one bus, in the order of the file.
 
-    ``bus`` is the channel of the recorder as it names it; ``time`` [s], shape (n,); ``data``
+    ``bus`` is the recorder's name of its channel; ``time`` [s], shape (n,); ``data``
     shape (n, bytes), zero past the end of a frame; ``length`` bytes of each frame, shape (n,).
     """
 
@@ -34,7 +34,7 @@ class Frames:
 
 @dataclass
 class Gathered:
-    """Frames while a file is read: those that a DBC knows, and the times of all [s]."""
+    """Frames while a file is read: those that a DBC describes, and the times of all [s]."""
 
     known: frozenset[Key]
     times: "array[float]" = field(default_factory=lambda: array("d"))
@@ -43,7 +43,7 @@ class Gathered:
     _data: dict[tuple[str, Key], list[bytes]] = field(default_factory=dict)
 
     def take(self, messages: "Iterable[Message]") -> None:
-        """Read all messages. Data is kept as it came; error and remote frames carry none."""
+        """Read all messages. Error and remote frames are counted but have no data."""
         for number, message in enumerate(messages, start=len(self.times)):
             self.times.append(message.timestamp)
             key = (message.arbitration_id, message.is_extended_id)
@@ -57,7 +57,7 @@ class Gathered:
                 self._data[origin].append(bytes(message.data))
 
     def result(self, time: Array) -> list[Frames]:
-        """What was kept, by bus and identifier; ``time`` [s] of all frames, as `times`."""
+        """Frames by bus and identifier; ``time`` [s] replaces `times`, shape (n,)."""
         return [
             frames_of(*origin, time[np.asarray(self._place[origin])], self._data[origin])
             for origin in sorted(self._place)
@@ -65,7 +65,7 @@ class Gathered:
 
 
 def frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
-    """Frames from one bytes object each."""
+    """Make `Frames` from a list of bytes, one for each frame."""
     length = np.fromiter(map(len, data), np.uint8, len(data))
     width = int(length.max(initial=0))
     padded = b"".join(d.ljust(width, b"\0") for d in data)

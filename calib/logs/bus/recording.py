@@ -1,4 +1,4 @@
-"""Frames of a bus and a DBC make a recording: one trace for each signal that was on the bus."""
+"""Make a recording from bus frames and a DBC: one trace for each signal of the frames."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -23,16 +23,16 @@ def require_dbc(dbc: Sequence[Path], extra: str, where: str) -> Dbc:
     """Read the DBC files of the channel map. Raises LogError if there are none."""
     if not dbc:
         raise LogError(
-            "frames of a bus have no names of their own",
+            "bus frames do not contain the names of their signals",
             where=where,
-            expected="a DBC that says what is in them",
+            expected="a DBC that describes them",
             do='write `dbc = "FILE.dbc"` into a channel map and give it with --map',
         )
     return read_dbc(dbc, extra, where)
 
 
 def gathered(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Gathered:
-    """All frames of a file. Raises LogError for what python-can cannot read."""
+    """All frames of a file. Raises LogError if python-can cannot read it."""
     found = Gathered(dbc.keys)
     try:
         found.take(messages)
@@ -44,26 +44,26 @@ def gathered(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Gathere
             do="copy the log again",
         ) from cause
     if not found.times:
-        raise LogError("no frames", where=where, expected="a log of a bus")
+        raise LogError("the log has no frames", where=where, expected="a log of bus frames")
     return found
 
 
 def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
-    """Signals of gathered frames by their names in the DBC, their time counted from the first.
+    """Signals of gathered frames, named as in the DBC; time counts from the first frame.
 
-    Raises LogError if no frame is known to the DBC, and as `calib.logs.running`.
+    Raises LogError if no frame is described by the DBC, and as `calib.logs.running`.
     """
     time, wrapped = running(np.asarray(found.times), where)
     begin = float(time.min())
     frames = require_known(found.result(time - begin), dbc, where)
-    said = [f"time counts from the first frame, which was written at {begin:.6f} s"]
+    more = [f"time counts from the first frame, which was written at {begin:.6f} s"]
     if found.errors:
-        said.append(f"{found.errors} error frames were passed over")
-    return of_frames(frames, dbc, (*notes, *wrapped, *said))
+        more.append(f"{found.errors} error frames were ignored")
+    return of_frames(frames, dbc, (*notes, *wrapped, *more))
 
 
 def require_known(frames: list[Frames], dbc: Dbc, where: str) -> list[Frames]:
-    """Return the frames. Raises LogError if there are none."""
+    """Return ``frames``. Raises LogError if there are none."""
     if not frames:
         raise LogError(
             "no frame of the log is in the DBC",
@@ -75,7 +75,7 @@ def require_known(frames: list[Frames], dbc: Dbc, where: str) -> list[Frames]:
 
 
 def of_frames(frames: list[Frames], dbc: Dbc, notes: tuple[str, ...]) -> Recording:
-    """The recording that frames and a DBC make."""
+    """Make the recording from frames and a DBC."""
     columns, signals = described(frames, dbc)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
@@ -87,12 +87,12 @@ def of_frames(frames: list[Frames], dbc: Dbc, notes: tuple[str, ...]) -> Recordi
 def described(
     frames: list[Frames], dbc: Dbc
 ) -> "tuple[list[Column], list[tuple[Frames, Message, Signal]]]":
-    """Every signal of every frame that was seen, as a column and as what to decode."""
-    seen = Counter(item.key for item in frames)
+    """Every signal of the frames: its column, and its frames, message and signal."""
+    count = Counter(item.key for item in frames)
     columns, signals = [], []
     for item in frames:
         message = dbc.messages[item.key]
-        prefix = f"{item.bus}." if seen[item.key] > 1 else ""
+        prefix = f"{item.bus}." if count[item.key] > 1 else ""
         for signal in message.signals:
             full = f"{prefix}{message.name}.{signal.name}"
             columns.append(Column(signal.name, signal.unit or None, full))

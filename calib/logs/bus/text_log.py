@@ -1,4 +1,4 @@
-"""Lines of a text log, counted while python-can reads them."""
+"""Count the lines of a text log while python-can reads them."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 class Counted:
-    """A text file that counts the lines like ``frame`` as they are read.
+    """A text file that counts the lines that match ``frame`` as they are read.
 
-    ``frames`` of them so far; ``last`` line that was not empty. What python-can passes over in
-    silence shows as a difference between ``frames`` and what it gave.
+    ``frames`` is their number so far; ``last`` is the last line that was not empty. If python-can
+    skips a line without an error, it returns fewer frames than ``frames``.
     """
 
     def __init__(self, file: TextIO, frame: re.Pattern[str], path: Path):
@@ -54,7 +54,7 @@ class Counted:
         return found
 
     def require_all(self, found: Gathered) -> None:
-        """Raise LogError if other than all lines that look like frames were read."""
+        """Raise LogError if some lines that look like frames were not read."""
         read = len(found.times)
         if read != self.frames:
             raise LogError(
@@ -72,6 +72,6 @@ class Counted:
                 f"cut off within the last line, after {whole} whole frames: "
                 f"{self.last.strip()[:60]!r}",
                 where=self.path,
-                expected="a line that ends",
-                do="copy the log again; how much is missing the file does not say",
+                expected="an end of line",
+                do="copy the log again; the file does not show how much is missing",
             )

@@ -1,4 +1,4 @@
-"""Frames of a CAN bus that an MDF file holds as they were on the wire."""
+"""Raw frames of a CAN bus in an MDF file."""
 
 from typing import Any
 
@@ -8,11 +8,11 @@ from calib.errors import LogError
 from calib.logs.bus.frames import Frames, Key
 
 FRAME = "CAN_DataFrame"
-"""Name that the standard gives to the channel that holds data frames."""
+"""Name of the channel for data frames in the ASAM standard."""
 
 
 def bus_groups(mdf: Any) -> list[int]:
-    """Groups that hold frames of a bus instead of measured channels."""
+    """Groups that contain bus frames instead of measured channels."""
     return [
         number
         for number, group in enumerate(mdf.groups)
@@ -21,9 +21,9 @@ def bus_groups(mdf: Any) -> list[int]:
 
 
 def frames_in(mdf: Any, groups: list[int], known: frozenset[Key], where: str) -> list[Frames]:
-    """Frames of the identifiers that are known, by bus and identifier.
+    """Frames of the identifiers in ``known``, by bus and identifier.
 
-    Raises LogError for fewer frames than a group counts, and for what asammdf cannot read.
+    Raises LogError for fewer frames than a group counts, and if asammdf cannot read them.
     """
     found = []
     for number in groups:
@@ -42,7 +42,7 @@ def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Fr
         raise LogError(
             f"asammdf cannot read the frames: {str(cause) or type(cause).__name__}",
             where=where,
-            expected="a whole and undamaged MDF file",
+            expected="a complete and undamaged MDF file",
         ) from cause
     ids, time = identifier.samples, identifier.timestamps
     cycles = int(mdf.groups[number].channel_group.cycles_nr)
@@ -59,7 +59,7 @@ def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Fr
         length = np.full(ids.size, data.shape[1])
     if length.max(initial=0) > data.shape[1]:
         raise LogError(
-            f"a frame says that it has {length.max()} bytes, its record holds {data.shape[1]}",
+            f"a frame has a length of {length.max()} bytes, its record {data.shape[1]}",
             where=where,
             expected="frames within their records",
             do="the file is damaged: copy the log again",
@@ -80,7 +80,7 @@ def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Fr
 
 
 def _field(mdf: Any, number: int, name: str) -> Any:
-    """Samples of a part of the frames, or None where the file does not have it."""
+    """Samples of one field of the frames, or None if the file does not have it."""
     names = {c.name for c in mdf.groups[number].channels}
     full = f"{FRAME}.{name}"
     return mdf.get(full, group=number).samples if full in names else None

@@ -1,4 +1,4 @@
-"""ASAM MDF 3 and 4 through asammdf: measured channels, and frames of a bus with a DBC."""
+"""ASAM MDF 3 and 4, read with asammdf: measured channels, and bus frames with a DBC."""
 
 import logging
 from collections import Counter
@@ -20,7 +20,7 @@ from calib.logs.recording import ChannelTrace, Recording, named
 from calib.logs.source import Column
 
 VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
-"""Types of conversion that give names instead of numbers, by version of MDF."""
+"""Types of conversion that give text instead of numbers, by version of MDF."""
 
 TIME_SYNC = 1
 """Type of a master channel of MDF 4 that holds time, not angle or distance."""
@@ -28,7 +28,7 @@ TIME_SYNC = 1
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a channel is: its group and its index in it."""
+    """Position of a channel: its group, and its index in the group."""
 
     group: int
     index: int
@@ -37,13 +37,13 @@ class _Place:
 def open_mdf(path: Path, dbc: Sequence[Path]) -> Recording:
     """Open an MDF file.
 
-    Channels keep the raster of their group. Frames of a bus become the signals of the DBC; without
-    one they are left, which is said. Raises LogError for a file that is cut off or not finished
-    (`calib.logs.mdf.size`), one that asammdf cannot read, and without asammdf.
+    Channels keep the timestamps of their group. Bus frames are decoded with the DBC; without a DBC
+    they are ignored, with a note. Raises LogError for a file that is cut off or not finished
+    (`calib.logs.mdf.size`), if asammdf cannot read it, and if asammdf is missing.
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where)
-    logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # what it finds wrong is raised
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
     if check_size(path).startswith("4"):
         check_records(path)
     try:
@@ -64,7 +64,7 @@ def _recording(mdf: Any, dbc: Sequence[Path], where: str) -> Recording:
     known = require_dbc(dbc, "mdf", where) if buses and (dbc or not columns) else None
     frames = frames_in(mdf, buses, known.keys, where) if known else []
     if buses and not known:
-        notes.append("there are frames of a bus, not read without a DBC: name it in a channel map")
+        notes.append("the log has bus frames, which need a DBC: name it in a channel map")
     more, signals = described(frames, known or Dbc({}, ()))
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
@@ -75,12 +75,12 @@ def _recording(mdf: Any, dbc: Sequence[Path], where: str) -> Recording:
             for i in indices
         ]
 
-    said = (*(known.notes if known else ()), *notes)
-    return Recording(named([*columns, *more]), read, said, mdf.close)
+    all_notes = (*(known.notes if known else ()), *notes)
+    return Recording(named([*columns, *more]), read, all_notes, mdf.close)
 
 
 def _check_layout(mdf: Any, where: str) -> None:
-    """Raise LogError for a channel outside its record: asammdf would read beyond the data."""
+    """Raise LogError for a channel outside its record: asammdf would read past the data."""
     for number, group in enumerate(mdf.groups):
         record = group.channel_group
         size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
@@ -103,7 +103,7 @@ def _check_layout(mdf: Any, where: str) -> None:
 
 
 def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:
-    """Every channel that has a clock, in file order, without the clocks themselves."""
+    """Every channel with timestamps, in file order; the timestamp channels are left out."""
     columns, places, notes = [], [], []
     names = Counter(_group(mdf, i) for i in range(len(mdf.groups)))
     for number, group in enumerate(mdf.groups):
@@ -124,7 +124,7 @@ def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place
 
 
 def _group(mdf: Any, number: int) -> str:
-    """Name of a group: of its acquisition, else its number."""
+    """Name of a group: its acquisition name, else its number."""
     group = mdf.groups[number].channel_group
     name = getattr(group, "acq_name", "") or ""
     return name or f"group {number}"
@@ -141,7 +141,7 @@ def _unit(channel: Any) -> str | None:
 
 
 def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace]:
-    """Read channels, each group's in one go. Raises LogError for too few samples, and for text."""
+    """Read channels, group by group. Raises LogError for too few samples, and for text."""
     signals = _select(mdf, places, True, where)
     result = []
     for place, signal in zip(places, signals, strict=True):
@@ -173,15 +173,15 @@ def _select(mdf: Any, places: Sequence[_Place], numbers: bool, where: str) -> li
 
 
 def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarray, bool]:
-    """Numbers, NaN where the file marks them as invalid or names them; whether it is a state."""
+    """Numbers, NaN where invalid or replaced by a name, and whether the channel is a state."""
     channel = mdf.groups[place.group].channels[place.index]
     kinds = VALUE_TO_TEXT[str(mdf.version)[0].replace("2", "3")]
     state = bool(channel.conversion) and channel.conversion.conversion_type in kinds
     samples = signal.samples
     if state:
-        told = _select(mdf, [place], False, where)[0].samples
-        if told.dtype.kind in "iuf":  # names for some values only, such as "not available"
-            samples, state = told, False
+        named_values = _select(mdf, [place], False, where)[0].samples
+        if named_values.dtype.kind in "iuf":  # names for some values only, such as "not available"
+            samples, state = named_values, False
     if samples.dtype.kind not in "biuf" or samples.ndim != 1:
         raise LogError(
             f"holds {samples.dtype}, shape {samples.shape[1:]}",
@@ -197,8 +197,8 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
 
 def _unreadable(cause: Exception, where: str) -> LogError:
     return LogError(
-        f"asammdf cannot read it: {str(cause) or type(cause).__name__}",
+        f"asammdf cannot read the file: {str(cause) or type(cause).__name__}",
         where=where,
-        expected="a whole and undamaged MDF file",
+        expected="a complete and undamaged MDF file",
         do="copy the log again",
     )

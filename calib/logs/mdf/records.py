@@ -1,7 +1,7 @@
-"""Whether the data of an MDF 4 file holds as many records as its groups count.
+"""Check that an MDF 4 file holds as many records as its groups count.
 
 ##DG --> ##CG count, bytes of a record      needed: the sum over the groups of count times bytes
-     --> ##HL --> ##DL --> ##DT, ##DZ       there: the sum of their lengths, unpacked
+     --> ##HL --> ##DL --> ##DT, ##DZ       present: the sum of their lengths, unpacked
 """
 
 import struct
@@ -14,14 +14,14 @@ _BLOCK = struct.Struct("<4s4xQQ")
 _COUNT = struct.Struct("<8xQHHLLL")
 _UNPACKED = struct.Struct("<8xQ")
 _VARIABLE = 1
-"""Flag of a group whose records have no common length."""
+"""Flag of a group whose records differ in length."""
 
 
 def check_records(path: Path) -> None:
     """Raise LogError if a data group has less data than its records need.
 
-    For a file whose blocks are all there (`calib.logs.mdf.size`). Data in another layout than
-    lists of blocks is left to the reader, which compares the samples it read with the count.
+    The file must have all its blocks (`calib.logs.mdf.size`). Data that is not a list of blocks is
+    not checked here; the reader compares the number of its samples with the count.
     """
     with path.open("rb") as file:
         (place, *_), _ = _block(file, 64)
@@ -42,7 +42,7 @@ def check_records(path: Path) -> None:
 
 
 def _block(file: BinaryIO, place: int) -> tuple[tuple[int, ...], bytes]:
-    """Links and the first bytes of the content of a block."""
+    """Links of a block, and the first bytes of its content."""
     file.seek(place)
     _, length, links = _BLOCK.unpack(file.read(_BLOCK.size))
     read = file.read(8 * links + min(64, length - _BLOCK.size - 8 * links))
@@ -60,7 +60,7 @@ def _needed(file: BinaryIO, place: int, id_size: int) -> int:
 
 
 def _there(file: BinaryIO, place: int) -> int | None:
-    """Bytes of the data behind a link; None for what is no list of data blocks."""
+    """Bytes of data at a link; None if it is not a list of data blocks."""
     total, todo = 0, [place]
     while todo:
         place = todo.pop()

@@ -1,7 +1,7 @@
-"""How long an MDF file must be, by its own links and counts: what a cut file lacks.
+"""Check that an MDF file is as long as its links and record counts require.
 
-MDF 4   every block names its length and links to others by byte     ##DG -> ##CG -> ##CN ...
-MDF 3   a data group names its data; records times record size says how long that is
+MDF 4   every block has a length and links to others by byte      ##DG -> ##CG -> ##CN ...
+MDF 3   a data group links to its data, of length records times record size
 """
 
 import struct
@@ -17,11 +17,10 @@ _MOST_LINKS = 10_000_000
 
 
 def check_size(path: Path) -> str:
-    """Compare the size of a file with what its blocks need, in MDF 3 with its record counts too.
+    """Compare the size of a file with its blocks, in MDF 3 also with its record counts.
 
-    Returns the version of the format. Raises LogError for a file that is no MDF, one whose
-    recorder did not finish it, and one that is shorter than it says, with the number of bytes
-    that are missing.
+    Returns the version of the format. Raises LogError for a file that is not MDF, that the
+    recorder did not finish, or that is too short, with the number of missing bytes.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -47,7 +46,7 @@ def _check_identification(identification: bytes, size: int, path: Path) -> None:
         raise LogError(
             "the recorder did not finish the file (UnFinMF), so its counts are not final",
             where=path,
-            expected="a finished file: only its counts tell whether anything is missing",
+            expected="a finished file: only final counts show whether data is missing",
             do="finish it with the recorder's own tool, or open and save it with an MDF editor",
         )
     if identification[:8].rstrip(b" \0") != b"MDF":
@@ -57,7 +56,7 @@ def _check_identification(identification: bytes, size: int, path: Path) -> None:
 
 
 def _walk_v4(file: BinaryIO, size: int, path: Path) -> None:
-    """Follow every link; the furthest end of a block is what the file must reach."""
+    """Follow every link; the file must reach the furthest end of a block."""
     seen, todo, end = set[int](), [_HEAD], _HEAD
     while todo:
         place = todo.pop()
@@ -79,7 +78,7 @@ def _walk_v4(file: BinaryIO, size: int, path: Path) -> None:
 
 
 def _walk_v3(file: BinaryIO, order: str, size: int, path: Path) -> None:
-    """Follow groups and channels; data is as long as its records."""
+    """Follow groups and channels; the length of the data follows from its records."""
     end = _HEAD
 
     def block(place: int, kind: bytes, form: str) -> tuple[int, ...]:
@@ -114,7 +113,7 @@ def _walk_v3(file: BinaryIO, order: str, size: int, path: Path) -> None:
     for (begin, stop), (following, _) in pairwise(ranges):
         if stop > following > begin:
             raise LogError(
-                f"{following - begin} of {stop - begin} bytes of samples are there before those of "
+                f"{following - begin} of {stop - begin} bytes of samples come before those of "
                 f"another group: {stop - following} are missing",
                 where=path,
                 expected="as many samples as each group counts",
@@ -124,17 +123,17 @@ def _walk_v3(file: BinaryIO, order: str, size: int, path: Path) -> None:
 
 def _short(size: int, end: int, path: Path) -> LogError:
     return LogError(
-        f"cut off: {size} bytes are there, its blocks reach to byte {end}; at least {end - size} "
+        f"cut off: the file has {size} bytes, its blocks need {end}; at least {end - size} "
         f"are missing ({100 * (1 - size / end):.0f} % of the file)",
         where=path,
-        expected="a whole file",
+        expected="a complete file",
         do="copy the log again",
     )
 
 
 def _no_block(what: str, place: int, path: Path) -> LogError:
     return LogError(
-        f"no {what} at byte {place}, where one should be",
+        f"there should be a {what} at byte {place}, but there is none",
         where=path,
         expected="an undamaged file",
         do="copy the log again",

@@ -1,1 +1,1 @@
-"""Logs that are text."""
+"""Logs in text formats."""

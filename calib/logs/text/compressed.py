@@ -1,4 +1,4 @@
-"""Compressed logs: unpacked whole or refused."""
+"""Unpack compressed logs."""
 
 import gzip
 import zlib
@@ -7,10 +7,10 @@ from calib.errors import LogError
 
 
 def gunzip(data: bytes, where: str) -> bytes:
-    """The content of a gzip file, all its members.
+    """The content of all members of a gzip file.
 
-    Raises LogError, naming what was got, for a file that is cut off, damaged (length or check sum
-    are not what its end says) or not gzip at all.
+    Raises LogError for a file that is cut off (with the size of the unpacked part), damaged (wrong
+    length or check sum) or not gzip.
     """
     try:
         return gzip.decompress(data)
@@ -30,7 +30,7 @@ def _refusal(data: bytes, where: str, cause: Exception) -> LogError:
         return LogError(
             f"the gzip file is cut off: it ends within the data, {got} bytes of text unpacked",
             where=where,
-            expected="an end with length and check sum",
+            expected="length and check sum at the end",
             do="copy the log again",
         )
     return LogError(f"the gzip file is damaged: {cause}", where=where, do="copy the log again")

@@ -1,4 +1,4 @@
-"""Separated text: our own ``name [unit]`` with commas, and what other programs write."""
+"""Separated text: the canonical ``name [unit]`` with commas, and the styles of other programs."""
 
 import csv
 from collections.abc import Sequence
@@ -22,39 +22,39 @@ from calib.logs.text.encoding import head_text, to_utf8
 from calib.logs.text.header import column_from_cell, is_unit_row, with_unit_row
 
 
-def open_csv(data: bytes, where: str, told: TextFormat = LOOKED) -> ColumnSource:
+def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> ColumnSource:
     """Open a file of separated text.
 
     Parameters
     ----------
     data : the whole file, compressed by gzip or not.
     where : its path, for messages.
-    told : what a channel map says of its separator, decimal mark and encoding.
+    text_format : separator, decimal mark and encoding from a channel map.
 
-    Raises LogError for a file without text, header or rows, for a dialect that is not certain (see
-    `calib.logs.text.dialect`), and for a file that was cut off.
+    Raises LogError for a file without text, header or rows, for an ambiguous dialect (see
+    `calib.logs.text.dialect`), and for a file that is cut off.
     """
     if data.startswith(b"\x1f\x8b"):
         data = gunzip(data, where)
-    data = to_utf8(data, where, told.encoding)
+    data = to_utf8(data, where, text_format.encoding)
     try:
-        return _open(data, where, told)
+        return _open(data, where, text_format)
     except csv.Error as cause:
         raise LogError(
-            f"no table of text: {cause}", where=where, expected="lines of cells"
+            f"not a text table: {cause}", where=where, expected="lines of cells"
         ) from cause
 
 
-def _open(data: bytes, where: str, told: TextFormat) -> ColumnSource:
-    header, start, told = _header(data, where, told)
+def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
+    header, start, text_format = _header(data, where, text_format)
     first, after = _line(data, start)
-    has_units = _looks_like_units(first, told)
+    has_units = _looks_like_units(first, text_format)
     start = after if has_units else start
     if not data[start : start + 4096].strip() and not data[start:].strip():
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
     names, note = head_text(header + b"\n" + first if has_units else header, where)
     text, _, units = names.partition("\n")
-    dialect = dialect_of(text, data, start, told, where)
+    dialect = dialect_of(text, data, start, text_format, where)
     (cells,) = dialect.cells([text])
     columns = [column_from_cell(cell) for cell in cells]
     if has_units:
@@ -68,16 +68,16 @@ def _open(data: bytes, where: str, told: TextFormat) -> ColumnSource:
 
 
 def _line(data: bytes, start: int) -> tuple[bytes, int]:
-    """The line that begins at ``start``, and where the next one begins; nothing else is copied."""
+    """The line that begins at ``start``, and the start of the next one. Copies only that line."""
     end = data.find(b"\n", start)
     end = len(data) if end < 0 else end
     return data[start:end].rstrip(b"\r"), end + 1
 
 
-def _header(data: bytes, where: str, told: TextFormat) -> tuple[bytes, int, TextFormat]:
-    """The first line, where the next one begins, and what is known of the dialect.
+def _header(data: bytes, where: str, text_format: TextFormat) -> tuple[bytes, int, TextFormat]:
+    """The first line, the start of the next one, and the text format.
 
-    A line ``sep=;`` before the header, as spreadsheets want it, tells the separator.
+    A line ``sep=;`` before the header, as spreadsheets use it, gives the separator.
     """
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a header and samples")
@@ -85,15 +85,17 @@ def _header(data: bytes, where: str, told: TextFormat) -> tuple[bytes, int, Text
     while not head:  # blank lines before it
         head, start = _line(data, start)
     if head[:4].lower() == b"sep=" and head[4:].decode(errors="replace") in SEPARATORS:
-        told = TextFormat(told.separator or head[4:].decode(), told.decimal, told.encoding)
+        text_format = TextFormat(
+            text_format.separator or head[4:].decode(), text_format.decimal, text_format.encoding
+        )
         head, start = _line(data, start)
-    return head, start, told
+    return head, start, text_format
 
 
-def _looks_like_units(first: bytes, told: TextFormat) -> bool:
-    """Whether a line is a second row of the header, whatever separates it."""
+def _looks_like_units(first: bytes, text_format: TextFormat) -> bool:
+    """Whether a line is a second header row with units, for any possible separator."""
     line = first.decode("latin-1")  # never fails, and numbers are the same in it
-    separators = [told.separator] if told.separator else list(SEPARATORS)
+    separators = [text_format.separator] if text_format.separator else list(SEPARATORS)
     return any(is_unit_row(Dialect(s, ".").cells([line])[0]) for s in separators if s in line)
 
 
@@ -109,16 +111,16 @@ def _with_units(columns: list[Column], dialect: Dialect, line: str, where: str) 
 
 
 def last_row(data: bytes, start: int, width: int, dialect: Dialect, where: str) -> str | None:
-    r"""Look at the last row: raise LogError if it was cut off, note a missing end of line.
+    r"""Check the last row: LogError if it is cut off, a note if it has no end of line.
 
-    ``data`` is the whole file; its rows, of ``width`` cells, begin at ``start``.
+    ``data`` is the whole file; rows have ``width`` cells and begin at ``start``.
 
     0.005,0.10,74.4800\n
-    0.010,0.20,74.4\n         a short number and no end of line: cut
+    0.010,0.20,74.4\n         a shorter number and no end of line: cut off
     """
     tail = 40 * 32 * width
     text = data[max(start, len(data) - tail) :].rstrip(b"\r\n")
-    text = text or data[start:].rstrip(b"\r\n")[-tail:]  # a long end of blank lines
+    text = text or data[start:].rstrip(b"\r\n")[-tail:]  # many blank lines at the end
     lines = text.splitlines()[-20:]
     cells = dialect.cells([line.decode(errors="replace") for line in lines])
     ended = data.endswith((b"\n", b"\r"))
@@ -139,9 +141,10 @@ def last_row(data: bytes, start: int, width: int, dialect: Dialect, where: str) 
 
 
 def _shorter(cell: str, before: list[str], mark: str) -> bool:
-    """Whether a number is shorter than all before it: in decimals if these are alike, else as such.
+    """Whether a number is shorter than all before it.
 
-    A number cut after as many digits as its shortest neighbour has is not seen.
+    Compares the number of decimals if it is the same in all of them, else the length. A cut number
+    that is as long as the shortest one before it is not detected.
     """
     if not before:
         return False
@@ -159,11 +162,11 @@ def read_columns(
     dialect: Dialect,
     where: str,
 ) -> list[Array]:
-    """Read some columns as numbers; a second, slow look finds the cell that is none.
+    """Read some columns as numbers. After a failure, a second, slow pass locates the bad cell.
 
-    ``data`` is the whole file, whose rows begin at ``start``: a slice would copy it.
+    ``data`` is the whole file (a slice would copy it); rows begin at ``start``.
 
-    Raises LogError naming row, counted from 1, and column of that cell.
+    Raises LogError with row, counted from 1, and column of that cell.
     """
     import pyarrow as pa
 
@@ -205,7 +208,7 @@ def _bad_row(
     where: str,
     cause: str,
 ) -> LogError:
-    """Name the row and the column of the first cell that is no number. Rows count from 1."""
+    """Error with row, counted from 1, and column of the first cell that is not a number."""
     for row, cells in enumerate(dialect.cells(body.decode(errors="replace").splitlines()), start=1):
         if cells and len(cells) != len(columns):
             return LogError(

@@ -1,8 +1,8 @@
-"""How a text table is written: separator, decimal mark, rows of the header.
+"""Format of a text table: separator and decimal mark.
 
-Looked at are the header and rows from the beginning, the middle and the end. A reading of them is
-taken only if it is the only one; several, or none, is an error that lists them and says how a
-channel map tells which is right:
+The header and rows from the beginning, the middle and the end are tried with each separator. If
+exactly one fits, it is used. If several or none fit, the error lists them and shows the entry of a
+channel map that decides:
 
     [text]
     separator = ";"
@@ -18,18 +18,18 @@ from calib.errors import LogError
 
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab", "|": "vertical bar"}
 EMPTY = ("", "nan", "NaN", "NAN", "NA", "N/A", "null")
-"""Cells that mean: no value here."""
+"""Cells without a value."""
 
 _POINT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?inf(inity)?", re.IGNORECASE)
 _COMMA = re.compile(r"[-+]?(\d+,?\d*|,\d+)([eE][-+]?\d+)?|[-+]?inf(inity)?", re.IGNORECASE)
 _NUMBER = {".": _POINT, ",": _COMMA}
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")
-"""``1,234``: one and a bit, or more than a thousand?"""
+"""Numbers such as ``1,234``: the comma is a decimal mark or separates thousands."""
 
 
 @dataclass(frozen=True)
 class TextFormat:
-    """What a channel map says of a text table; None is looked for."""
+    """Text format from a channel map; None is detected from the file."""
 
     separator: str | None = None
     decimal: str | None = None
@@ -37,7 +37,7 @@ class TextFormat:
 
 
 LOOKED = TextFormat()
-"""Nothing is told, all is looked for."""
+"""Everything is detected from the file."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Dialect:
     decimal: str
 
     def cells(self, lines: list[str]) -> list[list[str]]:
-        """The cells of some lines, without the blanks around them."""
+        """The cells of some lines, without blanks around them."""
         return [
             [cell.strip() for cell in row] for row in csv.reader(lines, delimiter=self.separator)
         ]
@@ -64,7 +64,7 @@ def is_number(cell: str, decimal: str = ".") -> bool:
 
 
 def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> list[str]:
-    r"""Whole lines from ``start``, the middle and the end of a file; of a short one some twice.
+    r"""Complete lines from ``start``, the middle and the end of a file; some repeat if it is short.
 
     >>> sample_of(b"a,b\n1,2", 4, count=1)
     ['1,2', '1,2']
@@ -76,38 +76,40 @@ def sample_of(data: bytes, start: int, count: int = 8, width: int = 16384) -> li
     return [line.decode(errors="replace") for line in (*head, *middle, *tail) if line.strip()]
 
 
-def dialect_of(header: str, data: bytes, start: int, told: TextFormat, where: str) -> Dialect:
+def dialect_of(
+    header: str, data: bytes, start: int, text_format: TextFormat, where: str
+) -> Dialect:
     """The dialect of a table.
 
     Parameters
     ----------
     header : first line.
     data : the whole file.
-    start : where its samples begin.
-    told : what the user says of it.
+    start : position of the first sample.
+    text_format : text format from a channel map.
     where : the file's path, for messages.
 
     Raises LogError, with the candidates, if no dialect fits or several do.
     """
     rows = sample_of(data, start)
-    told_separators = [told.separator] if told.separator else list(SEPARATORS)
-    separators = [s for s in told_separators if _fits(s, header, rows)]
+    possible = [text_format.separator] if text_format.separator else list(SEPARATORS)
+    separators = [s for s in possible if _fits(s, header, rows)]
     if len(separators) != 1:
         raise _undecided(separators, header, rows, where)
     (separator,) = separators
-    if told.decimal is not None:
-        return Dialect(separator, told.decimal)
+    if text_format.decimal is not None:
+        return Dialect(separator, text_format.decimal)
     return Dialect(separator, _decimal(separator, rows, data, start, where))
 
 
 def _fits(separator: str, header: str, rows: list[str]) -> bool:
-    """Whether most rows are as wide as the header, and two of their columns mostly numbers."""
+    """Whether most rows have as many cells as the header, and two columns are mostly numbers."""
     if separator not in header:
         return False
     plain = Dialect(separator, ".")
     (names,) = plain.cells([header])
     table = plain.cells(rows)
-    # A few may be short or damaged: they are named later, with their row.
+    # A few rows may be short or damaged: they are reported later, with their number.
     whole = [row for row in table if len(row) == len(names)]
     if 2 * len(whole) <= len(table):
         return False
@@ -122,12 +124,12 @@ def _numeric_column(column: tuple[str, ...]) -> bool:
 
 
 def _decimal(separator: str, rows: list[str], data: bytes, start: int, where: str) -> str:
-    """The decimal mark. Raises LogError where numbers can be read in two ways."""
+    """The decimal mark. Raises LogError if numbers can be read in two ways."""
     cells = [cell for row in Dialect(separator, ".").cells(rows) for cell in row]
     found = {mark: [c for c in cells if mark in c and is_number(c, mark)] for mark in ".,"}
     marks = [mark for mark, numbers in found.items() if numbers]
     if not marks:
-        # Whole numbers so far. A mark that comes later and is not this one is refused when read.
+        # Only whole numbers in the sample. Another mark later in the file is an error when read.
         comma = data.find(b",", start) >= 0 and data.find(b".", start) < 0
         return "," if separator != "," and comma else "."
     clear = [m for m in marks if not all(_THOUSANDS.fullmatch(c) for c in found[m])]
@@ -135,10 +137,10 @@ def _decimal(separator: str, rows: list[str], data: bytes, start: int, where: st
         return marks[0]
     examples = ", ".join(repr(Counter(found[m]).most_common(1)[0][0]) for m in marks)
     raise LogError(
-        f"the decimal mark is not certain: {examples}",
+        f"the decimal mark is ambiguous: {examples}",
         where=where,
         expected="one mark, and no separator of thousands",
-        do='say it in a channel map (--map): [text] with decimal = "," or decimal = "."',
+        do='give it in a channel map (--map): [text] with decimal = "," or decimal = "."',
     )
 
 
@@ -149,7 +151,7 @@ def _undecided(separators: list[str], header: str, rows: list[str], where: str) 
             f"the columns may be separated by {names}",
             where=where,
             expected="one separator that fits",
-            do='say it in a channel map (--map): [text] with separator = "' + separators[0] + '"',
+            do='give it in a channel map (--map): [text] with separator = "' + separators[0] + '"',
         )
     present = [s for s in SEPARATORS if s in header]
     tried = [
@@ -158,7 +160,7 @@ def _undecided(separators: list[str], header: str, rows: list[str], where: str) 
         for s in present
     ]
     return LogError(
-        f"not a table that can be read for certain ({'; '.join(tried) or 'no separator'})",
+        f"no separator fits this table ({'; '.join(tried) or 'no separator'})",
         where=where,
         expected="a header, and rows of as many numbers, separated by comma, semicolon, tab or bar",
         do="decimal commas need another separator than the comma; see the first lines of the file",

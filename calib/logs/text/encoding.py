@@ -1,4 +1,4 @@
-"""From the bytes of a text file to UTF-8: byte order marks, UTF-16, the old Western encodings."""
+"""Convert the bytes of a text file to UTF-8: byte order marks, UTF-16, Western encodings."""
 
 import codecs
 
@@ -10,21 +10,21 @@ MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16-be"),
 )
 HEAD = 4096
-"""Bytes that are looked at: a header is shorter."""
+"""Number of bytes used to detect the encoding; a header is shorter."""
 
 
 def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
-    """The text of a file in UTF-8 without a byte order mark.
+    """Convert the text of a file to UTF-8 without a byte order mark.
 
     Parameters
     ----------
     data : the whole file.
     where : its path, for messages.
-    encoding : as the user names it, or None to look.
+    encoding : name of the encoding, or None to detect it.
 
-    Without a name, UTF-16 is recognised by its mark or by every other byte of its beginning being
-    nought, and the rest is left as it is: a header of another encoding is seen to by `head_text`,
-    and numbers are the same in all of them. Raises LogError for bytes that are no text.
+    If ``encoding`` is None, UTF-16 is detected by its byte order mark, or if every other byte at
+    the beginning is zero. Other bytes are not changed: `head_text` decodes the header, and numbers
+    are the same in all 8-bit encodings. Raises LogError for bytes that are not text.
     """
     for mark, name in MARKS:
         if data.startswith(mark):
@@ -39,7 +39,7 @@ def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
     except UnicodeDecodeError as cause:
         cut = "the last character is cut off" if "truncated" in cause.reason else str(cause)
         raise LogError(
-            f"not {encoding}: {cut}", where=where, expected="whole text", do="copy the log again"
+            f"not {encoding}: {cut}", where=where, expected="complete text", do="copy the log again"
         ) from cause
 
 
@@ -59,10 +59,10 @@ def _refuse_binary(head: bytes, where: str) -> None:
 
 
 def head_text(head: bytes, where: str) -> tuple[str, str | None]:
-    """A header as text, and a note where it is not in UTF-8 but in Windows-1252.
+    """A header as text, with a note if it is in Windows-1252 and not in UTF-8.
 
-    That one is ISO 8859-1 wherever both have a sign, so a degree or a square reads right in both.
-    Raises LogError where neither encoding has the sign.
+    Windows-1252 includes all printable signs of ISO 8859-1, so ``°`` and ``²`` are correct in both.
+    Raises LogError if neither encoding fits.
     """
     try:
         return head.decode("utf-8"), None

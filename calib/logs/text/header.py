@@ -1,9 +1,9 @@
-"""Header cells: a name and perhaps a unit, in the styles in which loggers write them.
+"""Header cells: a name and an optional unit, in the styles of different loggers.
 
 name [unit]    always a name and a unit
-name (unit)    if the bracket holds a unit, or stands behind one of our channels
-name_unit      if the ending cannot be anything but a unit, or if the rest is one of our channels
-               and the ending a unit of it: ``time_s`` but not ``valve_s``
+name (unit)    if the text in brackets is a unit, or if the name is a canonical channel
+name_unit      if the ending can only be a unit, or if the name is a canonical channel and the
+               ending a unit of it: ``time_s`` but not ``valve_s``
 """
 
 import re
@@ -32,7 +32,7 @@ ENDINGS = {
     "U_min": "U/min",
     "1_min": "1/min",
 }
-"""Endings that are units wherever they stand behind an underscore."""
+"""Endings that are always a unit after an underscore."""
 
 
 def column_from_cell(cell: str) -> Column:
@@ -67,7 +67,7 @@ def _ours(name: str) -> bool:
 
 
 def _endings(cell: str) -> list[tuple[str, str]]:
-    """The one reading of ``cell`` as ``name_unit``, or none."""
+    """``cell`` split as ``name_unit``: a list of one pair, or an empty list."""
     if _ours(cell) and not cell.startswith("true_"):
         return []
     parts = cell.split("_")
@@ -86,7 +86,7 @@ def _endings(cell: str) -> list[tuple[str, str]]:
 
 
 def is_unit_row(cells: Sequence[str]) -> bool:
-    """Whether a row below the names holds units: no numbers, and at least one unit among them.
+    """Whether a row below the names has units: no number and at least one unit.
 
     >>> is_unit_row(["s", "bar", "1", ""]), is_unit_row(["0.0", "bar"])
     (True, False)
@@ -101,7 +101,7 @@ def _numeric(text: str) -> bool:
 
 
 def bare_unit(cell: str) -> str:
-    """A unit without the brackets it may stand in: ``[bar]`` and ``(bar)`` are ``bar``."""
+    """A unit without brackets around it: ``[bar]`` and ``(bar)`` are ``bar``."""
     text = cell.strip()
     if len(text) > 1 and text[0] + text[-1] in ("[]", "()", "{}", "<>"):
         text = text[1:-1].strip()
@@ -111,17 +111,17 @@ def bare_unit(cell: str) -> str:
 def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -> list[Column]:
     """Columns with the units of a second header row.
 
-    Raises LogError where the two rows name different units for one column.
+    Raises LogError if the two rows give different units for one column.
     """
     out = []
     for column, cell in zip(columns, cells, strict=True):
         unit = bare_unit(cell)
         if unit and column.unit and spelling(unit) != spelling(column.unit):
             raise LogError(
-                f"the header names two units: {column.unit!r} and, in the row below, {unit!r}",
+                f"the header has two units: {column.unit!r} and, in the row below, {unit!r}",
                 where=f"{where}: {column.name}",
                 expected="one unit",
-                do="mend the header",
+                do="correct the header",
             )
         out.append(Column(column.name, column.unit or unit or None, column.full))
     return out

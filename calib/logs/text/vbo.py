@@ -1,13 +1,12 @@
-"""Racelogic VBO: text in sections, satellite speed and the channels of the car's bus.
+"""Racelogic VBO: text in sections with satellite speed and channels of the car's bus.
 
-[header]           one name a line; standard ones may carry a unit: ``velocity kmh``
+[header]           one name a line; standard names may have a unit: ``velocity kmh``
 [channel units]    one line for each name that is not standard; it may be empty
-[column names]     one word a column, in the order of [header]
+[column names]     one word for each column, in the order of [header]
 [data]             samples, separated by blanks; time is HHMMSS.ss
 
-Positions (degrees and minutes) and the number of satellites are left as they stand: nothing here
-takes them. The satellites' speed over ground is the reference speed ``v``, unless the file has a
-channel of that name.
+Positions and the number of satellites are not converted, because they are not used. The satellite
+speed over ground is the reference speed ``v``, unless the file has a channel of that name.
 """
 
 import re
@@ -29,30 +28,30 @@ STANDARD = (
     *("longitudinal acceleration", "lateral acceleration", "long accel", "lat accel"),
     *("glonass satellites", "gps satellites", "solution type", "distance", "sampleperiod"),
 )
-"""Names that have no line in [channel units]."""
+"""Standard names: they have no line in [channel units]."""
 
 DIALECT = Dialect(" ", ".")
 DAY = 86400.0
-"""Seconds of a day: what a clock loses at midnight [s]."""
+"""Length of a day [s]: the clock restarts at midnight."""
 
 _SECTION = re.compile(rb"^\[([^\]\r\n]+)\][^\r\n]*\r?$", re.MULTILINE)
 
 
-def open_vbo(data: bytes, where: str, told: TextFormat | None = None) -> ColumnSource:
+def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> ColumnSource:
     """Open a VBO file.
 
     Parameters
     ----------
     data : the whole file.
     where : its path, for messages.
-    told : what a channel map says of it; only the encoding counts.
+    text_format : text format from a channel map; only the encoding is used.
 
-    Raises LogError for a file without the sections it needs, names that do not fit the columns, no
-    samples, or a last line with too few columns: the file was cut off.
+    Raises LogError for missing sections, names that do not fit the columns, no samples, or a last
+    line with too few columns, because the file was cut off.
     """
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a VBO file")
-    data = to_utf8(data, where, told.encoding if told else None)
+    data = to_utf8(data, where, text_format.encoding if text_format else None)
     texts, body, notes = _sections(data, where)
     columns, more = _columns(texts, where)
     body = _single_blanks(body)
@@ -76,7 +75,7 @@ def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, lis
     names = [m[1].decode(errors="replace").strip().lower() for m in marks]
     if "data" not in names:
         raise LogError(
-            "no section [data]" + (": the file is cut off?" if names else ": not a VBO file"),
+            "no section [data]" + (": is the file cut off?" if names else ": not a VBO file"),
             where=where,
             expected="[header], [column names] and [data]",
         )
@@ -95,7 +94,7 @@ def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, lis
 
 
 def _single_blanks(body: bytes) -> bytes:
-    """Rows with one blank between cells, and none around them."""
+    """Rows with exactly one blank between cells, and none at their ends."""
     if b"\t" in body or b"  " in body:
         body = re.sub(rb"[ \t]+", b" ", body)
     return body.lstrip(b" ").replace(b" \r\n", b"\n").replace(b" \n", b"\n").replace(b"\n ", b"\n")
@@ -108,7 +107,7 @@ def _columns(texts: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...
         raise LogError(
             f"{len(header)} names in [header], {len(short)} in [column names]",
             where=where,
-            expected="as many in both",
+            expected="the same number in both",
         )
     own = [i for i, name in enumerate(header) if not _standard(name)]
     units, notes = _units(texts.get("channel units", []), len(own))
@@ -127,19 +126,19 @@ def _standard(name: str) -> bool:
 
 
 def _units(lines: list[str], count: int) -> tuple[list[str | None], list[str]]:
-    """The units of the channels that are not standard, and a note where they cannot be told."""
+    """The units of the channels that are not standard, and a note if they do not fit."""
     filled = len(lines)
     while filled and not lines[filled - 1]:
-        filled -= 1  # a blank line ends the section, or stands for a channel without a unit
+        filled -= 1  # a blank line ends the section, or belongs to a channel without a unit
     if filled > count or (filled > 0 and len(lines) < count):
-        note = f"[channel units] has {filled} lines for {count} channels: none was taken"
+        note = f"[channel units] has {filled} lines for {count} channels: no unit was used"
         return [None] * count, [note]
     padded = [*lines, *[""] * count][:count]
     return [None if unit.lower() in ("", "(null)") else unit for unit in padded], []
 
 
 def _column(name: str, word: str, unit: str | None) -> Column:
-    """A column: ``velocity kmh`` has its unit behind the name, ``Brake [bar]`` as elsewhere."""
+    """A column: ``velocity kmh`` has its unit after the name, ``Brake [bar]`` in brackets."""
     if name.lower() == "time":
         return Column("time", "s", word)
     stem, _, last = name.rpartition(" ")
@@ -155,13 +154,13 @@ def _seconds(written: Array, where: str) -> Array:
     >>> _seconds(np.array([235959.5, 0.5]), "run.vbo")
     array([86399.5, 86400.5])
     """
-    # Rounded, as the file has it: 120000.05 and its binary neighbours differ by 1e-11.
+    # Rounded to the file's resolution: 120000.05 and its binary neighbours differ by 1e-11.
     hours, rest = np.divmod(written, 10000.0)
     minutes, seconds = np.divmod(rest, 100.0)
     wrong = np.flatnonzero(~((hours < 24) & (minutes < 60) & (seconds < 60)))
     if wrong.size:
         raise LogError(
-            f"row {wrong[0] + 1}: {written[wrong[0]]:.10g} is no time of day",
+            f"row {wrong[0] + 1}: {written[wrong[0]]:.10g} is not a time of day",
             where=f"{where}: time",
             expected="HHMMSS.ss",
         )

@@ -1,1 +1,1 @@
-"""Named causes: one file each, and the catalogue."""
+"""Named effects, one file each, and their catalogue."""

@@ -1,4 +1,4 @@
-"""Accelerometer bias: a reading where there is no acceleration."""
+"""Accelerometer bias: a constant offset of the reading."""
 
 from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
 from calib.physics.history import RunHistory
@@ -8,7 +8,7 @@ from calib.physics.vehicle import Vehicle
 def accelerometer(
     vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array
 ) -> Array:
-    """Return a_x + b [m/s^2], the same all along the run."""
+    """Return a_x + b [m/s^2]; b is constant over the run."""
     return a_x + parameters["bias"]
 
 
@@ -16,9 +16,9 @@ EFFECT = Effect(
     card=Card(
         name="accelerometer_bias",
         cause="zero error or tilted mounting of the sensor",
-        equation="a_x + b; nothing at bias = 0",
+        equation="a_x + b; no effect at bias = 0",
         source="IEEE Std 1293, bias",
-        looks_like="a_x off by a constant, coasting or braking, that wheel speeds do not share",
+        looks_like="a constant error of a_x, coasting and braking, that wheel speeds do not show",
         parameters=(Parameter("bias", "m/s^2", -1.0, 1.0, 0.1, 0.1),),
     ),
     accelerometer=accelerometer,

@@ -1,4 +1,4 @@
-"""Accelerometer scale: a reading that is off in proportion."""
+"""Accelerometer scale: an error of the reading in proportion to it."""
 
 from calib.physics.effects.effect import Array, Card, Effect, Parameter, Parameters
 from calib.physics.history import RunHistory
@@ -16,9 +16,9 @@ EFFECT = Effect(
     card=Card(
         name="accelerometer_scale",
         cause="scale factor error of the sensor",
-        equation="a_x (1 + e); nothing at scale_error = 0",
+        equation="a_x (1 + e); no effect at scale_error = 0",
         source="IEEE Std 1293, scale factor",
-        looks_like="a_x off in proportion to the deceleration, which wheel speeds do not share",
+        looks_like="an error of a_x in proportion to the deceleration, not shown by wheel speeds",
         parameters=(Parameter("scale_error", "1", -0.2, 0.2, 0.03, 0.02),),
     ),
     accelerometer=accelerometer,

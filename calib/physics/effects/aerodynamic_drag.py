@@ -17,9 +17,9 @@ EFFECT = Effect(
     card=Card(
         name="aerodynamic_drag",
         cause="air resistance of the body",
-        equation="F = 1/2 rho (c_d A) v^2, rho = 1.2 kg/m^3, on the body; nothing at drag_area = 0",
+        equation="F = 1/2 rho (c_d A) v^2, rho = 1.2 kg/m^3; no effect at drag_area = 0",
         source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 4",
-        looks_like="deceleration beyond the tyre forces that fades with v^2, braked or not",
+        looks_like="deceleration beyond the tyre forces that falls with v^2, braked or not",
         parameters=(Parameter("drag_area", "m^2", 0.0, 12.0, 0.65, 0.25),),
     ),
     body_force=body_force,

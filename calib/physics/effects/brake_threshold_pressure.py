@@ -1,4 +1,4 @@
-"""Threshold pressure: what seals and springs take before the pads are pressed."""
+"""Threshold pressure: the pressure that seals and springs need before the pads are pressed."""
 
 import numpy as np
 
@@ -7,9 +7,9 @@ from calib.physics.history import RunHistory
 
 
 def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Pressure less what the threshold p_0 takes of it [Pa]; zero below.
+    """Pressure less the threshold p_0 [Pa]; zero below p_0.
 
-    The sign is kept, so that the noise of a sensor at rest stays without a mean.
+    A negative pressure keeps its sign, so that sensor noise at rest keeps a mean of zero.
     """
     threshold = parameters["threshold"]
     front, rear = (p - np.clip(p, -threshold, threshold) for p in (p_f, p_r))
@@ -20,9 +20,9 @@ EFFECT = Effect(
     card=Card(
         name="brake_threshold_pressure",
         cause="return springs and seals of the calipers",
-        equation="p - p_0 above p_0, zero below; nothing at threshold = 0",
+        equation="p - p_0 above p_0, zero below; no effect at threshold = 0",
         source="Limpert, Brake Design and Safety, ch. 5 (pushout pressure)",
-        looks_like="the same torque missing at every pressure, all of it at light braking",
+        looks_like="the same loss of torque at every pressure; no torque below the threshold",
         parameters=(Parameter("threshold", "Pa", 0.0, 10e5, 1.5e5, 1e5),),
     ),
     pressure=pressure,

@@ -1,7 +1,7 @@
-"""The explicit list of effects, and the order in which they act.
+"""The list of all effects, and the order in which they act.
 
-A new effect is one file and one line here. One that changes a pressure or the reading of the
-accelerometer also has its place in `LINE`, `CALIPER` or `SENSOR`: there the order is physics.
+A new effect needs one file and one line here. If it changes a pressure or the reading of the
+accelerometer, it also needs its place in `LINE`, `CALIPER` or `SENSOR`, in their physical order.
 """
 
 from calib.errors import ModelError
@@ -58,13 +58,13 @@ CATALOGUE: dict[str, Effect] = {
 }
 
 LINE = ("hydraulic_delay", "hydraulic_lag", "rear_proportioning")
-"""Between the master cylinder and the wheels, in the order in which the fluid meets them."""
+"""Effects between the master cylinder and the wheels, in the direction of flow."""
 
 CALIPER = ("brake_threshold_pressure", "caliper_hysteresis")
-"""In the caliper, behind a wheel pressure sensor."""
+"""Effects in the caliper, behind a wheel pressure sensor."""
 
 SENSOR = ("road_grade", "pitch_coupling", "accelerometer_scale", "accelerometer_bias")
-"""What is sensed comes before how it is read."""
+"""Effects on the accelerometer: those on the sensed acceleration first, then on the reading."""
 
 
 def effect_named(name: str) -> Effect:
@@ -79,7 +79,7 @@ def effect_named(name: str) -> Effect:
 
 
 def nothing(name: str) -> dict[str, float]:
-    """Parameters [SI] at which the effect changes nothing: neutral strength, else what is typical.
+    """Parameters [SI] at which the effect changes nothing: neutral strength, typical values else.
 
     Raises ModelError for an unknown name.
     """

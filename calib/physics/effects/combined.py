@@ -1,6 +1,6 @@
-"""What several effects do together, at each link of the chain from the pedal to the accelerometer.
+"""Several effects together, at each link of the chain from the pedal to the accelerometer.
 
-Each function asks only those effects that act on its link. Factors are multiplied, forces and
+Each function uses only the effects that act on its link. Factors are multiplied, forces and
 moments are added; pressures and readings pass through the effects in the order of the catalogue.
 """
 
@@ -24,9 +24,9 @@ def chosen(effects: Effects, test: Callable[[Effect], bool]) -> Effects:
 
 
 def as_driven(vehicle: Vehicle, effects: Effects) -> Vehicle:
-    """Return the vehicle with the mass, rolling radii and wheel inertias that it really has.
+    """Return the vehicle with mass, rolling radii and wheel inertias as the effects change them.
 
-    Its own list of effects stays as it is.
+    Its list of effects is not changed.
     """
     front, rear, mass = vehicle.front, vehicle.rear, vehicle.mass
     for effect, parameters in _all(effects):
@@ -52,13 +52,13 @@ def _with_inertia(axle: Axle, more: float) -> Axle:
 def line_pressure(effects: Effects, history: RunHistory) -> Pair:
     """Pressure [Pa] (n,) that reaches the front and the rear wheels from ``history.p_mc``.
 
-    Reads ``time`` and ``p_mc`` of the history only: the fluid does not feel the car.
+    Reads ``time`` and ``p_mc`` of the history only: the pressure does not depend on the motion.
     """
     return _through(LINE, effects, history, history.p_mc, history.p_mc)
 
 
 def caliper_pressure(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Pressure [Pa] (n,) that clamps the pads of one side, from that of its wheels."""
+    """Pressure [Pa] (n,) that clamps the pads of one side, from its wheel pressures [Pa] (n,)."""
     return _through(CALIPER, effects, history, p_f, p_r)
 
 
@@ -95,7 +95,7 @@ def wheel_factors(effects: Effects, history: RunHistory) -> dict[str, Array]:
 
 
 def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
-    """Sum of what the front axle lacks of its load, and the rear has too much of, over W [1]."""
+    """Sum of the load that is shifted from the front to the rear axle, over W [1] (n,)."""
     total = 0.0 * history.z
     for effect, parameters in _all(effects):
         if effect.load_shift is not None:
@@ -104,7 +104,7 @@ def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) ->
 
 
 def total_body_force(vehicle: Vehicle, effects: Effects, motion: Motion) -> Array:
-    """Sum of what slows the body directly [N] (n,)."""
+    """Sum of the forces that slow the body directly [N] (n,)."""
     total = 0.0 * motion.v
     for effect, parameters in _all(effects):
         if effect.body_force is not None:
@@ -113,7 +113,7 @@ def total_body_force(vehicle: Vehicle, effects: Effects, motion: Motion) -> Arra
 
 
 def total_axle_moment(vehicle: Vehicle, effects: Effects, motion: Motion) -> Pair:
-    """Sum of what slows the wheels besides the brake [N m per axle] (n,), front and rear."""
+    """Sum of the moments on the wheels besides the brake [N m per axle] (n,), front and rear."""
     front, rear = 0.0 * motion.v, 0.0 * motion.v
     for effect, parameters in _all(effects):
         if effect.axle_moment is not None:
@@ -123,7 +123,7 @@ def total_axle_moment(vehicle: Vehicle, effects: Effects, motion: Motion) -> Pai
 
 
 def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
-    """What the accelerometer says [m/s^2] (n,) when the car has ``a_x`` [m/s^2] (n,)."""
+    """Reading of the accelerometer [m/s^2] (n,) at the acceleration ``a_x`` [m/s^2] (n,)."""
     for effect, parameters in _in_order(effects, SENSOR):
         if effect.accelerometer is not None:
             a_x = effect.accelerometer(vehicle, parameters, history, a_x)
@@ -139,7 +139,7 @@ def _all(effects: Effects) -> Iterator[tuple[Effect, Parameters]]:
 
 
 def _in_order(effects: Effects, order: tuple[str, ...]) -> Iterator[tuple[Effect, Parameters]]:
-    """The effects of ``order`` that are there, in that order."""
+    """The effects of ``order`` that are among ``effects``, in that order."""
     for name in order:
         if name in effects:
             yield effect_named(name), effects.parameters[name]

@@ -10,7 +10,7 @@ def wheels(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     """Factors 1 + a sin(angle + phase) [1] on the front brakes.
 
     ``side`` is 0 when both discs pulse in step, 1 when only the left one does, -1 the right one.
-    The angle counts from the first sample, unless the run was turned to its ripple
+    The angle counts from the first sample, unless its origin was set by the ripple of the run
     (`calib.diagnosis`).
     """
     turned = np.sin(history.angle_f + parameters["phase"])
@@ -23,7 +23,7 @@ EFFECT = Effect(
     card=Card(
         name="disc_thickness_variation",
         cause="front discs whose thickness varies around the turn (judder)",
-        equation="front T_b (1 + a sin(angle + phase)), one disc or both; nothing at amplitude = 0",
+        equation="front T_b (1 + a sin(angle + phase)), 1 or 2 discs; no effect at amplitude = 0",
         source="Jacobsson, Aspects of Disc Brake Judder, Proc. IMechE D 217 (2003)",
         looks_like="a_x and front wheel speeds that pulse with the wheel's turn while braking",
         parameters=(

@@ -1,11 +1,11 @@
-"""What an effect is: a card that explains it, and what it adds to one or more links of the chain.
+"""An effect: a card that explains it, and its contribution to one or more links of the chain.
 
     p_mc -> pressure -> friction -> wheels -> + moment -> tyre -> + body -> mass -> accelerometer
             caliper     pads        L/R       inertia     radius  load_shift         a_x as read
 
 An effect only adds to a link, and has no hook where it does not act. Its parameters are named in
-its card and held outside it, in `Effects`, so that one object serves the simulation (which adds
-it), the analysis (which takes it out) and the diagnosis (which asks how much of it there is).
+its card; their values are held in `Effects`. So one object serves the simulation (which adds the
+effect), the analysis (which removes it) and the diagnosis (which estimates its size).
 """
 
 from collections.abc import Callable, Mapping
@@ -24,7 +24,7 @@ Pair = tuple[Array, Array]
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an effect: SI unit, plausible range, and what to assume when nothing is known.
+    """A parameter of an effect: SI unit, plausible range, and the prior when nothing is known.
 
     ``typical`` and ``spread`` are the mean and one standard deviation over passenger cars, and the
     size at which a diagnosis starts to look for it.
@@ -40,10 +40,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Card:
-    """What a user reads of an effect.
+    """Description of an effect for the user.
 
-    The first of ``parameters`` is its strength: at ``neutral`` nothing happens, whatever the
-    others are.
+    The first of ``parameters`` is its strength: at ``neutral`` there is no effect, for any value
+    of the others.
     """
 
     name: str
@@ -57,22 +57,22 @@ class Card:
 
 @dataclass(frozen=True)
 class Effect:
-    """A named cause: one hook for each link that it acts on, None for every other link.
+    """A named effect: one hook for each link that it acts on, None for every other link.
 
     Attributes
     ----------
-    card : for the user.
-    pressure : pressures of the front and the rear calipers [Pa] from those that arrive; reads only
-        ``time`` and ``p_mc`` of the history.
+    card : description for the user.
+    pressure : pressures of the front and the rear calipers [Pa] from those before this effect;
+        reads only ``time`` and ``p_mc`` of the history.
     friction : factors on the pad friction of both axles [1] at the caliper pressures.
     wheels : factors on the brake torque of wheels that differ from the other side [1].
-    axle_moment : what slows the wheels besides the brake [N m per axle], positive when it slows.
-    inertia : inertia of one wheel beside its own, front and rear [kg m^2].
+    axle_moment : moment on the wheels besides the brake [N m per axle], positive when it slows.
+    inertia : inertia added to that of one wheel, front and rear [kg m^2].
     radius : factors on the rolling radii [1].
-    load_shift : share of W that the front axle lacks against (6), (7) [1].
-    body_force : what slows the body directly [N], positive when it slows.
+    load_shift : load of the front axle below that of (6), over W [1]; the rear has as much more.
+    body_force : force on the body [N], positive when it slows.
     mass : factor on the mass [1].
-    accelerometer : a_x as read from a_x as it is [m/s^2].
+    accelerometer : reading of a_x from the true a_x [m/s^2].
     """
 
     card: Card
@@ -99,7 +99,7 @@ def acts_on_wheels(effect: Effect) -> bool:
 
 
 def slows(effect: Effect) -> bool:
-    """Whether an effect slows body or wheels besides the brakes: it is in the force balance."""
+    """Whether an effect slows body or wheels besides the brakes, so is in the force balance."""
     return _any(effect.axle_moment, effect.body_force)
 
 

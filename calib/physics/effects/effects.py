@@ -1,7 +1,7 @@
-"""The effects of a car as one value: named causes with their parameters, and empirical terms.
+"""The effects of a car as one value: named effects with their parameters, and empirical terms.
 
-Plain data. What a named cause does stands in its own file, what a term does in `empirical`, and
-what several effects do together in `combined`.
+Plain data. The equations of a named effect are in its own file, those of a term in `empirical`,
+and those of several effects together in `combined`.
 """
 
 from collections.abc import Mapping
@@ -14,12 +14,12 @@ ByParameter = Mapping[str, Mapping[str, float]]
 
 @dataclass(frozen=True)
 class EmpiricalTerm:
-    """What was left of some runs, over what it depends on: ``values`` [1] at ``knots`` of a driver.
+    """An unexplained part of some runs over one driver: ``values`` [1] at ``knots`` of the driver.
 
     Piecewise linear, and constant beyond the first and the last knot. ``place`` and ``driver`` are
     of `calib.physics.effects.empirical`, the knots have the driver's unit. On brakes a value is
     the factor on the brake torque less one; on wheels and body it is a force at the road over the
-    weight, positive when it slows. It is no physics: its cause is not known.
+    weight, positive when it slows. Its physical cause is not known.
     """
 
     place: str
@@ -29,18 +29,18 @@ class EmpiricalTerm:
 
     @property
     def on_brakes(self) -> bool:
-        """Whether it is a factor on a brake torque, not a force at the road."""
+        """Whether the values are for a brake torque, not for a force at the road."""
         return self.place.endswith("brakes")
 
 
 @dataclass(frozen=True)
 class Effects:
-    """What acts in a car beside the paper's model.
+    """The effects that act in a car in addition to the paper's model.
 
     Attributes
     ----------
-    parameters : of the named causes [SI].
-    terms : those whose cause is not known.
+    parameters : of the named effects [SI].
+    terms : empirical terms, whose cause is not known.
     sigma : one standard deviation of each parameter [SI]; only where it is known.
     """
 
@@ -53,24 +53,24 @@ class Effects:
         return bool(self.parameters or self.terms)
 
     def __contains__(self, name: str) -> bool:
-        """Whether a cause of that name is there."""
+        """Whether there is a named effect of that name."""
         return name in self.parameters
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the causes, in their order; an empirical term has none."""
+        """Names of the named effects, in their order; an empirical term has none."""
         return tuple(self.parameters)
 
     @property
     def described(self) -> tuple[str, ...]:
-        """Every effect in words: the names of the causes, then place and driver of each term."""
+        """Every effect in words: names first, then place and driver of each empirical term."""
         terms = (f"an empirical term on {t.place} over {t.driver}" for t in self.terms)
         return (*self.parameters, *terms)
 
     def with_(self, other: Self) -> Self:
-        """Both together. What both have is taken from ``other``, as a whole.
+        """Both together. An effect that both have is taken from ``other``, as a whole.
 
-        Terms of ``other`` replace those of this value: a term is what a set of causes left
+        Terms of ``other`` replace those of this value: a term is what a set of effects left
         unexplained, and it was fitted without another term.
         """
         own = self.without(*other.names)
@@ -81,11 +81,11 @@ class Effects:
         )
 
     def only(self, *names: str) -> Self:
-        """The causes of these names, and no term."""
+        """The named effects of these names, without the terms."""
         return type(self)(_chosen(self.parameters, names), (), _chosen(self.sigma, names))
 
     def without(self, *names: str) -> Self:
-        """All but the causes of these names; the terms stay."""
+        """All but the named effects of these names; the terms stay."""
         kept = self.only(*(name for name in self.parameters if name not in names))
         return type(self)(kept.parameters, self.terms, kept.sigma)
 

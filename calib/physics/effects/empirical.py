@@ -1,6 +1,6 @@
-"""What an empirical term does: it adds to the same links as any effect.
+"""An empirical term adds to the same links as a named effect.
 
-So a model with a term can be simulated, and a term can be taken out of a log. See `EmpiricalTerm`.
+So a model with a term can be simulated, and a term can be removed from a log. See `EmpiricalTerm`.
 """
 
 import numpy as np
@@ -31,13 +31,13 @@ DRIVERS = {
     "elapsed": "s",
     "constant": "1",
 }
-"""What a term can depend on, with its unit: time counts from the last bite of the pads, elapsed
-from the start of the run, and what is constant has one knot at zero. The temperature is that of
-the discs of the axle that the term acts on."""
+"""Drivers of a term, with their units: `time` counts from the last bite of the pads, `elapsed` from
+the start of the run, and `constant` has one knot at zero. The temperature is that of the discs of
+the axle on which the term acts."""
 
 DISCS = {"front": ("f",), "rear": ("r",), "both": ("f", "r"), "body": ("f",)}
-"""Axles whose discs a term over temperature reads. The body has no disc; the front discs stand for
-it, since they take most of the heat."""
+"""Axles whose disc temperatures a term uses. For the body, which has no disc, those of the front
+are used, since the front discs take most of the heat."""
 
 
 def effect_of(term: EmpiricalTerm) -> Effect:
@@ -86,7 +86,7 @@ def value_along(term: EmpiricalTerm, history: RunHistory, axle: str) -> Array:
 
 
 def drivers_of(place: str, driver: str, history: RunHistory) -> list[Array]:
-    """All that a term on ``place`` reads of a run [SI], arrays (n,): one, or one for each axle.
+    """Values of the driver of a term on ``place`` [SI], arrays (n,): one, or one for each axle.
 
     Raises ModelError where a temperature is not known.
     """

@@ -8,10 +8,10 @@ from calib.physics.vehicle import Vehicle
 
 
 def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
-    """M = M_e at the front, nothing at the rear [N m per axle].
+    """M = M_e at the front, zero at the rear [N m per axle].
 
-    Constant: one gear, and engine friction that does not grow with speed. Negative while the
-    engine or a torque converter still pushes.
+    Constant: valid for one gear and engine friction that does not depend on speed. Negative while
+    the engine or a torque converter still drives the car.
     """
     return np.full_like(motion.v, parameters["drag_torque"]), np.zeros_like(motion.v)
 
@@ -20,9 +20,9 @@ EFFECT = Effect(
     card=Card(
         name="engine_drag",
         cause="engine in gear with closed throttle, front-wheel drive",
-        equation="M = M_e on the front axle; nothing at drag_torque = 0",
+        equation="M = M_e on the front axle; no effect at drag_torque = 0",
         source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 2",
-        looks_like="a constant deceleration, braked or not, carried by front slip alone",
+        looks_like="a constant deceleration, braked or not, with slip at the front only",
         parameters=(Parameter("drag_torque", "N*m", -500.0, 1500.0, 150.0, 100.0),),
     ),
     axle_moment=axle_moment,

@@ -1,4 +1,4 @@
-"""Hydraulic delay: the brakes get the pressure of a moment ago."""
+"""Hydraulic delay: the pressure reaches the brakes after a dead time."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from calib.physics.history import RunHistory
 
 
 def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Pressure [Pa] of ``delay`` [s] earlier, straight between samples.
+    """Pressure [Pa] of ``delay`` [s] earlier, linear between samples.
 
     Before the first sample the pressure was that of the first sample.
     """
@@ -19,9 +19,9 @@ EFFECT = Effect(
     card=Card(
         name="hydraulic_delay",
         cause="dead time between the pressure sensor and the brakes, or between their clocks",
-        equation="p(t) = p_mc(t - T_d); nothing at delay = 0",
+        equation="p(t) = p_mc(t - T_d); no effect at delay = 0",
         source="Breuer and Bill, Brake Technology Handbook",
-        looks_like="torque of unchanged shape behind the pressure at every change",
+        looks_like="torque that follows the pressure later, with unchanged shape",
         parameters=(Parameter("delay", "s", 0.0, 0.5, 0.05, 0.03),),
     ),
     pressure=pressure,

@@ -1,4 +1,4 @@
-"""Hydraulic lag: the calipers fill through narrow lines."""
+"""Hydraulic lag: the calipers fill slowly through narrow lines."""
 
 from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
 from calib.physics.history import RunHistory
@@ -6,9 +6,9 @@ from calib.physics.lag import first_order
 
 
 def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Pressure [Pa] behind a first-order lag, the same on both axles.
+    """Pressure [Pa] after a first-order lag, the same on both axles.
 
-    Steady at the first sample. A line that fills fast and empties slowly is not covered.
+    Steady state at the first sample. Not valid for a line that fills faster than it empties.
     """
     lag = parameters["time_constant"]
     if lag <= 0.0:
@@ -20,9 +20,9 @@ EFFECT = Effect(
     card=Card(
         name="hydraulic_lag",
         cause="flow resistance of the lines and volume taken by the calipers",
-        equation="T dp/dt + p = p_mc; nothing at time_constant = 0",
+        equation="T dp/dt + p = p_mc; no effect at time_constant = 0",
         source="Limpert, Brake Design and Safety, ch. 5; Breuer and Bill, Brake Technology",
-        looks_like="torque behind the pressure at every change, rounded off; none when held",
+        looks_like="torque that follows changes of pressure late and rounded; none when held",
         parameters=(Parameter("time_constant", "s", 0.0, 1.0, 0.1, 0.06),),
     ),
     pressure=pressure,

@@ -1,4 +1,4 @@
-"""Mass error: a car that is not as heavy as its file says."""
+"""Mass error: the mass of the car differs from that of its file."""
 
 from calib.physics.effects.effect import Card, Effect, Parameter, Parameters
 
@@ -12,9 +12,9 @@ EFFECT = Effect(
     card=Card(
         name="mass_error",
         cause="passengers, load or fuel other than in the vehicle file",
-        equation="M_v (1 + e), in (5) to (7); nothing at mass_error = 0",
+        equation="M_v (1 + e), in (5) to (7); no effect at mass_error = 0",
         source="Newton's second law; (5) to (7) of the paper",
-        looks_like="all brakes weaker alike, as a common pad level; drag that counts for less",
+        looks_like="all brakes weaker by one factor, like a lower pad level; drag has less effect",
         parameters=(Parameter("mass_error", "1", -0.3, 0.3, 0.05, 0.04),),
     ),
     mass=mass,

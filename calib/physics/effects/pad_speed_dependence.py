@@ -1,11 +1,11 @@
-"""Speed dependence of the pads: friction that is not the same at every sliding speed."""
+"""Speed dependence of the pads: friction that changes with the sliding speed."""
 
 from calib.physics.effects.effect import Array, Card, Effect, Pair, Parameter, Parameters
 from calib.physics.history import RunHistory
 
 REFERENCE_SPEED = 20.0
-"""Speed [m/s] at which the pad friction is what the model says; the middle of a usual stop, so
-that slope and level are told apart best."""
+"""Speed [m/s] at which the pad friction is that of the model; the middle of a usual stop, where
+the estimates of slope and level are least correlated."""
 
 
 def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
@@ -18,7 +18,7 @@ EFFECT = Effect(
     card=Card(
         name="pad_speed_dependence",
         cause="pad friction changes with the sliding speed",
-        equation="mu_p (1 + k (v - 20 m/s)); nothing at speed_slope = 0",
+        equation="mu_p (1 + k (v - 20 m/s)); no effect at speed_slope = 0",
         source="Limpert, Brake Design and Safety, ch. 3; ISO 15484",
         looks_like="torque that grows (k < 0) towards the end of a stop at constant pressure",
         parameters=(Parameter("speed_slope", "s/m", -0.02, 0.02, -0.004, 0.004),),

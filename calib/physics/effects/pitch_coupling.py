@@ -1,4 +1,4 @@
-"""Pitch: the load transfer waits for the body, and the pitched accelerometer sees gravity.
+"""Pitch: the load transfer follows the body's pitch mode; a pitched accelerometer reads gravity.
 
 z --> body on its springs --> z_b:  z_b'' + 2 D w z_b' + w^2 z_b = w^2 z
 load transfer: (1 - e) z at once through the links, e z_b through the springs
@@ -22,24 +22,24 @@ DAMPING = Parameter("damping", "1", 0.05, 0.95, 0.3, 0.1)
 """That of a usual body (Gillespie, ch. 5)."""
 
 ELASTIC_SHARE = Parameter("elastic_share", "1", 0.0, 1.5, 0.4, 0.4)
-"""None on a stiff car, nearly all without anti-dive (Gillespie, ch. 7)."""
+"""Zero on a stiff car, nearly 1 without anti-dive (Gillespie, ch. 7)."""
 
 
 def pitch_deficit(
     vehicle: Vehicle, time: Array, z: Array, natural_frequency: float, damping: float
 ) -> Array:
-    """Share (z - z_b) h/L of W [1] that load transfer through the springs alone still lacks, (n,).
+    """Share (z - z_b) h/L of W [1] by which load transfer through the springs lags, (n,).
 
     ``time`` [s], ``z`` deceleration over g [1], (n,); ``natural_frequency`` w [rad/s]; ``damping``
-    D [1], from 0 to below 1. Springs and dampers of both axles as one mode; steady at the first
-    sample. No sample depends on a later one. Not for a wheel that lifts, or a body on its stops.
+    D [1], 0 <= D < 1. Springs and dampers of both axles as one mode; steady state at the first
+    sample. Causal. Not valid where a wheel lifts or the suspension reaches its stops.
     """
     late = z - second_order(time, z, natural_frequency, damping)
     return np.asarray(late * vehicle.cg_height / vehicle.wheelbase)
 
 
 def load_shift(vehicle: Vehicle, parameters: Parameters, history: RunHistory) -> Array:
-    """Share e (z - z_b) h/L of W [1] that the front axle still lacks."""
+    """Share e (z - z_b) h/L of W [1] by which the load of the front axle lags."""
     w, damping = parameters["natural_frequency"], parameters["damping"]
     return parameters["elastic_share"] * pitch_deficit(vehicle, history.time, history.z, w, damping)
 
@@ -47,13 +47,13 @@ def load_shift(vehicle: Vehicle, parameters: Parameters, history: RunHistory) ->
 def accelerometer(
     vehicle: Vehicle, parameters: Parameters, history: RunHistory, a_x: Array
 ) -> Array:
-    """Return a_x - g e k z_b [m/s^2]: nose down, gravity adds to the deceleration; small angles."""
+    """Return a_x - g e k z_b [m/s^2]: nose down, the reading contains gravity; small angles."""
     pitch = parameters["elastic_share"] * parameters["pitch_gradient"] * _body(parameters, history)
     return a_x - G * pitch
 
 
 def _body(parameters: Parameters, history: RunHistory) -> Array:
-    """Deceleration [1] at which the springs as they stand would be at rest."""
+    """Deceleration z_b [1] at which the present deflection of the springs would be steady."""
     frequency, damping = parameters["natural_frequency"], parameters["damping"]
     return second_order(history.time, history.z, frequency, damping)
 
@@ -64,10 +64,10 @@ EFFECT = Effect(
         cause="the body pitches on its springs; e of the load transfer goes through them",
         equation=(
             "z_b'' + 2 D w z_b' + w^2 z_b = w^2 z; front load less W e (z - z_b) h/L; "
-            "a_x - g e k z_b; nothing at elastic_share = 0"
+            "a_x - g e k z_b; no effect at elastic_share = 0"
         ),
         source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 5 and 7 (anti-dive)",
-        looks_like="a_x that rings at 1 to 2 Hz after a step and reads too much while held",
+        looks_like="a_x that oscillates at 1 to 2 Hz after a step and is too large while held",
         parameters=(
             ELASTIC_SHARE,
             NATURAL_FREQUENCY,

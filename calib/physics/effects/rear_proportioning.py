@@ -7,9 +7,9 @@ from calib.physics.history import RunHistory
 
 
 def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
-    """Rear pressure [Pa] that grows with ``knee_slope`` above ``knee``; the front as it comes.
+    """Rear pressure [Pa] that grows with ``knee_slope`` above ``knee``; the front is unchanged.
 
-    A valve without hysteresis, whose knee does not move with load or deceleration.
+    Valid for a valve without hysteresis, whose knee does not depend on load or deceleration.
     """
     cut = 1.0 - parameters["knee_slope"]
     return p_f, p_r - cut * np.maximum(p_r - parameters["knee"], 0.0)
@@ -19,9 +19,9 @@ EFFECT = Effect(
     card=Card(
         name="rear_proportioning",
         cause="a proportioning valve, or a control unit that acts as one",
-        equation="p_r = p_k + s (p - p_k) above p_k; nothing at knee_slope = 1",
+        equation="p_r = p_k + s (p - p_k) above p_k; no effect at knee_slope = 1",
         source="Limpert, Brake Design and Safety, ch. 7",
-        looks_like="rear torque that bends away from the pressure above a knee; front unchanged",
+        looks_like="rear torque that grows less with pressure above a knee; front unchanged",
         parameters=(
             Parameter("knee_slope", "1", 0.0, 1.0, 0.4, 0.2),
             Parameter("knee", "Pa", 0.0, 150e5, 25e5, 10e5),

@@ -1,4 +1,4 @@
-"""Road grade: a part of the weight along the road."""
+"""Road grade: the part of the weight that acts along the road."""
 
 import numpy as np
 
@@ -9,9 +9,9 @@ from calib.physics.vehicle import Vehicle
 
 
 def body_force(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Array:
-    """F = W s [N], the same all along the run; the loads stay those of a flat road.
+    """F = W s [N], constant over the run; the axle loads are those of a flat road.
 
-    Within 0.5 % of the tangent up to 10 %.
+    The sine s is within 0.5 % of the tangent up to a grade of 10 %.
     """
     return np.full_like(motion.v, vehicle.weight * parameters["grade"])
 
@@ -27,9 +27,9 @@ EFFECT = Effect(
     card=Card(
         name="road_grade",
         cause="slope of the road, positive uphill",
-        equation="F = W s, s sine of the slope; a_x reads f g s more; nothing at grade = 0",
+        equation="F = W s, s sine of the slope; a_x reads f g s more; no effect at grade = 0",
         source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 1",
-        looks_like="a constant deceleration, braked or not, that no wheel shows; either sign",
+        looks_like="a constant deceleration, braked or not, without slip; either sign",
         parameters=(
             Parameter("grade", "1", -0.2, 0.2, 0.02, 0.02),
             Parameter("felt", "1", 0.0, 1.0, 0.5, 0.5),

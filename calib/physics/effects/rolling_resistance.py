@@ -18,7 +18,7 @@ EFFECT = Effect(
     card=Card(
         name="rolling_resistance",
         cause="hysteresis of the rolling tyre",
-        equation="M = c_rr F_z R, on each wheel; nothing at coefficient = 0",
+        equation="M = c_rr F_z R, on each wheel; no effect at coefficient = 0",
         source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 4; SAE J2452",
         looks_like="a constant deceleration without brake pressure, independent of speed",
         parameters=(Parameter("coefficient", "1", 0.0, 0.05, 0.011, 0.005),),

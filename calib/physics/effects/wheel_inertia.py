@@ -1,12 +1,12 @@
-"""Wheel inertia: what turns with the front wheels besides them."""
+"""Wheel inertia: parts of the driveline that turn with the front wheels."""
 
 from calib.physics.effects.effect import Card, Effect, Parameter, Parameters
 
 
 def inertia(parameters: Parameters) -> tuple[float, float]:
-    """J beside the wheel's own [kg m^2], per front wheel; nothing at the rear.
+    """Additional inertia J_x [kg m^2] of one front wheel; zero at the rear.
 
-    One gear all along the run: the engine's share grows with the square of the ratio.
+    Valid for one gear: the engine's share grows with the square of the ratio.
     """
     return parameters["extra_inertia"], 0.0
 
@@ -15,7 +15,7 @@ EFFECT = Effect(
     card=Card(
         name="wheel_inertia",
         cause="drive shafts, gears and engine that turn with the driven front wheels",
-        equation="J_w + J_x at the front; nothing at extra_inertia = 0",
+        equation="J_w + J_x at the front; no effect at extra_inertia = 0",
         source="Gillespie, Fundamentals of Vehicle Dynamics, ch. 2 (rotating masses)",
         looks_like="less front tyre force per torque, as with weaker front pads",
         parameters=(Parameter("extra_inertia", "kg*m^2", 0.0, 10.0, 1.0, 0.7),),

@@ -1,1 +1,1 @@
-"""What ECU tools and other programs read: a table in the formats of the field, and back again."""
+"""Exports: a table in the formats of ECU tools and other programs, and their readers."""

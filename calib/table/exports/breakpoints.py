@@ -1,16 +1,16 @@
-"""Which rows of a table to keep so that straight lines between them miss it least.
+"""Which rows of a table to keep so that linear interpolation between them is most exact.
 
     y |      .-x          kept rows x, dropped rows .
-      |   x-.             the line between two kept rows stands for those dropped between them;
-      | .                 the table itself is straight between its rows, so that the largest gap
-      |x                  lies at a dropped row and is found exactly
+      |   x-.             the line between two kept rows replaces those dropped between them;
+      | .                 the table itself is linear between its rows, so that the largest gap
+      |x                  is at a dropped row and is computed exactly
       +---------- x
 
 Breakpoints are rows of the table: they keep their count, their band and (18). The placement is the
-best of all there are, by dynamic programming over the rows (Bellman and Roth, J. Amer. Stat. Assoc.
-64, 1969): first the least worst error, and of those with it the least squares.
+global optimum, by dynamic programming over the rows (Bellman and Roth, J. Amer. Stat. Assoc. 64,
+1969): the smallest maximum error, and among equal ones the smallest sum of squares.
 
-Takes time as the cube of the rows: meant for tables of some hundred rows.
+The time grows with the cube of the rows: meant for tables of some hundred rows.
 """
 
 from dataclasses import dataclass
@@ -22,14 +22,14 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 FEWEST = 2
-"""Breakpoints that an axis has at least: its ends."""
+"""Least number of breakpoints of an axis: its ends."""
 
 
 @dataclass(frozen=True)
 class Misfit:
-    """Curves read between breakpoints against the curves: ``worst`` at ``at``, and ``rms``.
+    """Error of curves interpolated between breakpoints: largest error ``worst`` at ``at``, ``rms``.
 
-    Both in the unit of the curves; the rms is over the axis and that of the worst curve.
+    Both in the unit of the curves; the rms is over the axis, of the curve with the largest rms.
     """
 
     worst: float
@@ -38,7 +38,7 @@ class Misfit:
 
 
 def place(x: Array, curves: Array, points: int) -> Indices:
-    """Rows to keep, both ends among them: ``points``, or fewer where a further one would do harm.
+    """Rows to keep, both ends among them: ``points``, or fewer where more increase the error.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def place(x: Array, curves: Array, points: int) -> Indices:
     worst, square = _segments(x, curves)
     reach = _least(worst, points, np.maximum)[0][:, n - 1]
     least = reach[FEWEST:].min()
-    # Equal errors: the largest number of points, which is the one asked for but on odd curves.
+    # Of equal errors the largest number of points; it is ``points`` for all usual curves.
     count = int(np.flatnonzero(reach == least)[-1])
     _, back = _least(np.where(worst <= least, square, np.inf), count, np.add)
     return _path(back, count, n)
@@ -63,7 +63,7 @@ def place(x: Array, curves: Array, points: int) -> Indices:
 def misfit(x: Array, curves: Array, at: Array, values: Array) -> Misfit:
     """Error of ``values`` (k, m) read linearly between ``at`` (m,), against ``curves`` (k, n) on x.
 
-    Exact: both are straight between the points of either. Beyond its ends each is clamped.
+    Exact: both are linear between the points of either. Beyond its ends each is clamped.
     """
     every = np.union1d(x, at)
     gaps = np.array(
@@ -79,13 +79,13 @@ def misfit(x: Array, curves: Array, at: Array, values: Array) -> Misfit:
 
 
 def _integral(x: Array, gap: Array) -> float:
-    """Integral of the square of a gap that is straight between the points x."""
+    """Integral of the square of a gap that is linear between the points x."""
     a, b = gap[:-1], gap[1:]
     return float(np.sum(np.diff(x) * (a * a + a * b + b * b)) / 3.0)
 
 
 def _segments(x: Array, curves: Array) -> tuple[Array, Array]:
-    """Worst error and integral of the squares of a line from row i to row j, (n, n)."""
+    """Largest error and integral of the squared error of a line from row i to row j, (n, n)."""
     n = len(x)
     worst, square = np.full((n, n), np.inf), np.full((n, n), np.inf)
     for i in range(n - 1):

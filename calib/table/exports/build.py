@@ -1,4 +1,4 @@
-"""A version of a table as a `Dataset`, on all of its rows or on the best few of them."""
+"""A version of a table as a `Dataset`, on all of its rows or on the best selection of them."""
 
 import numpy as np
 
@@ -18,13 +18,13 @@ SHORT = {
     ("aerodynamic_drag", "drag_area"): "drag_area",
     ("rolling_resistance", "coefficient"): "rolling_coeff",
 }
-"""Words for the effects that nearly every table has; others are named in full, and cut."""
+"""Short words for the effects that nearly every table has; other names are in full, and cut."""
 
 
 def build(stored: Stored, points: int | None = None, quality: Quality = UNPROVED) -> Dataset:
-    """What is exported of ``stored``, with ``points`` breakpoints on each axis or all rows.
+    """The data set of ``stored``, with ``points`` breakpoints on each axis or all rows.
 
-    Raises ExchangeError if the table has not as many rows.
+    Raises ExchangeError if the table has fewer rows than ``points``.
     """
     table, first = stored.table, prefix(stored.name)
     axes: list[Axis] = []
@@ -48,7 +48,7 @@ def build(stored: Stored, points: int | None = None, quality: Quality = UNPROVED
 
 
 def _groups(table: Table, first: str) -> list[tuple[Axis, list[Curve]]]:
-    """Each axis whole, with the curves over it."""
+    """Each axis with all rows, and the curves over it."""
     p, d, g = table.paper, table.difference, table.tyre
     name, same = label(first, "eta"), np.array_equal(p.eta, d.eta)
     own = name if same else label(first, "eta_D")
@@ -147,7 +147,7 @@ def _wheel(side: str, axle: Axle) -> list[tuple[str, str, str, float]]:
 
 
 def _unit(effect: str, parameter: str) -> str:
-    """Unit on the effect's card; an effect of another catalogue is in SI all the same."""
+    """Unit on the effect's card; "SI" for an effect that is not in the catalogue."""
     from calib.physics.effects.catalogue import CATALOGUE
 
     card = CATALOGUE[effect].card if effect in CATALOGUE else None

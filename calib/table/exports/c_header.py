@@ -1,11 +1,11 @@
-"""C header: constant arrays and scalars, in C99 and with MISRA C:2012 in mind.
+"""C header: constant arrays and scalars, in C99, by the rules of MISRA C:2012 named below.
 
     declarations      for every file that includes the header            (8.4, 8.11)
     definitions       only where <NAME>_DEFINE is defined before it: in one file     (8.6)
 
 An include guard, sizes as unsigned constants, explicit widths of integers, labels of at most 31
-characters, one kind of comment. In fixed point each object comes with its origin and its step, and
-the worst rounding error stands beside it: value = origin + step * raw.
+characters, one kind of comment. In fixed point each object has its origin and its step, and the
+largest rounding error is in its comment: value = origin + step * raw.
 """
 
 from collections.abc import Iterator
@@ -35,7 +35,7 @@ class Constant:
 def write_c_header(data: Dataset, bits: int | None = None) -> bytes:
     """C header of ``data`` in double, or in signed integers of ``bits``; ASCII.
 
-    Raises ExchangeError where an axis does not survive the rounding.
+    Raises ExchangeError where a rounded axis is not strictly increasing.
     """
     guard, define = f"{data.prefix.upper()}_H", f"{data.prefix.upper()}_DEFINE"
     constants = list(_constants(data, bits))
@@ -137,6 +137,6 @@ def _escaped(byte: int) -> str:
 
 
 def _plain(text: str) -> str:
-    """``text`` within a comment: ASCII, and nothing that begins or ends a comment or a trigraph."""
+    """``text`` for a comment: ASCII, without a begin or end of a comment and without trigraphs."""
     ascii_ = "".join(c if " " <= c <= "~" and c not in "?\\" else "_" for c in text)
     return ascii_.replace("*/", "* /").replace("/*", "/ *").replace("//", "/ /")

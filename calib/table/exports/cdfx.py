@@ -5,11 +5,11 @@
         COM_AXIS   breakpoints that curves share
         CURVE      values, and an axis: a COM_AXIS by reference, or a STD_AXIS with its points
         VALUE      a scalar
-        SW-CS-HISTORY / CS-ENTRY   the quality state and what it rests on
-      SDGS / SDG   the table's facts: id, version, digest, ends, checksum
+        SW-CS-HISTORY / CS-ENTRY   the quality state and its reason
+      SDGS / SDG   facts of the table: id, version, digest, ends, checksum
 
-The order of elements within each is the standard's. Dates are those of the export, since a table
-has none.
+The order of elements within each is that of the standard. Dates are those of the export, since a
+table has none.
 """
 
 from xml.etree import ElementTree as ET
@@ -99,7 +99,7 @@ def _values(
 
 
 def _history(instance: ET.Element, data: Dataset, date: str, known: str) -> None:
-    """How it came about: fitted, then validated where a validation was given."""
+    """History of an object: fitted, then validated where a validation was given."""
     history = ET.SubElement(instance, "SW-CS-HISTORY")
     _entry(history, CALIBRATED, data, date, "fitted" + (f"; {known}" if known else ""))
     if data.quality.verdict is not None:

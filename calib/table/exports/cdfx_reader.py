@@ -1,4 +1,4 @@
-"""Our own CDF 2.0 read back, and held against what it states of itself."""
+"""Reader of the CDF 2.0 files that `write_cdfx` makes, with a check of their stated counts."""
 
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -39,7 +39,7 @@ def _instances(path: Path, tree: ET.Element) -> dict[str, ET.Element]:
     for instance in tree.findall("SW-INSTANCE"):
         name = instance.findtext("SHORT-NAME") or ""
         if not name or name in found:
-            what = f"{name} stands there twice" if name else "an SW-INSTANCE without SHORT-NAME"
+            what = f"{name} is in it twice" if name else "an SW-INSTANCE without SHORT-NAME"
             raise ExchangeError(what, where=path)
         found[name] = instance
     return found
@@ -70,7 +70,7 @@ def _curve(
         raise ExchangeError("a curve without SW-AXIS-CONT", where=where)
     name = over.findtext("SW-INSTANCE-REF")
     if name is not None and name not in axes:
-        raise ExchangeError(f"is over {name}, which is not there", where=where)
+        raise ExchangeError(f"is over {name}, which is missing", where=where)
     x = _numbers(where, over.find("SW-VALUES-PHYS")) if name is None else axes[name]
     if len(x) != len(y):
         raise ExchangeError(f"{len(y)} values over an axis of {len(x)}", where=where)

@@ -9,7 +9,7 @@ from calib.table.exports.rows import COLUMNS, rows
 
 
 def write_csv(data: Dataset) -> bytes:
-    """CSV file of ``data``: UTF-8, ``#`` before comments, empty where there is nothing."""
+    """CSV file of ``data``: UTF-8, ``#`` before comments; a missing value is an empty cell."""
     text = io.StringIO()
     for key, value in data.facts().items():
         text.write(f"# {key}: {printable(value)}\n")

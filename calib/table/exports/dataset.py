@@ -1,6 +1,6 @@
-"""A table as calibration tools see it: axes, curves over them, scalars, and who vouches for them.
+"""A table as calibration tools use it: axes, curves over them, scalars, and their origin.
 
-Every format writes one `Dataset`; what two of them must agree on is its `Content`.
+Every format writes one `Dataset`; its `Content` is the same in all formats.
 """
 
 import hashlib
@@ -14,15 +14,15 @@ CLAMP = (
     "outside an axis the value at its nearest end holds (clamped, never extrapolated); "
     "the estimator marks such samples as not valid"
 )
-"""What a look-up does beyond the ends. `calib.estimation.lookup` does the same."""
+"""Values of a look-up beyond the ends, as in `calib.estimation.lookup`."""
 
 
 @dataclass(frozen=True)
 class Axis:
     """Breakpoints, strictly increasing. ``values`` (n,) in ``unit``.
 
-    ``shared`` by several curves, or the own axis of one; ``origin`` is where fixed point counts
-    from; ``rows`` the table has on it; ``misfit`` of the curves read between the breakpoints.
+    ``shared`` by several curves, or the own axis of one; ``origin`` of the fixed point; ``rows``
+    number of rows of the table; ``misfit`` of the curves interpolated between the breakpoints.
     """
 
     label: str
@@ -71,7 +71,7 @@ class Content:
 
     @property
     def checksum(self) -> str:
-        """SHA-256 over labels and numbers, every bit of them [hex]."""
+        """SHA-256 over labels and numbers with all their bits [hex]."""
         lines = [f"scalar {n} {float(v).hex()}" for n, v in sorted(self.scalars.items())]
         lines += [f"axis {n} {_hex(v)}" for n, v in sorted(self.axes.items())]
         lines += [f"curve {n} {_hex(x)} of {_hex(y)}" for n, (x, y) in sorted(self.curves.items())]
@@ -80,10 +80,10 @@ class Content:
 
 @dataclass(frozen=True)
 class Dataset:
-    """What is exported of one version of a table.
+    """The exported data of one version of a table.
 
     ``id`` name@version; ``digest`` of the whole table; ``program`` that fitted it; ``quality``
-    what a validation said, None if none was given.
+    result of a validation, None if none was given.
     """
 
     id: str
@@ -119,7 +119,7 @@ class Dataset:
         )
 
     def facts(self) -> dict[str, str]:
-        """What every file states, as ``key: value`` on one line each."""
+        """Facts that every file states, by key."""
         return {
             "table": self.id,
             "version": str(self.version),
@@ -136,7 +136,7 @@ class Dataset:
 
 
 def placed(axis: Axis) -> str:
-    """How many breakpoints an axis has and what they cost, in words."""
+    """Number of breakpoints of an axis and their interpolation error, in words."""
     if len(axis.values) == axis.rows:
         return f"all {axis.rows} rows of the table; interpolation error 0"
     m = axis.misfit

@@ -1,4 +1,4 @@
-"""DCM, the conservation format 2.0 of ETAS: text, in the words that its readers know.
+"""DCM, the conservation format 2.0 of ETAS: a text format with German keywords.
 
     KONSERVIERUNG_FORMAT 2.0
     STUETZSTELLENVERTEILUNG  an axis that curves share
@@ -6,8 +6,8 @@
     KENNLINIE                a curve with an axis of its own
     FESTWERT                 a scalar
 
-The format has no range, no digest and no end of file: ranges and the table's facts are comments,
-and the number of objects is among the facts, so that a file cut off between two objects is seen.
+The format has no range, no digest and no end mark: ranges and the facts of the table are comments.
+The number of objects is among the facts, so that a file cut off between two objects is detected.
 Every number is written so that it reads back to the last bit.
 """
 

@@ -1,4 +1,4 @@
-"""Our own DCM read back, and held against every count that it states."""
+"""Reader of the DCM files that `write_dcm` makes, with a check of every count that they state."""
 
 import re
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_W", "FKT")
 
 @dataclass
 class Block:
-    """One object as it stands in the file, from the line it opens on."""
+    """One object of the file, with the line at which it begins."""
 
     kind: str
     name: str
@@ -110,11 +110,11 @@ def _content(path: Path, blocks: list[Block]) -> Content:
     curves = [b for b in blocks if b.kind in (GROUP, LINE)]
     for b in curves:
         if b.kind == GROUP and axes.get(b.axis) != tuple(b.numbers["ST/X"]):
-            what = f"{b.name} is over {b.axis or 'no axis'}, which is not there or another"
+            what = f"{b.name} is over {b.axis or 'no axis'}, which is missing or differs"
             raise _bad(path, b.line, what, f"the axis it repeats, as {AXIS}")
     names = [b.name for b in blocks]
     if twice := sorted({n for n in names if names.count(n) > 1}):
-        raise ExchangeError(f"{twice[0]} stands there twice", where=path)
+        raise ExchangeError(f"{twice[0]} is in it twice", where=path)
     return Content(
         axes,
         {b.name: (tuple(b.numbers["ST/X"]), tuple(b.numbers["WERT"])) for b in curves},

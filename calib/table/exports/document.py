@@ -1,4 +1,4 @@
-"""JSON: everything that is exported, with bands, counts and flags, and the table's own record."""
+"""JSON: all exported data with bands, counts and flags, and the record of the table."""
 
 import json
 from dataclasses import asdict

@@ -42,20 +42,20 @@ def export(
     quality: Quality = UNPROVED,
     date: str | None = None,
 ) -> Exported:
-    """Write a version of a table to the file ``path``; what is there is replaced.
+    """Write a version of a table to the file ``path``; an existing file is replaced.
 
     Parameters
     ----------
     stored : the version, of `Store.save` or `Store.load`.
-    path : the file; its ending names the format where ``form`` does not.
+    path : the file; its ending names the format if ``form`` is not given.
     form : json, csv, parquet, dcm, cdfx, c-header or inca-csv.
-    points : breakpoints on each axis, placed where they cost least; all rows without.
+    points : breakpoints on each axis, at the rows with the least error; all rows if not given.
     bits : of the fixed point, 8, 16 or 32; for c-header.
-    quality : what a validation said, see `calib.table.exports.quality.read_quality`.
-    date : in the history of a cdfx, as 2025-03-31; today in UTC without.
+    quality : result of a validation, see `calib.table.exports.quality.read_quality`.
+    date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
 
-    Raises ExchangeError where the format is not known or the numbers do not go into it, OSError if
-    the file cannot be written.
+    Raises ExchangeError where the format is not known or cannot hold the numbers, OSError if the
+    file cannot be written.
 
     >>> import tempfile
     >>> from pathlib import Path

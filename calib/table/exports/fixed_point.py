@@ -1,7 +1,7 @@
 """Numbers as integers with a binary scaling: value = origin + raw * 2^-shift.
 
-The scaling is the finest whose integers still fit, so that the rounding error is at most half a
-step, 2^-(shift + 1). An axis must stay strictly increasing when rounded, or it is refused.
+The scaling is the finest whose integers fit the width, so that the rounding error is at most half a
+step, 2^-(shift + 1). An axis that is not strictly increasing after rounding is refused.
 """
 
 import math
@@ -16,15 +16,15 @@ from calib.table.exports.dataset import Axis, Curve, Dataset
 from calib.table.table import Array
 
 BITS = (8, 16, 32)
-"""Widths that C has a signed type for."""
+"""Widths of the signed integer types of C [bit]."""
 
 FINEST = 52
-"""Largest shift: steps below the double's own at 1 would say nothing."""
+"""Largest shift: the step is then that of a double at 1."""
 
 
 @dataclass(frozen=True)
 class Fixed:
-    """Integers ``raw`` (n,) of a width, ``origin`` and ``shift``; ``error`` is the worst rounding.
+    """Integers ``raw`` (n,), ``origin`` and ``shift``; ``error`` is the largest rounding error.
 
     ``origin`` and ``error`` are in the unit of the values.
     """
@@ -36,12 +36,12 @@ class Fixed:
 
     @property
     def step(self) -> float:
-        """Value of one count."""
+        """Value of one step of the integers."""
         return math.ldexp(1.0, -self.shift)
 
     @property
     def values(self) -> Array:
-        """What the integers stand for."""
+        """Values of the integers, origin + step * raw (n,)."""
         return self.origin + np.ldexp(self.raw.astype(np.float64), -self.shift)
 
 
@@ -63,7 +63,7 @@ def to_fixed(values: Array, bits: int, origin: float = 0.0) -> Fixed:
 
 
 def _finest(largest: float, most: int) -> int:
-    """Greatest shift at which ``largest`` is at most ``most`` counts; no quotient overflows."""
+    """Greatest shift at which ``largest`` is at most ``most`` steps; computed without overflow."""
     shift = math.floor(math.log2(most) - math.log2(largest))
     return shift if math.ldexp(largest, min(shift, FINEST)) <= most else shift - 1
 
@@ -75,7 +75,7 @@ def fixed_axis(axis: Axis, bits: int) -> Fixed:
     if together.size:
         at = float(axis.values[together[0]])
         raise ExchangeError(
-            f"in {bits} bits the breakpoints at {at:.8g} and above it fall together",
+            f"in {bits} bits the breakpoints at {at:.8g} and above it become equal",
             where=axis.label,
             expected="an axis that increases strictly",
             do="take fewer points or more bits",
@@ -84,16 +84,16 @@ def fixed_axis(axis: Axis, bits: int) -> Fixed:
 
 
 def fixed_misfit(axis: Axis, curve: Curve, bits: int) -> Misfit:
-    """Curve read over its axis, both rounded, against the curve as it was."""
+    """Error of a curve over its axis, both rounded, against the curve before rounding."""
     x, y = fixed_axis(axis, bits).values, to_fixed(curve.values, bits).values
     return misfit(axis.values, curve.values[None], x, y[None])
 
 
 @dataclass(frozen=True)
 class Rounding:
-    """What fixed point costs one object: ``error`` of its numbers at most.
+    """Errors of fixed point in one object: ``error`` is the largest of its numbers.
 
-    ``read_error`` is that of a curve read over its rounded axis; None for what is not read so.
+    ``read_error`` is that of a curve over its rounded axis; None for axes and scalars.
     """
 
     label: str

@@ -1,4 +1,4 @@
-"""The formats by name, each with the one function that writes it."""
+"""The formats by name, each with the function that writes it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from calib.toml import did_you_mean
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be written: ``data`` of ``stored``, on ``date``; integers if ``bits`` is set."""
+    """Input of a format: ``data`` of ``stored``, ``date``; integers if ``bits`` is set."""
 
     data: Dataset
     stored: Stored
@@ -35,7 +35,7 @@ FORMATS: dict[str, Callable[[Order], bytes]] = {
     "c-header": lambda o: write_c_header(o.data, o.bits),
     "inca-csv": lambda o: write_inca_csv(o.data),
 }
-"""Each gives the whole file as bytes. Raises ExchangeError where the order cannot be met."""
+"""Each returns the whole file as bytes. Raises ExchangeError where it cannot hold the data."""
 
 ENDINGS = {
     "json": "json",
@@ -46,26 +46,26 @@ ENDINGS = {
     "c-header": "h",
     "inca-csv": "inca.csv",
 }
-"""How the file of a format ends."""
+"""Ending of the file name by format."""
 
 SPOKEN = {"c": "c-header", "h": "c-header", "cdf": "cdfx", "inca": "inca-csv"}
-"""Other names by which the formats go."""
+"""Other accepted names of the formats."""
 
 FIXED_POINT = ("c-header",)
-"""Formats that have a fixed point."""
+"""Formats that can be in fixed point."""
 
 
 def format_named(written: str) -> str:
-    """The format that goes by that name. Raises ExchangeError for one that is not known.
+    """The format of that name. Raises ExchangeError for an unknown one.
 
     >>> format_named("DCM"), format_named("c_header"), format_named("inca")
     ('dcm', 'c-header', 'inca-csv')
     """
-    said = written.lower().replace("_", "-").lstrip(".")
-    known = SPOKEN.get(said, said)
+    name = written.lower().replace("_", "-").lstrip(".")
+    known = SPOKEN.get(name, name)
     if known in FORMATS:
         return known
-    near = did_you_mean(said, FORMATS)
+    near = did_you_mean(name, FORMATS)
     what = f"unknown format {written!r}; {near} " if near else f"unknown format {written!r}; "
     raise ExchangeError(f"{what}known: {', '.join(FORMATS)}")
 

@@ -1,8 +1,8 @@
-"""CSV of calibration values in the style of INCA: a block per object, set apart by empty lines.
+"""CSV of calibration values in the style of INCA: one block per object, with empty lines between.
 
-The first line says version, separator, decimal point, mark of a comment and quotes. A curve over a
-shared axis names it and repeats its points, so that readers that know no shared axes take it too.
-Written after what public readers of the format expect; no copy of INCA was at hand to try it.
+The first line gives version, separator, decimal point, mark of a comment and quotes. A curve over a
+shared axis names it and repeats its points, for readers without shared axes. The format is the one
+that public readers expect; it was not tested with INCA itself.
 """
 
 from collections.abc import Iterator

@@ -1,8 +1,8 @@
-"""Names that every format takes: C identifiers of at most 31 characters, made from any name.
+"""Names that are valid in every format: C identifiers of at most 31 characters, from any name.
 
-Letters, digits and single underscores, a letter first, none last: this serves C (MISRA C:2012,
-5.1: 31 significant characters), DCM and CDF alike. Where a name had to lose more than a ``-`` or
-a ``.``, four digits of its SHA-256 follow, so that two names do not fall together unnoticed.
+Letters, digits and single underscores, with a letter first and no underscore last: valid in C
+(MISRA C:2012, 5.1: 31 significant characters), DCM and CDF. If more than a ``-`` or a ``.`` of a
+name was replaced, four digits of its SHA-256 follow, so that different names stay different.
 """
 
 import hashlib
@@ -10,7 +10,7 @@ import re
 import unicodedata
 
 LONGEST = 31
-"""Characters of a label that every C99 compiler must tell apart in an external name."""
+"""Significant characters of an external name in every C99 compiler."""
 
 LONGEST_PREFIX = 16
 MARK = 4

@@ -1,4 +1,4 @@
-"""Parquet: one row per number (`calib.table.exports.rows`); the table's facts as metadata."""
+"""Parquet: one row per number (`calib.table.exports.rows`); the facts of the table as metadata."""
 
 from calib.table.exports.dataset import Dataset
 from calib.table.exports.rows import COLUMNS, rows
@@ -8,7 +8,7 @@ TEXTS = ("label", "axis", "unit", "meaning")
 
 
 def write_parquet(data: Dataset) -> bytes:
-    """Parquet file of ``data``; nothing is null where a number exists."""
+    """Parquet file of ``data``; null only where there is no value."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 

@@ -1,6 +1,6 @@
-"""How far a table was proved, from the summary of a validation.
+"""Quality state of a table, from the summary of a validation.
 
-The states are those of CDF 2.0. `completed`, the last of them, is for a person to give.
+The states are those of CDF 2.0. The last one, `completed`, is never set here: a person sets it.
 """
 
 from dataclasses import dataclass
@@ -26,13 +26,13 @@ class Quality:
 
 
 UNPROVED = Quality(CALIBRATED, "none given with this export")
-"""A table of which no validation was given."""
+"""Quality of a table without a validation."""
 
 
 def read_quality(path: Path, table: str) -> Quality:
     """Quality of ``table`` (name@version) from the summary.json of `validate --out`.
 
-    Raises ExchangeError when it is no such file or speaks of another table.
+    Raises ExchangeError when it is no such file or is of another table.
     """
     summary = _summary(path)
     held = [log for log in summary.logs if log.role == "hold-out"]

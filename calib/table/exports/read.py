@@ -1,4 +1,4 @@
-"""A DCM or CDF file read back, and held against the table that it says it comes from."""
+"""A DCM or CDF file read back, and compared with the table that it names."""
 
 from pathlib import Path
 
@@ -13,9 +13,10 @@ from calib.table.version import Stored
 
 
 def read_back(path: Path) -> Returned:
-    """What a file holds; whether it is XML or DCM is seen from its first character.
+    """The content of a DCM or CDF file; its first character tells which of them it is.
 
-    Raises ExchangeError when it cannot be read, is cut off or damaged, or is no file of ours.
+    Raises ExchangeError when it cannot be read, is cut off or damaged, or is no export of this
+    program.
     """
     try:
         data = path.read_bytes()
@@ -43,11 +44,12 @@ def parent(found: Returned, store: Store) -> Stored | None:
 
 
 def differences(found: Returned, stored: Stored | None) -> list[str]:
-    """What contradicts the file's claims: its checksum, and the table of the store if there.
+    """Contradictions in a file: to its checksum, and to the table of the store if there is one.
 
-    A file on fewer breakpoints agrees when each of its rows is one of the table's to the last bit.
+    A file on fewer breakpoints agrees when each of its rows equals a row of the table to the last
+    bit.
     """
-    wrong = [] if found.unchanged else ["the numbers are not those that its checksum is of"]
+    wrong = [] if found.unchanged else ["the numbers do not agree with its checksum"]
     if stored is None:
         return wrong
     if found.facts["digest"] != stored.digest:
@@ -76,7 +78,7 @@ def _gaps(found: Content, whole: Content) -> list[str]:
 def _curve_gap(
     name: str, found: tuple[tuple[float, ...], ...], whole: tuple[tuple[float, ...], ...]
 ) -> list[str]:
-    """The first row that is not the table's, if any; the ends must be there."""
+    """The first row that is not in the table, or a missing end of the axis; None if it agrees."""
     table = dict(zip(*whole, strict=True))
     for x, y in zip(*found, strict=True):
         if x not in table or table[x].hex() != y.hex():
@@ -91,7 +93,7 @@ def _labels(content: Content) -> set[str]:
 
 
 def refuse(path: Path, wrong: list[str]) -> DamagedTable:
-    """The error for a file that is not what it claims."""
+    """The error for a file that contradicts its checksum or its table."""
     more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
     return DamagedTable(
         f"{wrong[0]}{more}", where=path, do="it was edited or damaged: export the table again"

@@ -1,7 +1,7 @@
-"""What came back from a file: the numbers, and what the file says of itself.
+"""Content of an exported file that was read back: its numbers, and the facts that it states.
 
-A file is *ours* when it names a table, its digest and a checksum. It is whole when it has as many
-objects as it says. Its numbers are those that were written when the checksum is theirs.
+A file is an export of this program when it names a table, its digest and a checksum. It is complete
+when it has as many objects as it states. Its numbers are unchanged when their checksum agrees.
 """
 
 from dataclasses import dataclass
@@ -25,14 +25,14 @@ class Returned:
 
     @property
     def unchanged(self) -> bool:
-        """Whether the numbers are those that were written."""
+        """Whether the numbers agree with the checksum."""
         return self.facts["checksum"] == self.content.checksum
 
 
 def returned(
     path: Path, form: str, facts: dict[str, str], units: dict[str, str], content: Content
 ) -> Returned:
-    """Put together what was read. Raises ExchangeError where facts or objects are missing."""
+    """Make a `Returned`. Raises ExchangeError where facts or objects are missing."""
     missing = [key for key in CLAIMS if key not in facts]
     if missing:
         raise ExchangeError(
@@ -43,7 +43,7 @@ def returned(
     found = len(content.axes) + len(content.curves) + len(content.scalars)
     if facts["objects"] != str(found):
         raise ExchangeError(
-            f"holds {found} objects and says it has {facts['objects']}: cut off, or joined",
+            f"holds {found} objects and states {facts['objects']}: cut off, or joined",
             where=path,
             do="export the table again",
         )

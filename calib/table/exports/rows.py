@@ -1,4 +1,4 @@
-"""A data set as one long list: a row per point of a curve, one per scalar."""
+"""A data set as one list: one row per point of a curve, one per scalar."""
 
 from collections.abc import Iterator
 
@@ -15,7 +15,7 @@ none.
 """
 
 Row = tuple[str | float | None, ...]
-"""What stands in the `COLUMNS`."""
+"""Type of a cell of the `COLUMNS`."""
 
 
 def rows(data: Dataset) -> Iterator[Row]:

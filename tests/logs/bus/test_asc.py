@@ -49,7 +49,7 @@ def test_cut_at_the_end_of_a_line(folder, text):
 def test_without_a_block_there_is_no_footer_and_that_is_said(folder, text):
     lines = [x for x in text.splitlines(keepends=True) if "trigger" not in x.lower()]
     log = read(folder, "".join(lines))
-    assert any("cannot be told from a whole one" in note for note in log.notes)
+    assert any("looks like a complete one" in note for note in log.notes)
     assert "cut off within the last line" in refused(folder, "".join(lines)[:-9])
 
 
@@ -77,4 +77,4 @@ def test_a_line_that_is_damaged(folder, text):
 
 def test_times_since_the_line_before(folder, text):
     relative = text.replace("timestamps absolute", "timestamps relative")
-    assert "count from the line before" in refused(folder, relative)
+    assert "relative to the line before" in refused(folder, relative)

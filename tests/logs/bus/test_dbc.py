@@ -91,7 +91,7 @@ def test_the_files_are_named_with_their_digest(tmp_path):
 
 @pytest.mark.parametrize("text", ["", "BO_ 1 M: 8\n", "\0\1\2"])
 def test_what_is_no_dbc(tmp_path, text):
-    with pytest.raises(ChannelMapError, match=r"no DBC|no messages"):
+    with pytest.raises(ChannelMapError, match=r"not a DBC|no messages"):
         known(tmp_path, text)
 
 

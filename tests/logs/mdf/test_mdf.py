@@ -185,13 +185,13 @@ def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):
 
 def test_frames_without_a_dbc_are_left_and_that_is_said(tmp_path):
     path = write_bus(tmp_path / "bus.mf4")
-    with pytest.raises(LogError, match=r"expected a DBC that says what is in them"):
+    with pytest.raises(LogError, match=r"expected a DBC that describes them"):
         read_log(path, write_map(tmp_path), require=())
     with asammdf.MDF(path) as mdf:
         mdf.append(others(), acq_name="ESP")
         mdf.save(tmp_path / "both.mf4")
     log = read_log(tmp_path / "both.mf4")
-    assert any("frames of a bus, not read without a DBC" in note for note in log.notes)
+    assert any("bus frames, which need a DBC" in note for note in log.notes)
 
 
 @pytest.mark.parametrize("name", ["run.mf4", "packed.mf4", "run.mdf", "bus.mf4"])

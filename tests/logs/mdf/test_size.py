@@ -49,8 +49,8 @@ def test_a_whole_file_is_whole(folder, name):
         (b"time [s],p_mc [bar]\n" * 10, "not an MDF file"),
         (b"UnFinMF 4.10    " + bytes(200), "did not finish the file"),
         (b"MDF     5.00    " + bytes(200), "MDF version '5.00'"),
-        (b"MDF     4.10    " + bytes(200), "no block at byte 64"),
-        (b"MDF     3.30    " + bytes(200), "no HD block at byte 64"),
+        (b"MDF     4.10    " + bytes(200), "should be a block at byte 64"),
+        (b"MDF     3.30    " + bytes(200), "should be a HD block at byte 64"),
     ],
 )
 def test_what_is_no_mdf(tmp_path, data, words):

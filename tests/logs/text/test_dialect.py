@@ -152,7 +152,7 @@ def test_half_a_character_of_utf16_is_refused():
 def test_thousands_or_decimals_is_asked(separator):
     data = separator.join(["a [s]", "b [1]"]) + "\n"
     data += "".join(f"{i}{separator}{i % 9 + 1},{100 + i}\n" for i in range(60))
-    with pytest.raises(LogError, match=r"decimal mark is not certain: '1,\d+'.*--map"):
+    with pytest.raises(LogError, match=r"decimal mark is ambiguous: '1,\d+'.*--map"):
         open_csv(data.encode(), "run.csv")
     told = open_csv(data.encode(), "run.csv", TextFormat(decimal=","))
     assert told.read([1])[0][0] == 1.1

@@ -124,7 +124,7 @@ def test_a_row_with_too_few_columns_was_cut_off(cut):
 
 
 def test_cut_off_in_the_header():
-    assert "no section [data]: the file is cut off?" in refused(HEAD[:200].encode())
+    assert "no section [data]: is the file cut off?" in refused(HEAD[:200].encode())
 
 
 @pytest.mark.parametrize(
@@ -134,7 +134,7 @@ def test_cut_off_in_the_header():
         (b"time [s],p_mc [bar]\n0,0\n", "not a VBO file"),
         (HEAD.encode(), "no samples"),
         (vbo().replace(b"p_rear yaw", b"p_rear"), "11 names in [header], 10 in [column names]"),
-        (vbo().replace(b" 162235.40 ", b" 166035.40 "), "row 1: 166035.4 is no time of day"),
+        (vbo().replace(b" 162235.40 ", b" 166035.40 "), "row 1: 166035.4 is not a time of day"),
         (vbo().replace(b"[header]", b"[heading]"), "no section [header]"),
     ],
 )

@@ -84,7 +84,7 @@ def test_the_strength_comes_first_and_may_be_nothing(name):
     assert strength.low <= card.neutral <= strength.high
     assert strength.typical != card.neutral
     assert nothing(name)[strength.name] == card.neutral
-    assert f"nothing at {strength.name} = {card.neutral:g}" in card.equation
+    assert f"no effect at {strength.name} = {card.neutral:g}" in card.equation
 
 
 HEAT = {"f": 80.0 + 40.0 * clock(4.0), "r": 60.0 + 20.0 * clock(4.0)}

@@ -39,7 +39,7 @@ def test_an_axis_increases_or_is_refused(steps, bits):
     if np.all(np.diff(rounded) > 0):
         assert np.all(np.diff(fixed_axis(axis, bits).values) > 0)
     else:
-        with pytest.raises(ExchangeError, match="fall together"):
+        with pytest.raises(ExchangeError, match="become equal"):
             fixed_axis(axis, bits)
 
 
