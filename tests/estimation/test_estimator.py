@@ -206,7 +206,7 @@ def test_an_older_table_is_estimated_with_and_promises_less(table, wet, result):
 
 @pytest.mark.parametrize(("scale", "bias"), [(1.05, 0.0), (0.95, 0.0), (1.0, 0.3), (1.0, -0.3)])
 def test_a_wrong_accelerometer_is_put_right_with_v(table, wet, scale, bias):
-    """5 % of a_x or 0.3 m/s^2 would move the pads by 5 % and by 8 %."""
+    """5 % of a_x or 0.3 m/s^2 not taken out would move the pads by 5 % and by 10 %."""
     e = estimate(table, with_channels(wet, a_x=scale * wet["a_x"] + bias))
     assert e.accelerometer.scale[-1] == pytest.approx(1.0 - 1.0 / scale, abs=0.015)
     assert G * e.accelerometer.bias[-1] == pytest.approx(-bias, abs=0.05)

@@ -16,18 +16,19 @@ TIME = STEP * np.arange(1, COUNT + 1)
 BRAKED = TIME > STEP * LEAD
 
 
-def run(seed=0, *, scale=0.0, bias=0.0, grade=0.0, drag=0.0, noisy=True):
+def run(seed=0, *, scale=0.0, bias=0.0, grade=0.0, drag=0.0, lag=0.0, noisy=True):
     """1.5 s of rolling, then a stop at 0.4 g; returns the blocks and what the tyres feel in z [1].
 
     ``scale`` of the reading, ``bias`` [g]; ``grade`` [g], uphill positive; ``drag`` [g] besides the
-    known resistance while the car rolls.
+    known resistance while the car rolls; ``lag`` [s] by which v is late.
     """
     rng = np.random.default_rng(seed)
     felt = np.where(BRAKED, 0.4, RESIST + drag)
     speed = 35.0 - np.cumsum(G * (felt - grade)) * STEP
     per_block = noisy / np.sqrt(STEP)
     z = felt * (1.0 + scale) + bias + per_block * DENSITY_Z * rng.standard_normal(COUNT)
-    v = speed + per_block * DENSITY_V * rng.standard_normal(COUNT)
+    late = speed + G * (felt - grade) * lag
+    v = late + per_block * DENSITY_V * rng.standard_normal(COUNT)
     zero = np.zeros(COUNT)
     b = Blocks(
         end=TIME,
@@ -83,6 +84,14 @@ def test_drag_on_the_lead_in_is_no_bias():
     sensor = judged(run(drag=0.04)[0])
     assert abs(sensor.bias[-1]) < 0.008
     assert sensor.drag[-1] == pytest.approx(0.04, abs=0.01)
+
+
+@pytest.mark.parametrize("lag", [-0.02, 0.02])
+def test_v_that_is_late_is_no_scale(lag):
+    """v is off by g z lag from the bite on: one step of 0.08 m/s and not a growing error."""
+    sensor = judged(run(lag=lag)[0])
+    assert abs(sensor.scale[-1]) < 0.01
+    assert abs(sensor.bias[-1]) < 0.003
 
 
 def test_without_v_a_bias_and_a_drag_stay_in_doubt():
