@@ -1,5 +1,6 @@
 """The look-ups: what holds in every table, and that the plant's own curve lies in the band."""
 
+import math
 from dataclasses import fields, replace
 
 import numpy as np
@@ -9,10 +10,9 @@ from hypothesis import strategies as st
 
 from calib.fitting.fit import fit
 from calib.fitting.identify import Identified
-from calib.fitting.parameters import PRIORS, RampParameters
+from calib.fitting.parameters import COUNT, PRIORS, RampParameters
 from calib.fitting.path import delta_sigma, find_peak, path
 from calib.names import G
-from calib.physics.tyre import Tyre
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, TyrePosterior
 from tests.support.plant import brush, magic
 from tests.support.reference_car import (
@@ -110,6 +110,14 @@ def test_all_columns_of_a_curve_have_its_rows(all_tables):
         assert {getattr(curve, f.name).shape for f in fields(curve)} == {(61,)}
 
 
+def difference_per_ratio(z):
+    """d D/d ln(pad ratio) at z: D = z (phi/l_f - (1 - phi)/l_r), d phi/d rho = phi (1 - phi)."""
+    gain = 28.84 * 130.9 / (11.34 * 124.0)
+    phi = gain / (1.0 + gain)
+    front = (L_R + z * H) / (L_F + L_R)
+    return z * phi * (1.0 - phi) * (1.0 / front + 1.0 / (1.0 - front))
+
+
 @pytest.mark.parametrize("name", PLANTS)
 def test_band_holds_the_true_difference(clean, tables, name):
     """True D over true eta along the ramp, from forces and slips that no sensor sees."""
@@ -124,9 +132,13 @@ def test_band_holds_the_true_difference(clean, tables, name):
         true = np.interp(d.eta[rows], eta[:top], (F_f - F_r)[:top])
         held = (d.lower[rows] <= true) & (true <= d.upper[rows])
         assert np.mean(held) >= 0.9
-        # and the band says something: D to a fifth at half of the range
+        # and the band says something: D to a fifth at half of the range, and what the pads' ratio
+        # leaves open, which tyres that may differ imitate
         middle = d.eta.size // 2
-        assert d.upper[middle] - d.lower[middle] < 0.4 * d.D[middle]
+        apart = difference_per_ratio(table.paper.z[middle]) * table.calibration.pad_log_ratio.sigma
+        bound = 2.0 * math.hypot(0.2 * d.D[middle], 1.96 * apart)
+        assert d.upper[middle] - d.lower[middle] < bound
+        assert table.calibration.pad_log_ratio.sigma < 1.0 / math.hypot(1 / 0.15, 1 / 0.1) * 1.25
 
 
 def test_band_holds_the_true_tyre(tables):
@@ -175,8 +187,8 @@ def identified(mean, covariance):
 def test_a_fall_within_the_noise_is_no_peak():
     """A sure model that falls after its peak, and the same with a covariance that drowns it."""
     mean = [prior.mean for prior in PRIORS]
-    sure = identified(mean, 1e-12 * np.eye(6))
-    vague = identified(mean, np.diag([0.5, 0.5, 0.5, 0.5, 0.01, 0.5]) ** 2)
+    sure = identified(mean, 1e-12 * np.eye(COUNT))
+    vague = identified(mean, np.diag([0.5, 0.5, 0.5, 0.5, 0.01, 0.5, 0.1, 0.003]) ** 2)
     assert find_peak(CAR, sure, 0.6).real
     assert not find_peak(CAR, vague, 0.6).real
     assert find_peak(CAR, vague, 0.6).z == find_peak(CAR, sure, 0.6).z
@@ -213,13 +225,14 @@ def test_tyre_is_extrapolated_past_the_force_that_was_seen(gentle):
         assert t.flag[-1] == EXTRAPOLATED
 
 
-def test_without_v_the_bands_are_wider(clean, tables):
+def test_without_v_the_tyre_is_known_less(clean, tables):
+    """v gives the slip of both axles and so the stiffness; their difference eta shows alone."""
     blind = fit(CAR, [without(noisy(clean["front 15 % better"], 0), "v")])
     seeing = tables["front 15 % better"][0]
 
     def width(table):
-        d = table.difference
-        return (d.upper - d.lower)[30] / d.D[30]
+        t = table.tyre
+        return (t.upper - t.lower)[30] / t.force[30]
 
     assert width(blind) > 1.5 * width(seeing)
 
@@ -229,10 +242,12 @@ def test_without_v_the_bands_are_wider(clean, tables):
     c=st.floats(-4.0, -2.5),
     q=st.floats(0.0, 0.1),
     log_ratio=st.floats(-0.4, 0.4),
+    tau=st.floats(-0.2, 0.2),
+    r=st.floats(-0.005, 0.01),
 )
-def test_forces_along_the_path_balance(z, c, q, log_ratio):
+def test_forces_along_the_path_balance(z, c, q, log_ratio, tau, r):
     """(17), and (9) with what stops the wheels themselves."""
-    p = path(CAR, RampParameters(c, 0.05, 0.4, q, 0.0, log_ratio), np.array([z]))
+    p = path(CAR, RampParameters(c, 0.05, 0.4, q, 0.0, log_ratio, tau, r), np.array([z]))
     share = CAR.mass * G / (L_F + L_R)
     forces = p.F_f * share * (L_R + z * H), p.F_r * share * (L_F - z * H)
     assert sum(forces)[0] == pytest.approx(CAR.mass * G * z)
@@ -242,15 +257,21 @@ def test_forces_along_the_path_balance(z, c, q, log_ratio):
     ]
     nominal = 28.84 * 130.9 / (11.34 * 124.0)
     assert brakes[0] / brakes[1] == pytest.approx(nominal * np.exp(log_ratio))
-    relative = (L_R + z * H) / (L_F + L_R) * 2.0
-    assert p.slip_f[0] == pytest.approx(Tyre(c, 0.05, 0.4, q).slip(p.F_f, relative)[0])
+    # a stiffer rear tyre slips less, and a loaded wheel of a smaller radius turns faster
+    for F, slip, load, rest, share in (
+        (p.F_f[0], p.slip_f[0], L_R + z * H, L_R, 0.5),
+        (p.F_r[0], p.slip_r[0], L_F - z * H, L_F, -0.5),
+    ):
+        relative = 2.0 * load / (L_F + L_R)
+        own = np.exp(c + share * tau) * relative**q * F * (1.0 + 0.05 * F + 0.4 * F**2)
+        assert 1.0 - slip == pytest.approx((1.0 - own) * np.exp(r * (load / rest - 1.0)))
     assert p.eta[0] == pytest.approx((1.0 - p.slip_r[0]) / (1.0 - p.slip_f[0]))
 
 
 def test_delta_method_is_exact_for_a_straight_function():
     rng = np.random.default_rng(3)
-    A, root = rng.normal(size=(4, 6)), rng.normal(size=(6, 6))
+    A, root = rng.normal(size=(4, COUNT)), rng.normal(size=(COUNT, COUNT))
     covariance = root @ root.T
-    known = identified(rng.normal(size=6), covariance).posterior
+    known = identified(rng.normal(size=COUNT), covariance).posterior
     exact = np.sqrt(np.diag(A @ covariance @ A.T))
     assert delta_sigma(lambda x: A @ x, known) == pytest.approx(exact)

@@ -106,7 +106,7 @@ def test_table_is_sound_and_names_its_parents(table, run):
         ("ramp", run.digest, "ramp")
     ]
     assert table.provenance.program.startswith("brake-cal ")
-    assert table.posterior.names[-1] == "log_pad_ratio"
+    assert table.posterior.names[5:] == ("log_pad_ratio", "log_tyre_ratio", "radius_load")
 
 
 def test_truth_is_never_read(run, table):
@@ -363,8 +363,9 @@ def test_simulated_curve_comes_back(tyre):
     top = int(np.argmax(eta)) + 1
     true = np.interp(d.eta, eta[:top], (F_f - F_r)[:top])
     # D is the difference of two forces, 1.4 and 1.1 times z: an error of either weighs 4 times
+    # beside it D may be off by what tyres that could differ leave of the band
     tolerance = 4.0 * family_difference(tyre, F_f.max()) + 0.01
-    assert np.max(np.abs(d.D - true)) < tolerance * np.max(true)
+    assert np.all(np.abs(d.D - true) < tolerance * np.max(true) + 0.5 * (d.upper - d.lower))
     assert np.mean((d.lower <= true) & (true <= d.upper)) > 0.9
 
 
@@ -388,7 +389,9 @@ def test_levels_of_the_runs_are_averaged_and_their_spread_counts(clean):
     found, runs = identify(CAR, made)
     sure = Resistance(effects, ((1e-12, 0.0), (0.0, 1e-12)), known=True)
     value = calibration(replace(CAR, mass_tolerance=0.0), found, runs, sure).pad_scale
-    assert value.value == pytest.approx((1.0 + 0.40 / 0.38) / 2.0, rel=0.005)
+    # front share 0.73: the level moves against a ratio that is off by 0.23 of it
+    off = 0.23 * abs(found.mean.log_pad_ratio)
+    assert value.value == pytest.approx((1.0 + 0.40 / 0.38) / 2.0, abs=0.005 + off)
     spread = 0.5 * (0.40 / 0.38 - 1.0) / math.sqrt(2.0)
     assert value.sigma == pytest.approx(spread, rel=0.2)
 

@@ -84,14 +84,26 @@ def test_compliance_and_pads_are_found_within_their_sigmas(clean, name, log_rati
 
 
 def test_a_ratio_that_clearly_differs_is_not_called_nominal(clean):
-    for name in ("front 15 % better", "rear 15 % better"):
-        assert found(noisy(clean[name], 0)).nominal_weight < 0.05
+    """15 % may be the tyres, which differ by 10 %; 50 % is 4 sigma of that and of noise."""
+    for ratio in (1.5, 1.0 / 1.5):
+        assert found(noisy(ramp(with_ratio(IDEAL, ratio)), 0)).nominal_weight < 0.05
     assert found(noisy(clean["as nominal"], 0)).nominal_weight > 0.9
 
 
-def test_without_v_the_ratio_stays_open(clean):
+def test_without_v_the_stiffness_stays_open(clean):
     log = noisy(clean["front 15 % better"], 0)
-    assert sigmas(found(without(log, "v"))).log_pad_ratio > 2.0 * sigmas(found(log)).log_pad_ratio
+    blind, seeing = sigmas(found(without(log, "v"))), sigmas(found(log))
+    assert blind.log_compliance > 2.0 * seeing.log_compliance
+
+
+@pytest.mark.parametrize("name", ["front 15 % better", "rear 15 % better"])
+def test_pads_and_tyres_that_differ_imitate_each_other(clean, name):
+    """Eta shows share over stiffness of each axle: more pads in front, or softer tyres there."""
+    posterior = found(noisy(clean[name], 0)).posterior
+    i, j = (posterior.names.index(n) for n in ("log_pad_ratio", "log_tyre_ratio"))
+    both = posterior.covariance[i][j]
+    assert both < -0.5 * posterior.sigma("log_pad_ratio") * posterior.sigma("log_tyre_ratio")
+    assert posterior.sigma("log_pad_ratio") > 0.03
 
 
 @pytest.mark.parametrize("scale", [0.7, 1.2])
@@ -139,8 +151,9 @@ def test_zeros_are_the_radii(clean):
 
 def test_more_ramps_tighten_every_sigma(three):
     one, two, all_three = (sigmas(identify_once(CAR, three[:n])) for n in (1, 2, 3))
-    assert np.all(np.less(two, one))
-    assert np.all(np.less(all_three, two))
+    # where two hypotheses are weighed a run may shift the weights, and widen what they span
+    for name in RampParameters._fields[:6]:
+        assert getattr(all_three, name) < getattr(two, name) < getattr(one, name)
     # noise and model error are independent between blocks: 1/sqrt(3), less what the prior held
     for name in ("log_compliance", "curvature_2", "curvature_3"):
         assert getattr(all_three, name) < 0.75 * getattr(one, name)
@@ -213,7 +226,7 @@ def test_sigmas_of_a_block_without_slip_are_those_of_its_sensors(clean):
 
 def test_prediction_on_the_lead_in_is_the_zero(clean):
     run = prepared(clean["as nominal"])
-    parameters = RampParameters(math.log(0.04), 0.0, 0.4, 0.0, 0.0, 0.0)
+    parameters = RampParameters(math.log(0.04), 0.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0)
     eta, slip = predict(CAR, run, parameters, 0.003, -0.002)
     free = run.blocks.end < 1.45  # the ramp itself is not felt before it reaches the pads' bite
     assert eta[free] == pytest.approx(1.003, abs=1e-7)

@@ -1,0 +1,66 @@
+"""Tyres that differ front to rear, and radii that fall under load: the intervals hold the truth."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.estimation.estimator import estimate
+from calib.fitting.fit import fit
+from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop
+
+SEEDS = range(3)
+TRUE = {"f": 0.31, "r": 0.27}
+"""Wet pads of the stop, 0.38 on the ramp."""
+
+
+CARS = {
+    "rear tyres 10 % softer": {"rear_stiffness": 0.9},
+    "rear tyres 10 % stiffer": {"rear_stiffness": 1.1},
+    "radius falls 0.4 %": {"radius_load": 0.004},
+}
+
+
+@pytest.fixture(scope="module", params=CARS)
+def runs(request):
+    """Tables and estimates of one car, by the seed of the sensors' noise."""
+    own = CARS[request.param]
+    slow, fast = ramp(replace(REAL, **own)), stop(replace(WET, **own))
+    tables = [fit(CAR, [noisy(slow, seed)]) for seed in SEEDS]
+    stops = [estimate(t, noisy(fast, 10 + s)) for s, t in zip(SEEDS, tables, strict=True)]
+    return own, tables, stops
+
+
+def test_the_ramp_gives_pads_and_tyres_within_their_intervals(runs):
+    own, tables, _ = runs
+    ratio = np.log(own.get("rear_stiffness", 1.0))
+    for table in tables:
+        c, known = table.calibration, table.posterior
+        for pads in (c.pad_friction_f, c.pad_friction_r):
+            assert abs(pads.value - 0.38) < 3.0 * pads.sigma
+        assert abs(known.value("log_tyre_ratio") - ratio) < 3.0 * known.sigma("log_tyre_ratio")
+        r = own.get("radius_load", 0.0)
+        assert abs(known.value("radius_load") - r) < 3.0 * known.sigma("radius_load")
+
+
+def test_intervals_of_a_stop_hold_the_true_pads(runs):
+    held = []
+    for e in runs[2]:
+        assert e.valid.sum() > 100
+        for axle, true in ((e.front, TRUE["f"]), (e.rear, TRUE["r"])):
+            held.append(np.mean(((axle.lower <= true) & (true <= axle.upper))[e.valid]))
+    assert np.mean(held) >= 0.9
+
+
+def test_the_change_of_the_pads_is_held_and_told_sharper(runs):
+    """Both days have the same tyres: what is not known of them falls out of the change."""
+    held = []
+    for e in runs[2]:
+        for axle, true in ((e.front, TRUE["f"] / 0.38), (e.rear, TRUE["r"] / 0.38)):
+            low, high = axle.change_lower[e.valid], axle.change_upper[e.valid]
+            held.append(np.mean((low <= true) & (true <= high)))
+        rear = e.rear
+        change = (np.log(rear.change_upper / rear.change_lower))[e.valid]
+        absolute = (np.log(rear.upper / rear.lower))[e.valid]
+        assert np.mean(change) < np.mean(absolute)
+    assert np.mean(held) >= 0.9
