@@ -11,8 +11,8 @@ class FitSettings:
     """Chance that the pads of a calibration run have not the ratio of the vehicle file."""
     tyres_differ: float = 0.2
     """Chance that the tyres of the axles differ in stiffness: other sizes, wear or pressures."""
-    radii_fall: float = 0.2
-    """Chance that the rolling radii fall under load by what tyre files say."""
+    radii_fall: float = 0.3
+    """Chance that the rolling radii fall under load: tyre files say so, many tyres hardly do."""
     radius_tolerance: float = 0.0005
     """How far a radius that does not fall may do so all the same (standard deviation)."""
     tyre_tolerance: float = 0.02

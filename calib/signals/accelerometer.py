@@ -101,7 +101,7 @@ def accelerometer(
     [m/s s^0.5] noise.
     """
     p = priors or AccelerometerPriors()
-    at = np.arange(STEP - 1, b.end.size, STEP) if b.end.size >= STEP else np.arange(b.end.size)
+    at = np.arange(0, b.end.size, STEP)
     precision, vector = _against_speed(b, density_z, density_v, p, at)
     d, variance_d = _on_lead_in(b, unexplained, sigma, density_z, at)
     # what is measured: (c, e, d); e = bias + grade, d = bias + drag
@@ -137,21 +137,25 @@ def _against_speed(
     columns = lfilter([1.0], [1.0, -theta], np.where(usable, columns, 0.0)) / sigma
     y, c, e, lag = columns
     pairs = {
-        (i, j): np.cumsum(u * w)
+        (i, j): _so_far(u * w)
         for i, u in enumerate((c, e, lag))
         for j, w in enumerate((c, e, lag))
         if j >= i
     }
-    right = [np.cumsum(u * y) for u in (c, e, lag)]
-    k = np.maximum(at - 1, 0)
+    right = [_so_far(u * y) for u in (c, e, lag)]
     # the lag is of no interest: its share is taken out with its prior
-    own = pairs[2, 2][k] + 1.0 / p.lag**2
+    own = pairs[2, 2][at] + 1.0 / p.lag**2
     for i in range(2):
-        vector[:, i] = right[i][k] - pairs[i, 2][k] * right[2][k] / own
+        vector[:, i] = right[i][at] - pairs[i, 2][at] * right[2][at] / own
         for j in range(i, 2):
-            value = pairs[i, j][k] - pairs[i, 2][k] * pairs[j, 2][k] / own
+            value = pairs[i, j][at] - pairs[i, 2][at] * pairs[j, 2][at] / own
             precision[:, i, j] = precision[:, j, i] = value
     return precision, vector
+
+
+def _so_far(x: Array) -> Array:
+    """Sums of a step-to-step quantity (k - 1,) up to each block (k,): none for the first."""
+    return np.concatenate([[0.0], np.cumsum(x)])
 
 
 def _on_lead_in(
@@ -191,6 +195,6 @@ def _weighed(precision: Array, vector: Array, p: AccelerometerPriors) -> Array:
 
 
 def _held(rows: Array, at: NDArray[np.int64], count: int) -> Accelerometer:
-    """Each judgement from its block on; the first one before."""
-    last = np.clip(np.searchsorted(at, np.arange(count), side="right") - 1, 0, None)
+    """Each judgement from its block on."""
+    last = np.searchsorted(at, np.arange(count), side="right") - 1
     return Accelerometer(*rows[last].T)

@@ -36,7 +36,6 @@ def posterior(mean, covariance):
 
 POSTERIOR = posterior((math.log(0.04), *(7 * (0.0,))), np.diag(SIGMAS) ** 2)
 """A straight tyre of stiffness 25, known to be on both axles: slips have a closed form."""
-OLDER = posterior(POSTERIOR.mean[:6], np.diag(SIGMAS[:6]) ** 2)
 """The same of a table that names neither the tyres' ratio nor the radius under load."""
 SHOWN = ("log_pad_ratio", "sigma", "nominal_weight", "log_stiffness", "load_shift", "elastic_share")
 

@@ -173,8 +173,10 @@ def test_pads_need_not_swallow_a_valve_that_is_known(hidden):
     table = fit(told, ramps)
     seen = validate(table, stops)
     assert max(worst(vehicle, blind)) > 0.05
-    assert worst(vehicle, seen)[0] < 0.02
-    assert worst(vehicle, seen)[1] < 0.04
+    # tyres that may differ between the axles leave some of the ratio open, and the interval says so
+    assert max(worst(vehicle, seen)) < 0.5 * max(worst(vehicle, blind))
+    for error, name in zip(worst(vehicle, seen), ("interval_f", "interval_r"), strict=True):
+        assert error < max(result.figures[name] for result in seen)
     together = agreement(seen)
     assert together is not None
     assert together.spread_f < 0.01

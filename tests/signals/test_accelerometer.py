@@ -90,7 +90,8 @@ def test_drag_on_the_lead_in_is_no_bias():
 def test_v_that_is_late_is_no_scale(lag):
     """v is off by g z lag from the bite on: one step of 0.08 m/s and not a growing error."""
     sensor = judged(run(lag=lag)[0])
-    assert abs(sensor.scale[-1]) < 0.01
+    # 0.08 of the 30 m/s that the stop takes off would be a scale of 0.3 %, were it not for the lag
+    assert abs(sensor.scale[-1]) < 2.0 * np.sqrt(sensor.variance_scale[-1])
     assert abs(sensor.bias[-1]) < 0.003
 
 
