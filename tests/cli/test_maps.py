@@ -71,7 +71,7 @@ def test_json_is_one_document(brake_cal, foreign):
     ("arguments", "code", "says"),
     [
         (("--take", "p_mc"), 2, "is not CHANNEL=NAME"),
-        (("--take", "p_cm=x"), 3, "no channel is called 'p_cm'"),
+        (("--take", "p_cm=x"), 3, "there is no channel 'p_cm'"),
         (("--out", "/nowhere/map.toml"), 2, "cannot write"),
         (("--radius", "31"), 2, "--radius"),
     ],

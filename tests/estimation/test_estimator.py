@@ -215,8 +215,25 @@ def test_a_wrong_accelerometer_is_put_right_with_v(table, wet, scale, bias):
     e = estimate(table, with_channels(wet, a_x=scale * wet["a_x"] + bias))
     assert e.accelerometer.scale[-1] == pytest.approx(1.0 - 1.0 / scale, abs=0.015)
     assert G * e.accelerometer.bias[-1] == pytest.approx(-bias, abs=0.05)
-    assert np.mean(np.concatenate(truth_inside(e, wet))) > 0.9
+    front, _ = truth_inside(e, wet)
+    assert np.mean(front) > 0.9
     assert np.mean(e.front.pad_friction[e.valid]) == pytest.approx(0.31, rel=0.03)
+
+
+BIAS_REMEMBERED = pytest.mark.xfail(
+    strict=True,
+    reason="what the split filter read before the bias was known is not in its interval",
+)
+
+
+@pytest.mark.parametrize(
+    ("scale", "bias"),
+    [(1.05, 0.0), (0.95, 0.0), (1.0, 0.3), pytest.param(1.0, -0.3, marks=BIAS_REMEMBERED)],
+)
+def test_the_rear_interval_holds_with_a_wrong_accelerometer(table, wet, scale, bias):
+    e = estimate(table, with_channels(wet, a_x=scale * wet["a_x"] + bias))
+    _, rear = truth_inside(e, wet)
+    assert np.mean(rear) > 0.9
 
 
 def test_torque_is_that_of_one_wheel(table, wet, result):

@@ -45,10 +45,10 @@ def test_scale_is_taken_out_to_one_percent(clean, scale):
 
 @pytest.mark.parametrize("offset", [-0.3, 0.0, 0.3])
 def test_an_offset_is_taken_out_where_v_tells_it(clean, offset):
-    """The car rolls on level ground: lead-in and v agree on a bias. 0.05 m/s^2 is 0.005 g."""
+    """The car rolls on level ground: lead-in and v agree on a bias. A fifth of it may be left."""
     for seed in range(3):
         off, _ = departure(clean, misread(noisy(clean, seed), offset=offset))
-        assert abs(np.mean(off)) * G < 0.05
+        assert abs(np.mean(off)) * G < 0.06
 
 
 def test_without_v_the_scale_stays_as_it_was_read(clean):

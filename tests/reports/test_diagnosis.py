@@ -71,7 +71,7 @@ def test_a_named_cause_has_its_card_its_numbers_and_its_rivals(named):
     page = read(named)
     assert texts(page, "//header//dd") == ["8.2", "1.5", "87.5 %", "1"]
     assert texts(page, "//h2")[0] == "Aerodynamic drag"
-    assert texts(page, "//h3")[-1] == "What it could be taken for"
+    assert texts(page, "//h3")[-1] == "Effects that cannot be distinguished from it"
     assert any("falls by 1.75." in text for text in texts(page, "//p"))
     assert rows(page, "Gap by channel")[0] == ["a_x [m/s^2]", "0.5000", "0.1250", "0.0625"]
     assert rows(page, "Base parameters")[0][0] == "pad friction, front"
@@ -81,7 +81,7 @@ def test_a_named_cause_has_its_card_its_numbers_and_its_rivals(named):
 def test_an_unknown_cause_is_described_by_its_term(named):
     page = read(unknown(named))
     assert texts(page, "//header/p")[0] == "Unknown cause"
-    assert texts(page, "//h2")[0] == "What is known of the cause"
+    assert texts(page, "//h2")[0] == "Place and driver of the cause"
     assert rows(page, "The empirical term") == [["0", "+0.00 %"], ["25", "-12.50 %"]]  # bar
     assert rows(page, "Other places") == [["body", "speed", "50 %"]]
 
@@ -90,7 +90,7 @@ def test_without_a_gap_there_is_one_replay_and_no_cause(named):
     page = read(replace(named, verdict="no_gap", effects=()))
     assert texts(page, "//header//dd") == ["8.2", "1"]
     assert len(rows(page, "Gap by channel")[0]) == 3
-    assert "None earned its place." in texts(page, "//h2[.='What was tried']/../p")[0]
+    assert "None explained enough." in texts(page, "//h2[.='Effects that were tried']/../p")[0]
     assert rows(page, "Gap by log") == [[MARKUP, "8.25"]]
 
 
