@@ -1,7 +1,7 @@
 """What a file may contain, as pydantic models; all errors of a file are one message.
 
     class Pads(Section):                                       [pads]
-        front: Annotated[float, Quantity("1", 0.02, 1.0)]      front = 0.38
+        front: Annotated[float, QuantityMark("1", 0.02, 1.0)]  front = 0.38
 
     class ModelFile(FileSchema):                               schema = 1
         pads: Pads
@@ -92,8 +92,21 @@ def by_name(title: str, entries: Mapping[str, Any], about: str) -> type[ByName]:
     return create_model(title, __base__=ByName, __doc__=about, **fields)
 
 
+class Mark:
+    """Marks a value of a file that its own `read` takes from what was written."""
+
+    def read(self, written: object) -> Any:
+        """The value. Raises `wrong` for what is none."""
+        raise NotImplementedError
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+
 @dataclass(frozen=True)
-class QuantityMark:
+class QuantityMark(Mark):
     """Marks a float of a file: written with a unit, stored in SI, plausible from low to high.
 
     ``si`` None allows any quantity; "1" is a plain number or a percentage. Bounds in SI.
@@ -125,11 +138,6 @@ class QuantityMark:
     def _range(self) -> str:
         return f"{self.low:g} to {self.high:g}{self._unit}"
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
     def __get_pydantic_json_schema__(
         self, core: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
@@ -158,7 +166,7 @@ def _unit_pattern(unit: str) -> str:
 
 
 @dataclass(frozen=True)
-class OneOf:
+class OneOf(Mark):
     """Marks a value of a file that must be one of ``known``."""
 
     known: tuple[str, ...]
@@ -172,11 +180,6 @@ class OneOf:
                 did_you_mean(written, self.known) if isinstance(written, str) else "",
             )
         return written
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(
         self, core: CoreSchema, handler: GetJsonSchemaHandler

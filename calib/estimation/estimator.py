@@ -8,7 +8,7 @@ The Kalman estimate is the product. Its baselines stand beside it: the paper's l
 least squares on any look-up, nominal pads, and one mean gain from deceleration alone.
 """
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,14 +27,16 @@ from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch
 from calib.estimation.priors import Priors
 from calib.estimation.split_filter import filter_pad_ratio
 from calib.fitting.known_effects import remove_known_effects
+from calib.fitting.sensors import judge_accelerometer
 from calib.logs.log import Log
-from calib.physics.balance import brake_forces, force_balance
+from calib.physics.balance import brake_forces
 from calib.physics.braking import BITE
 from calib.physics.effects.pitch_coupling import pitch_deficit
 from calib.physics.forces import mean_slip
 from calib.physics.vehicle import Vehicle
-from calib.signals.accelerometer import Accelerometer, accelerometer
+from calib.signals.accelerometer import Accelerometer
 from calib.signals.axle_signals import Signals, eta_of, signals
+from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks, blocks
 from calib.table.table import Table
 
@@ -204,8 +206,10 @@ def estimate(
     _require_lead_in(log, s)
     known = with_known_pitch(priors or Priors(), car)
     plan = plan_for(used, ran.log, s, nominal, known, gates)
-    sensor = accelerometer_of(plan, blocks(s))
-    s, sigma_z = corrected(s, blocks(s), sensor)
+    read = blocks(s)
+    sensor = judge_accelerometer(plan.nominal, plan.known, read, plan.noise)
+    felt = sensor.at(read.last_complete(s.time))
+    s, sigma_z = replace(s, z=felt.corrected(s.z)), felt.sigma(s.z)
     b = blocks(s)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
@@ -250,25 +254,6 @@ def estimate(
     )
 
 
-def accelerometer_of(plan: Plan, b: Blocks) -> Accelerometer:
-    """Scale and offset of the accelerometer in this run, block by block."""
-    car, known = plan.nominal, plan.known
-    spin = (b.spin_f, b.spin_r)
-    forces = force_balance(car, known.effects, b.end, b.speed, b.z, b.p_f, spin)
-    unexplained, sigma = forces.demanded / car.weight, known.sigma_z(car, b.speed)
-    return accelerometer(b, unexplained, sigma, plan.noise.z, plan.noise.v)
-
-
-def corrected(s: Signals, b: Blocks, sensor: Accelerometer) -> tuple[Signals, Array]:
-    """Signals with the z that the tyres feel, and the sigma of that z [1] (n,).
-
-    Each sample takes what was known at the end of the last complete block.
-    """
-    at = np.maximum(np.searchsorted(b.end, s.time, side="right") - 1, 0)
-    now = Accelerometer(*(getattr(sensor, f.name)[at] for f in fields(Accelerometer)))
-    return replace(s, z=now.corrected(s.z)), now.sigma(s.z)
-
-
 def _require_lead_in(log: Log, s: Signals) -> None:
     if s.time[s.lead_in].size * s.sample_time < 0.4:
         raise LogError(
@@ -290,8 +275,7 @@ def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:
 def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
     """Feed the split filter: block means, and the level as known at the end of each block."""
     car = plan.nominal
-    spin = (b.spin_f, b.spin_r)
-    forces = force_balance(car, plan.known.effects, b.end, b.speed, b.z, b.p_f, spin)
+    forces = block_balance(car, plan.known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     ends = np.searchsorted(s.time, b.end)
     now = np.where(np.maximum(b.p_f, b.p_r) > BITE, level.value[ends], np.nan)

@@ -31,8 +31,8 @@ def estimate_axles(
     ``sigma_z`` of the deceleration that the accelerometer leaves open [1], (n,).
     """
     car = plan.nominal
-    at = np.searchsorted(b.end, s.time, side="right") - 1  # the last complete block
-    rho, sigma = _held(answer.log_pad_ratio, at), _held(answer.sigma, at)
+    at = b.last_complete(s.time)
+    rho, sigma = answer.log_pad_ratio[at], answer.sigma[at]
     theta, sigma_level = _level_weighed(plan, s, sigma_z, level)
     B_f, B_r = brake_forces(car, np.maximum(s.p_f, 1.0), np.maximum(s.p_r, 1.0))
     phi_0 = B_f / (B_f + B_r)
@@ -89,22 +89,17 @@ def _changes(
     """
     cal, car = plan.table.calibration, plan.table.vehicle
     p_f, p_r = np.maximum(s.p_f, 1.0), np.maximum(s.p_r, 1.0)
-    rho, change = cal.pad_log_ratio.value, _held(answer.change, at)
+    rho, change = cal.pad_log_ratio.value, answer.change[at]
     x, y = brake_forces(car, p_f, p_r, rho + change)
     share = x / (x + y)
     ramp = cal.pad_scale.sigma / cal.pad_scale.value
     level = np.sqrt(sigma_level**2 + max(ramp**2 - car.mass_tolerance**2, 0.0))
-    sigma = _held(answer.change_sigma, at)
+    sigma = answer.change_sigma[at]
     then_f, then_r = (cal.pad_scale.value * B for B in brake_forces(car, p_f, p_r, rho))
     return (
         (total * share / then_f, np.hypot(level, (1.0 - share) * sigma)),
         (total * (1.0 - share) / then_r, np.hypot(level, share * sigma)),
     )
-
-
-def _held(values: Array, at: NDArray[np.int64]) -> Array:
-    """Each block's value from the sample on at which the block is complete."""
-    return np.where(at >= 0, values[np.maximum(at, 0)], values[0])
 
 
 def _level_weighed(plan: Plan, s: Signals, sigma_z: Array, level: PadLevel) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from calib.physics.effects.combined import as_driven
 from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals
-from calib.signals.noise import SensorNoise, lead_in_noise
+from calib.signals.noise import SensorNoise, lead_in_noise, worst_noise
 from calib.table.table import Table
 
 
@@ -119,4 +119,4 @@ def known_resistance(table: Table) -> Resistance:
 
 def merged_noise(table: Table, own: SensorNoise) -> SensorNoise:
     """The larger of the table's noise and this log's: a quiet ramp does not make a quiet sensor."""
-    return SensorNoise(**{key: max(value, getattr(own, key)) for key, value in table.noise.items()})
+    return worst_noise([SensorNoise(**table.noise), own])

@@ -24,7 +24,7 @@ from calib.fitting.sort_logs import sort_logs
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
 from calib.physics.vehicle import Vehicle
-from calib.signals.noise import SensorNoise
+from calib.signals.noise import worst_noise
 from calib.table.table import Table
 
 
@@ -91,8 +91,3 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, notes),
     )
-
-
-def worst_noise(noises: list[SensorNoise]) -> SensorNoise:
-    """The largest of each: an estimator must not promise more than the worst run."""
-    return SensorNoise(**{key: max(asdict(n)[key] for n in noises) for key in asdict(noises[0])})

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from calib.fitting.parameters import RampParameters, tyres_of
 from calib.fitting.settings import SETTINGS
 from calib.names import G
-from calib.physics.balance import brake_forces, force_balance
+from calib.physics.balance import brake_forces
 from calib.physics.braking import BITE
 from calib.physics.effects.effects import Effects
 from calib.physics.forces import mean_slip, speed_ratio
 from calib.physics.vehicle import Vehicle
+from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks
 from calib.signals.noise import SensorNoise
 
@@ -56,7 +57,7 @@ def prepare(
 
     A block in which an axle would lift holds a glitch of a_x: it has no loads and no part.
     """
-    forces = force_balance(vehicle, effects, b.end, b.speed, b.z, b.p_f, (b.spin_f, b.spin_r))
+    forces = block_balance(vehicle, effects, b)
     stands = np.minimum(forces.load_f, forces.load_r) > 0.0
     # the last blocks of a stop hold the jerk at standstill
     use = (b.speed > SETTINGS.min_speed) & (b.end < b.end[-1] - 0.1) & stands

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.physics.balance import force_balance
 from calib.physics.effects import aerodynamic_drag, rolling_resistance
 from calib.physics.effects.aerodynamic_drag import AIR_DENSITY
 from calib.physics.effects.effects import Effects
 from calib.physics.model import default_model
 from calib.physics.vehicle import Vehicle
+from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks
 
 Array = NDArray[np.float64]
@@ -93,9 +93,7 @@ def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
         count = int(use.sum())
         if count < 4:
             continue
-        spin = (b.spin_f, b.spin_r)
-        forces = force_balance(vehicle, others, b.end, b.speed, b.z, b.p_f, spin)
-        resist = (forces.demanded / vehicle.weight)[use]
+        resist = (block_balance(vehicle, others, b).demanded / vehicle.weight)[use]
         gain = np.column_stack([_drag_gain(vehicle, b.speed[use]), np.ones(count)])
         # white within a run by density; the error not modelled is common to the run
         sigma = np.sqrt(density**2 / b.length + count * MODEL_ERROR**2)

@@ -1,28 +1,31 @@
-"""The accelerometer of a calibration run, put right before anything is fitted to it."""
+"""The accelerometer of a run, judged against a resistance and put right."""
 
 from dataclasses import replace
 
-import numpy as np
-
+from calib.fitting.resistance import Resistance
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sort_logs import Prepared
 from calib.logs.log import Log
-from calib.physics.balance import force_balance
 from calib.physics.vehicle import Vehicle
-from calib.signals.accelerometer import accelerometer
+from calib.signals.accelerometer import Accelerometer, accelerometer
+from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks
 from calib.signals.noise import SensorNoise
 
 
 def correct_accelerometer(vehicle: Vehicle, log: Log, b: Blocks, noise: SensorNoise) -> Prepared:
-    """Blocks with the z that the tyres feel, by what the whole run says of scale and offset.
+    """Blocks with the z that the tyres feel, by what the whole calibration run says.
 
     The resistance is not known yet: usual values with their spread stand for it.
     """
     usual = identify_resistance(vehicle, [])
-    spin = (b.spin_f, b.spin_r)
-    forces = force_balance(vehicle, usual.effects, b.end, b.speed, b.z, b.p_f, spin)
-    unexplained, sigma = forces.demanded / vehicle.weight, usual.sigma_z(vehicle, b.speed)
-    sensor = accelerometer(b, unexplained, sigma, noise.z, noise.v)
-    scale, bias = float(sensor.scale[-1]), float(sensor.bias[-1])
-    return log, replace(b, z=np.asarray((b.z - bias) * (1.0 - scale))), noise
+    whole = judge_accelerometer(vehicle, usual, b, noise).at(-1)
+    return log, replace(b, z=whole.corrected(b.z)), noise
+
+
+def judge_accelerometer(
+    vehicle: Vehicle, known: Resistance, b: Blocks, noise: SensorNoise
+) -> Accelerometer:
+    """Scale and offset of the accelerometer of a run, block by block."""
+    unexplained = block_balance(vehicle, known.effects, b).demanded / vehicle.weight
+    return accelerometer(b, unexplained, known.sigma_z(vehicle, b.speed), noise.z, noise.v)

@@ -15,7 +15,7 @@ well they predict what was measured, and what cannot be told widens the interval
 Causal: every figure uses only what came before. Wrong where the grade changes within the log.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import product
 
 import numpy as np
@@ -68,6 +68,10 @@ class Accelerometer:
     covariance: Array
     grade: Array
     drag: Array
+
+    def at(self, blocks: NDArray[np.int64] | int) -> "Accelerometer":
+        """As known at these blocks."""
+        return Accelerometer(*(np.asarray(getattr(self, f.name)[blocks]) for f in fields(self)))
 
     def corrected(self, z: Array) -> Array:
         """Deceleration [1] that the tyres feel, from z [1] as read, (k,)."""

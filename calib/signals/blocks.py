@@ -37,6 +37,10 @@ class Blocks:
     samples: int
     length: float
 
+    def last_complete(self, time: Array) -> NDArray[np.int64]:
+        """Index of the last block that is complete at each ``time`` [s]; the first one before."""
+        return np.maximum(np.searchsorted(self.end, time, side="right") - 1, 0)
+
     @property
     def eta(self) -> Array:
         """Eta of (22), not zeroed [1]; 1 where the front wheels stand."""

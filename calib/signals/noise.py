@@ -1,6 +1,6 @@
 """Noise of each sensor, white and coloured."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,11 @@ class SensorNoise:
     z: float
     v: float
     omega_white: float
+
+
+def worst_noise(noises: list[SensorNoise]) -> SensorNoise:
+    """The largest of each: an estimator must not promise more than the worst run."""
+    return SensorNoise(*(max(getattr(n, f.name) for n in noises) for f in fields(SensorNoise)))
 
 
 def sensor_noise(log: Log, b: Blocks) -> SensorNoise:

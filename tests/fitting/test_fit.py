@@ -13,7 +13,7 @@ import pytest
 from calib.checks.gates import eta_rise
 from calib.errors import LogError
 from calib.fitting.calibration import calibration
-from calib.fitting.fit import fit, worst_noise
+from calib.fitting.fit import fit
 from calib.fitting.identify import identify
 from calib.fitting.ramp import prepare
 from calib.fitting.resistance import Resistance
@@ -26,7 +26,7 @@ from calib.physics.model import default_model
 from calib.physics.vehicle_file import read_vehicle
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
-from calib.signals.noise import SensorNoise, sensor_noise
+from calib.signals.noise import SensorNoise, sensor_noise, worst_noise
 from calib.simulation.manoeuvre import manoeuvre
 from calib.simulation.simulate import simulate
 from calib.table.invariants import violations

@@ -1,0 +1,12 @@
+"""The force balance of the blocks of a run."""
+
+from calib.physics.balance import ForceBalance, force_balance
+from calib.physics.effects.effects import Effects
+from calib.physics.vehicle import Vehicle
+from calib.signals.blocks import Blocks
+
+
+def block_balance(vehicle: Vehicle, effects: Effects, b: Blocks) -> ForceBalance:
+    """`force_balance` of each block, with the spin of the wheels as it was measured, (k,)."""
+    spin = (b.spin_f, b.spin_r)
+    return force_balance(vehicle, effects, b.end, b.speed, b.z, b.p_f, spin)
