@@ -7,7 +7,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from pathlib import PurePath
@@ -36,6 +36,14 @@ def complain(message: str) -> None:
     to = console()
     to.print("error:", style="bold red", end=" ")
     to.print(message, soft_wrap=True)
+
+
+def warn(warnings: Iterable[object]) -> None:
+    """Print each warning on stderr."""
+    to = console()
+    for warning in warnings:
+        to.print("warning:", style="bold yellow", end=" ")
+        to.print(str(warning), soft_wrap=True)
 
 
 def emit(renderable: "RenderableType") -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
-from cli.console import emit, emit_json, say
+from cli.console import emit, emit_json, say, warn
 from cli.inputs import channel_map_of
 from cli.options import STORE, Json, KnownModel, Map, Store, VehicleFile, example
 
@@ -47,6 +47,7 @@ def fit(
     given = with_model(car, known) if known else car
     runs = [read_log(path, mapping) for path in logs]
     stored = calib.Store(store).save(fit_table(given, runs))
+    warn(stored.table.warnings)
     if json:
         emit_json(_document(stored))
     else:
@@ -54,6 +55,8 @@ def fit(
 
 
 def _document(stored: "Stored") -> dict[str, object]:
+    from calib.warning import to_dict
+
     table = stored.table
     return {
         "schema": 1,
@@ -64,6 +67,7 @@ def _document(stored: "Stored") -> dict[str, object]:
         "effects": table.effect_values,
         "quality": table.quality,
         "remarks": table.remarks,
+        "warnings": [to_dict(warning) for warning in table.warnings],
     }
 
 

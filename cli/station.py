@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
-from cli.console import emit, emit_json, progress, say
+from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
 from cli.inputs import channel_map_of, limits_of_car, unknown_format
 from cli.options import (
@@ -176,6 +176,7 @@ def station(
         stored, document = store_and_write(found, calib.Store(store), forms, ecu.date or "", work)
         paths = publish(work, out)
     say(f"wrote {len(paths)} files to {out}")
+    warn(found.warnings)
     if json:
         emit_json(document)
     else:

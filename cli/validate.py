@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
-from cli.console import emit, emit_json, progress, say
+from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
 from cli.inputs import channel_map_of, limits_of_stops, vehicle_of
 from cli.options import (
@@ -51,7 +51,8 @@ def validate(
 ) -> None:
     """Run the estimator on logs that are not part of the table's fit, and judge it.
 
-    Exit code 0 if every log holds its limits, 1 if one does not.
+    Exit code 0 if every log holds its limits, with warnings or without, 1 if one does not, or is
+    one that the table was fitted on.
     """
     from calib.logs.read import read_log
     from calib.validation.validate import require_same_vehicle, to_dict, validate_one
@@ -70,8 +71,7 @@ def validate(
             results.append(validate_one(used, read_log(path, mapping), car, held))
             done()
     summary = to_dict(stored.id, results)
-    for warning in (one for result in results for one in result.warnings):
-        say(f"warning: {warning}")
+    warn(one for result in results for one in result.all_warnings)
     if out is not None:
         _write(results, summary, out)
     if json:
@@ -111,7 +111,7 @@ def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -
 
 
 def _report(results: "list[Validation]") -> None:
-    from calib.validation.validate import agreement
+    from calib.validation.validate import NO_HOLDOUT, agreement
 
     emit(_grid(results))
     for result in results:
@@ -121,7 +121,7 @@ def _report(results: "list[Validation]") -> None:
                 bound = bound or f"above {j.high:g}"
                 emit(f"{result.log}: {j.figure} {j.value:.4g} is {bound}")
         if result.role == "calibration":
-            emit(f"{result.log}: the table was fitted on this log; it proves nothing")
+            emit(f"{result.log}: {NO_HOLDOUT}")
         for time in result.estimate.split.changes:
             emit(f"{result.log}: the surface changed at {time:.2f} s")
         for note in result.estimate.notes:
@@ -145,7 +145,7 @@ def _grid(results: "list[Validation]") -> "Grid":
             _pads(f["pad_friction_r"], f["interval_r"]),
             _percent(f["valid_share"]),
             _errors(f["torque_error_f"], f["torque_error_r"]),
-            "passed" if r.passed else "failed",
+            r.verdict if r.passed or r.role == "hold-out" else "no hold-out",
         )
     return table
 

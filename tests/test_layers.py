@@ -11,7 +11,7 @@ import pytest
 CALIB = Path(__file__).parents[1] / "calib"
 
 ROOMS = """
-    errors names units toml schema schema_errors files digest
+    errors names units toml schema schema_errors files digest warning
     statistics
     physics
     logs
@@ -19,6 +19,7 @@ ROOMS = """
     checks
     suggest
     table
+    plausibility
     fitting
     simulation
     estimation

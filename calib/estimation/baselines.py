@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from calib.errors import InputError
 from calib.estimation import adaptive
-from calib.estimation.balance import BrakeBalance, smoothed
-from calib.estimation.lookup import LOOKUPS, LookupReading
+from calib.estimation.lookup import LOOKUPS, LookupReading, smoothed
 from calib.estimation.pad_level import PadLevel
 from calib.estimation.priors import Priors
 from calib.physics.vehicle import Axle, Vehicle
 from calib.signals.axle_signals import Signals
+from calib.signals.brake_balance import BrakeBalance
 from calib.table.table import Table
 
 Array = NDArray[np.float64]

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from calib.errors import LogError
 from calib.estimation.axle_estimate import AxleEstimate
-from calib.estimation.balance import BrakeBalance, brake_balance
 from calib.estimation.baselines import baselines
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import Gates, valid
@@ -38,6 +37,7 @@ from calib.signals.accelerometer import Accelerometer
 from calib.signals.axle_signals import Signals, eta_of, signals
 from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks, blocks
+from calib.signals.brake_balance import BrakeBalance, brake_balance
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -78,7 +78,8 @@ COLUMNS = {
 class Estimate:
     """The estimator's answer on one log, at its rate.
 
-    ``eta`` zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the sample; ``braked``
+    ``plan`` what it started from, ``read`` the signals as read, known effects taken out; ``eta``
+    zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the sample; ``braked``
     pads bite; ``baselines`` pad friction (front, rear) by method name; ``split`` and ``blocks`` the
     filter's own record; ``eta_zero`` what was zeroed [1]; ``accelerometer`` its scale and
     offset, by block; ``factor_f``, ``factor_r`` what known
@@ -86,6 +87,8 @@ class Estimate:
     baselines left out.
     """
 
+    plan: Plan
+    read: Signals
     time: Array
     z: Array
     eta: Array
@@ -202,14 +205,14 @@ def estimate(
     ran = remove_known_effects(car, log)
     used = replace(table, vehicle=ran.vehicle)
     nominal = None if vehicle is None else with_pads(ran.vehicle, vehicle)
-    s = signals(ran.log, nominal or ran.vehicle)
-    _require_lead_in(log, s)
+    read = signals(ran.log, nominal or ran.vehicle)
+    _require_lead_in(log, read)
     known = with_known_pitch(priors or Priors(), car)
-    plan = plan_for(used, ran.log, s, nominal, known, gates)
-    read = blocks(s)
-    sensor = judge_accelerometer(plan.nominal, plan.known, read, plan.noise)
-    felt = sensor.at(read.last_complete(s.time))
-    s, sigma_z = replace(s, z=felt.corrected(s.z)), felt.sigma(s.z)
+    plan = plan_for(used, ran.log, read, nominal, known, gates)
+    as_read = blocks(read)
+    sensor = judge_accelerometer(plan.nominal, plan.known, as_read, plan.noise)
+    felt = sensor.at(as_read.last_complete(read.time))
+    s, sigma_z = replace(read, z=felt.corrected(read.z)), felt.sigma(read.z)
     b = blocks(s)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
@@ -221,6 +224,8 @@ def estimate(
     slips = _slips(s)
     greatest = float(table.tyre.force[-1])
     return Estimate(
+        plan=plan,
+        read=read,
         time=s.time,
         z=s.z,
         eta=eta,

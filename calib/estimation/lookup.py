@@ -11,8 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.estimation.priors import Priors
 from calib.fitting.parameters import parameters_of, tyres_of
 from calib.physics.forces import axle_loads, split
+from calib.signals.axle_signals import Signals
+from calib.signals.filters import low_pass
 from calib.table.table import Table
 
 Array = NDArray[np.float64]
@@ -89,3 +92,8 @@ LOOKUPS: dict[str, Callable[[Table, Array, Array, Array], LookupReading]] = {
     "difference": difference,
     "tyre": tyre,
 }
+
+
+def smoothed(s: Signals, x: Array, priors: Priors) -> Array:
+    """A signal (n,) of a run as it goes into a look-up."""
+    return low_pass(x, s.sample_time, priors.low_pass)

@@ -4,13 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.axle_estimate import AxleEstimate
-from calib.estimation.balance import BrakeBalance, smoothed
+from calib.estimation.lookup import smoothed
 from calib.estimation.pad_level import PadLevel
 from calib.estimation.pad_ratio import PadRatio
 from calib.estimation.plan import Plan
 from calib.physics.balance import brake_forces
 from calib.signals.axle_signals import Signals
 from calib.signals.blocks import Blocks
+from calib.signals.brake_balance import BrakeBalance
 from calib.statistics.intervals import Z95
 from calib.statistics.mixture_posterior import mixture_posterior
 

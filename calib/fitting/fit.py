@@ -1,6 +1,6 @@
 """From ramps to a table: the whole of `brake-cal fit` in one place.
 
-logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table
+logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table, warnings
 """
 
 from dataclasses import asdict
@@ -21,9 +21,11 @@ from calib.fitting.resistance import RESISTANCE
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sensors import correct_accelerometer
 from calib.fitting.sort_logs import sort_logs
+from calib.fitting.warnings import fit_warnings
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
 from calib.physics.vehicle import Vehicle
+from calib.plausibility.pads import require_possible_pads
 from calib.signals.noise import worst_noise
 from calib.table.table import Table
 
@@ -37,7 +39,8 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
         `calib.fitting.known_effects`.
     logs : one ramp or more; logs without braking serve as coast logs.
 
-    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead;
+    Raises LogError when no log is a ramp that will do, with the reason and what to drive instead,
+    and for a pad friction that no pad has;
     ModelError when an effect cannot be taken out of a log.
 
     >>> import calib
@@ -53,10 +56,8 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     notes = {(log.name, log.digest): log.notes for log in logs}
     corrected = [remove_known_effects(vehicle, log) for log in logs]
     car = corrected[0].vehicle if corrected else vehicle
-    ramps, coasts = (
-        [correct_accelerometer(car, *run) for run in group]
-        for group in sort_logs(car, [run.log for run in corrected])
-    )
+    read = sort_logs(car, [run.log for run in corrected])
+    ramps, coasts = ([correct_accelerometer(car, *run) for run in group] for group in read)
     known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
     runs = [prepare(car, log.name, b, noise, known.effects) for log, b, noise in ramps]
     found, runs = identify(car, runs)
@@ -74,6 +75,8 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
             f"{front_biased_up_to(car):.2f} g",
             do="check areas and radii of the brakes in the vehicle file",
         )
+    pads = calibration(car, found, runs, known)
+    require_possible_pads(car, pads, sources)
     return Table(
         name=vehicle.name,
         vehicle=vehicle,
@@ -81,7 +84,7 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
         paper=curves.paper_table(car, found, runs, z_end),
         tyre=curves.tyre_curve(car, found, runs, z_max),
         posterior=found.posterior,
-        calibration=calibration(car, found, runs, known),
+        calibration=pads,
         effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=metrics(car, found, runs, peak, z_max),
@@ -90,4 +93,5 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
             *remarks(car, found, runs, known, peak, len(coasts)),
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, notes),
+        warnings=fit_warnings(car, *read, known, found, pads),
     )

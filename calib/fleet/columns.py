@@ -67,12 +67,14 @@ FIT = (
     _number("residual_slip_rms_sigma", "1", "the same for the slip; 0 without v"),
     _number("outliers", "1", "blocks of eta past four sigma"),
     _number("pad_ratio_nominal_weight", "1", "weight of the pad ratio of the vehicle file"),
+    _text("warned", "codes of the warnings; null without any"),
     _text("table_digest", "digest of the table"),
 )
 
 VALIDATE = (
     *(_number(name, "1", meaning) for name, meaning in METRICS.items()),
     _text("not_held", "metrics that break a limit; null if none does"),
+    _text("warned", "codes of the warnings; null without any"),
 )
 
 CHECK = (

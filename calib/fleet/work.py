@@ -2,7 +2,7 @@
 
 import hashlib
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -17,6 +17,7 @@ from calib.fleet.row import Cell, Row, number
 from calib.logs.log import Log
 from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
 from calib.logs.tables import ending_of
+from calib.warning import PlausibilityWarning
 
 VEHICLE = "vehicle.toml"
 CALIBRATION, HOLDOUT = "calibration", "holdout"
@@ -122,7 +123,8 @@ def _validate(job: Job, item: Item, files: Files) -> Answer:
     log = _log(job, item, files)
     found = validate_one(job.table, log, job.vehicle, job.limits, baselines=False)
     broken = ", ".join(j.figure for j in found.judgements if j.passed is False)
-    cells = (*(number(found.figures[name]) for name in METRICS), broken or None)
+    metrics = (number(found.figures[name]) for name in METRICS)
+    cells = (*metrics, broken or None, _codes(found.warnings))
     return _verdict(found.passed), cells
 
 
@@ -133,9 +135,14 @@ def _fit(job: Job, item: Item, files: Files) -> Answer:
     table = fit(job.vehicle, [_log(job, item, files)])
     cal, q = table.calibration, table.quality
     pads = (cal.pad_friction_f, cal.pad_friction_r, cal.pad_scale)
-    quality = [column.name for column in FIT[6:-1]]
+    quality = [column.name for column in FIT[6:-2]]
     metrics = [*(p.value for p in pads), *(p.sigma for p in pads), *(q[name] for name in quality)]
-    return Status.DONE, (*map(number, metrics), table.digest)
+    return Status.DONE, (*map(number, metrics), _codes(table.warnings), table.digest)
+
+
+def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
+    """Each code once, in order; None without a warning."""
+    return ", ".join(dict.fromkeys(one.code for one in warnings)) or None
 
 
 def _check(job: Job, item: Item, files: Files) -> Answer:

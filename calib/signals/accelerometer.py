@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from calib.names import G
 from calib.signals.blocks import Blocks
-from calib.statistics.hypotheses import weigh_hypotheses
+from calib.statistics.hypotheses import Mixture, weigh_hypotheses
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,8 @@ class Accelerometer:
     """Scale and offset of the accelerometer as known at each block, shapes (k,).
 
     ``scale`` c [1], ``bias`` [g] and their ``variance_scale``, ``variance_bias``, ``covariance``;
-    ``grade``, ``drag`` [g] as far as they are told apart.
+    ``grade``, ``drag`` [g] as far as they are told apart; ``lag`` [s] by which a_x comes after v,
+    with ``variance_lag``.
     """
 
     scale: Array
@@ -68,6 +69,8 @@ class Accelerometer:
     covariance: Array
     grade: Array
     drag: Array
+    lag: Array
+    variance_lag: Array
 
     def at(self, blocks: NDArray[np.int64] | int) -> "Accelerometer":
         """As known at these blocks."""
@@ -106,25 +109,52 @@ def accelerometer(
     """
     p = priors or AccelerometerPriors()
     at = np.arange(0, b.end.size, STEP)
-    precision, vector = _against_speed(b, density_z, density_v, p, at)
+    speed = _against_speed(b, density_z, density_v, p, at)
     d, variance_d = _on_lead_in(b, unexplained, sigma, density_z, at)
     # what is measured: (c, e, d); e = bias + grade, d = bias + drag
+    precision, vector = speed.precision.copy(), speed.vector.copy()
     precision[:, 2, 2] += 1.0 / variance_d
     vector[:, 2] += d / variance_d
-    return _held(_weighed(precision, vector, p), at, b.end.size)
+    weighed = _weighed(precision, vector, p)
+    rows = np.column_stack([*_columns(weighed), *speed.lag_of(weighed)])
+    return _held(rows, at, b.end.size)
+
+
+@dataclass(frozen=True)
+class AgainstSpeed:
+    """What v says of (c, e, d) with the lag taken out, and of the lag where (c, e) are known.
+
+    ``precision`` (m, 3, 3), ``vector`` (m, 3); of the lag ``own`` precision [1/s^2], ``side`` [1/s]
+    and ``along`` (c, e), (m, 2), how the lag moves with them [1/s].
+    """
+
+    precision: Array
+    vector: Array
+    own: Array
+    side: Array
+    along: Array
+
+    def lag_of(self, weighed: Mixture) -> tuple[Array, Array]:
+        """Time by which a_x comes after v [s], and its variance, (m,)."""
+        moved = weighed.mean @ SENSED.T[:, :2]
+        covariance = SENSED[:2] @ weighed.covariance @ SENSED[:2].T
+        lag = (self.side - np.sum(self.along * moved, axis=1)) / self.own
+        spread = np.einsum("mi,mij,mj->m", self.along, covariance, self.along)
+        return -lag, 1.0 / self.own + spread / self.own**2
 
 
 def _against_speed(
     b: Blocks, density_z: float, density_v: float, p: AccelerometerPriors, at: NDArray[np.int64]
-) -> tuple[Array, Array]:
-    """Information about (c, e, d) from v against the integral of z, at the blocks ``at``.
+) -> AgainstSpeed:
+    """Information about (c, e, d) and the lag from v against the integral of z, at ``at``.
 
     The noise of v is white and that of the integral a random walk: their differences are a moving
     average of order one, which a first-order filter makes white.
     """
     precision, vector = np.zeros((at.size, 3, 3)), np.zeros((at.size, 3))
     if b.v is None:
-        return precision, vector
+        none = np.zeros(at.size)
+        return AgainstSpeed(precision, vector, none + p.lag**-2.0, none, np.zeros((at.size, 2)))
     from scipy.signal import lfilter
 
     h = b.length
@@ -147,14 +177,15 @@ def _against_speed(
         if j >= i
     }
     right = [_so_far(u * y) for u in (c, e, lag)]
-    # the lag is of no interest: its share is taken out with its prior
+    # the lag's share is taken out with its prior
     own = pairs[2, 2][at] + 1.0 / p.lag**2
     for i in range(2):
         vector[:, i] = right[i][at] - pairs[i, 2][at] * right[2][at] / own
         for j in range(i, 2):
             value = pairs[i, j][at] - pairs[i, 2][at] * pairs[j, 2][at] / own
             precision[:, i, j] = precision[:, j, i] = value
-    return precision, vector
+    along = np.column_stack([pairs[i, 2][at] for i in range(2)])
+    return AgainstSpeed(precision, vector, own, right[2][at], along)
 
 
 def _so_far(x: Array) -> Array:
@@ -179,23 +210,25 @@ SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1
 """From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
 
 
-def _weighed(precision: Array, vector: Array, p: AccelerometerPriors) -> Array:
-    """Mixture over the eight cases: rows (c, bias, var c, var bias, cov, grade, drag), (m, 7)."""
+def _weighed(precision: Array, vector: Array, p: AccelerometerPriors) -> Mixture:
+    """Mixture over the eight cases of (c, bias, grade, drag), at m blocks."""
     there = np.array(list(product((False, True), repeat=3)))
     still = (p.still_bias, p.still_grade, p.still_drag)
     spread = np.where(there, (p.bias, p.grade, p.drag), still)
     odds = np.array((p.odds_bias, p.odds_grade, p.odds_drag))
-    weighed = weigh_hypotheses(
+    return weigh_hypotheses(
         SENSED.T @ precision @ SENSED,
         vector @ SENSED,
         np.column_stack([np.full(len(there), p.scale), spread]),
         np.where(there, odds, 1.0 - odds).prod(axis=1),
     )
+
+
+def _columns(weighed: Mixture) -> tuple[Array, ...]:
+    """Scale, bias, their variances and covariance, grade, drag, (m,) each."""
     c, bias, grade, drag = weighed.mean.T
     covariance = weighed.covariance
-    return np.column_stack(
-        [c, bias, covariance[:, 0, 0], covariance[:, 1, 1], covariance[:, 0, 1], grade, drag]
-    )
+    return c, bias, covariance[:, 0, 0], covariance[:, 1, 1], covariance[:, 0, 1], grade, drag
 
 
 def _held(rows: Array, at: NDArray[np.int64], count: int) -> Accelerometer:

@@ -12,6 +12,7 @@ from calib.station.advice import action
 from calib.station.station import Check, StationOutcome
 from calib.table.version import Stored
 from calib.validation.validate import to_dict as validation_dict
+from calib.warning import to_dict as warning_dict
 
 SCHEMA = 1
 
@@ -27,6 +28,7 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
         "golden": found.golden or None,
         "program": f"brake-cal {__version__}",
         "counts": found.counts(),
+        "warnings": [warning_dict(warning) for warning in found.warnings],
         "checks": [_check(check) for check in found.checks],
         "figures": {name: _finite(value) for name, value in found.figures.items()},
         "logs": [

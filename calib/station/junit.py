@@ -35,6 +35,9 @@ def junit_xml(found: StationOutcome, stored: Stored) -> bytes:
         ElementTree.SubElement(properties, "property", {"name": name, "value": _clean(value)})
     for check in found.checks:
         _case(suite, check)
+    if found.warnings:
+        output = ElementTree.SubElement(suite, "system-out")
+        output.text = "\n".join(f"warning: {_clean(str(one))}" for one in found.warnings)
     ElementTree.indent(root)
     text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"

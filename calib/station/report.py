@@ -12,6 +12,7 @@ from calib.table.table import Table
 from calib.table.version import Stored
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING
 from calib.validation.validate import Validation
+from calib.warning import UNITS, PlausibilityWarning
 
 
 def report_html(found: StationOutcome, stored: Stored) -> str:
@@ -35,6 +36,7 @@ def report_html(found: StationOutcome, stored: Stored) -> str:
         summary=summary(found),
         identity=[("Vehicle", table.vehicle.name), *given, ("Table", stored.id)],
         next_steps=[(check.verdict, in_full(check), action(check.figure)) for check in bad],
+        warnings=[_warning(warning) for warning in found.warnings],
         of_car=[(c.meaning, value_of(c), c.verdict, *_ranges(c)) for c in of_car],
         car_kinds=["unjudged" if c.verdict == NOT_KNOWN else c.verdict for c in of_car],
         of_stops=[(c[0].meaning, *map(_cell, c), *_ranges(c[0])) for c in of_stops],
@@ -65,6 +67,12 @@ def report_html(found: StationOutcome, stored: Stored) -> str:
         settings=[(name, f"{value:g}") for name, value in table.provenance.settings.items()],
         remarks=[*table.remarks, *(f"{name}: {text}" for name, text in found.caveats)],
     )
+
+
+def _warning(w: PlausibilityWarning) -> tuple[str, ...]:
+    unit = UNITS.get(w.code, "1")
+    measured = f"{w.measured:.3g}" + ("" if unit == "1" else f" {unit}")
+    return w.code, w.log, measured, w.bounds, ", or ".join(w.causes), w.do
 
 
 def _by_figure(checks: list[Check]) -> list[list[Check]]:

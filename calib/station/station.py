@@ -17,7 +17,8 @@ from calib.station.metrics import Car, metrics_of
 from calib.table.table import Table
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.validation.metrics import METRICS as OF_STOPS
-from calib.validation.validate import Validation, validate_one
+from calib.validation.validate import CALIBRATION, Validation, validate_one
+from calib.warning import PlausibilityWarning
 
 CAR = "car"
 """Scope of a check of the car as a whole."""
@@ -76,9 +77,14 @@ class StationOutcome:
     golden: str = ""
 
     @property
+    def warnings(self) -> tuple[PlausibilityWarning, ...]:
+        """What speaks against the fit and the stops."""
+        return (*self.table.warnings, *(w for result in self.results for w in result.warnings))
+
+    @property
     def verdict(self) -> str:
-        """`failed` if any check fails, else `warning` if any warns, else `passed`."""
-        found = {check.verdict for check in self.checks}
+        """`failed` if any check fails, else `warning` if there is any warning, else `passed`."""
+        found = {check.verdict for check in self.checks} | ({WARNING} if self.warnings else set())
         return next((word for word in (FAILED, WARNING) if word in found), PASSED)
 
     @property
@@ -118,7 +124,7 @@ def table_of(
 def validated(table: Table, log: Log, limits: Sequence[Limit]) -> Validation:
     """Validate one hold-out. Raises LogError where the table was fitted on it."""
     result = validate_one(table, log, None, tuple(x for x in limits if x.figure in OF_STOPS))
-    if result.role == "calibration":
+    if result.role == CALIBRATION:
         raise LogError(
             "the table is fitted on this log, which proves nothing as a hold-out",
             where=log.source,

@@ -65,4 +65,6 @@ def summary(found: StationOutcome) -> str:
     n = found.counts()
     parts = [f"{n[FAILED]} failed", f"{n[WARNING]} with a warning", f"{n[NOT_KNOWN]} not known"]
     named = [part for part in parts if not part.startswith("0 ")]
-    return f"{len(found.checks)} checks: " + (", ".join(named) or "all passed")
+    text = f"{len(found.checks)} checks: " + (", ".join(named) or "all passed")
+    count = len(found.warnings)
+    return f"{text}; {count} warning{'s' * (count > 1)} of its logs" if count else text

@@ -21,6 +21,7 @@ from calib.table.table import (
     TyrePosterior,
     Value,
 )
+from calib.warning import PlausibilityWarning
 
 
 class VehicleRecord(Section):
@@ -53,6 +54,7 @@ class Record(FileSchema):
     remarks: tuple[str, ...]
     provenance: Provenance
     empirical: EmpiricalTerm | tuple[EmpiricalTerm, ...] = ()
+    warnings: tuple[PlausibilityWarning, ...] = ()
 
 
 class Parent(Section):

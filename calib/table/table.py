@@ -23,6 +23,7 @@ from calib.physics.tyre import PARAMETERS as TYRE
 from calib.physics.tyre import Tyre
 from calib.physics.vehicle import Vehicle
 from calib.statistics.intervals import Z95
+from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
 SCHEMA = 1
@@ -186,7 +187,8 @@ class Table:
 
     ``effects`` holds drag and rolling resistance with their sigma; other known effects, empirical
     terms among them, are in the vehicle; ``noise`` the long-run noise density of each sensor
-    [unit * s^0.5]; ``quality`` metrics of the fit; ``remarks`` for the user, in words.
+    [unit * s^0.5]; ``quality`` metrics of the fit; ``remarks`` for the user, in words;
+    ``warnings`` what speaks against it.
     """
 
     name: str
@@ -201,6 +203,7 @@ class Table:
     quality: dict[str, float]
     remarks: tuple[str, ...]
     provenance: Provenance
+    warnings: tuple[PlausibilityWarning, ...] = ()
 
     def __repr__(self) -> str:
         eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
@@ -231,6 +234,8 @@ class Table:
         for log in record["provenance"]["logs"]:
             if not log["notes"]:  # the format of older tables: without notes of a reader
                 del log["notes"]
+        if not self.warnings:  # the format of older tables
+            del record["warnings"]
         if not self.provenance.identity:
             del record["provenance"]["identity"]
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}

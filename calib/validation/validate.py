@@ -18,17 +18,24 @@ from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
 from calib.table.table import Table
-from calib.validation.limits import DEFAULTS, Judgement, Limit, judge
+from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
-from calib.validation.warnings import PlausibilityWarning, warnings_of
+from calib.validation.warnings import limit_warnings, warnings_of
+from calib.warning import PlausibilityWarning
+from calib.warning import to_dict as warning_dict
+
+HOLDOUT, CALIBRATION = "hold-out", "calibration"
+"""Roles of a log in a validation."""
+
+NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves nothing"
 
 
 @dataclass(frozen=True)
 class Validation:
     """One log: its estimate, its metrics, its judgements, the baselines' errors if truth is known.
 
-    ``role`` is "hold-out", or "calibration" for a log on which the table was fitted: it is
-    reported, but validates nothing.
+    ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it is reported,
+    but validates nothing, so it does not pass. ``warnings`` what speaks against the result.
     """
 
     log: str
@@ -43,13 +50,23 @@ class Validation:
     def __repr__(self) -> str:
         mu_f, mu_r = self.figures["pad_friction_f"], self.figures["pad_friction_r"]
         pads = "no answer" if mu_f is None or mu_r is None else f"front {mu_f:.3f}, rear {mu_r:.3f}"
-        verdict = "passed" if self.passed else "failed"
-        return f"{self.log} ({self.role}): {verdict}, pad friction {pads}"
+        return f"{self.log} ({self.role}): {self.verdict}, pad friction {pads}"
 
     @property
     def passed(self) -> bool:
-        """Whether no judged metric fails."""
-        return all(j.passed is not False for j in self.judgements)
+        """Whether no judged metric fails and the log is a hold-out."""
+        held = all(j.passed is not False for j in self.judgements)
+        return held and self.role == HOLDOUT
+
+    @property
+    def all_warnings(self) -> tuple[PlausibilityWarning, ...]:
+        """The warnings, and one for each metric past the range without warning."""
+        return (*self.warnings, *limit_warnings(self.log, self.judgements))
+
+    @property
+    def verdict(self) -> str:
+        """`passed` or `failed`."""
+        return PASSED if self.passed else FAILED
 
 
 @dataclass(frozen=True)
@@ -127,12 +144,12 @@ def validate_one(
     return Validation(
         log=log.name,
         digest=log.digest,
-        role="calibration" if log.digest in parents else "hold-out",
+        role=CALIBRATION if log.digest in parents else HOLDOUT,
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),
         baselines={} if truth is None else baseline_errors(car, result, truth),
-        warnings=warnings_of(log.name, result),
+        warnings=warnings_of(log, result),
     )
 
 
@@ -210,14 +227,14 @@ def to_dict(table_id: str, results: list[Validation]) -> dict[str, object]:
     return {
         "schema": 1,
         "table": table_id,
-        "warnings": [asdict(w) for r in results for w in r.warnings],
-        "verdict": "passed" if all(r.passed for r in results) else "failed",
+        "warnings": [warning_dict(w) for r in results for w in r.all_warnings],
+        "verdict": PASSED if all(r.passed for r in results) else FAILED,
         "logs": [
             {
                 "log": r.log,
                 "digest": r.digest,
                 "role": r.role,
-                "verdict": "passed" if r.passed else "failed",
+                "verdict": r.verdict,
                 "figures": {k: _finite(v) for k, v in r.figures.items()},
                 "limits": [
                     {
@@ -225,7 +242,9 @@ def to_dict(table_id: str, results: list[Validation]) -> dict[str, object]:
                         "value": _finite(j.value),
                         "min": j.low,
                         "max": j.high,
+                        "warn": [j.warn_low, j.warn_high],
                         "passed": j.passed,
+                        "warned": j.warned,
                     }
                     for j in r.judgements
                 ],
@@ -234,7 +253,7 @@ def to_dict(table_id: str, results: list[Validation]) -> dict[str, object]:
                     name: {"front": _finite(f), "rear": _finite(b)}
                     for name, (f, b) in r.baselines.items()
                 },
-                **({"notes": list(r.estimate.notes)} if r.estimate.notes else {}),
+                **({"notes": list(notes)} if (notes := _notes(r)) else {}),
             }
             for r in results
         ],
@@ -247,6 +266,11 @@ def to_dict(table_id: str, results: list[Validation]) -> dict[str, object]:
             "largest_departure_r": together.spread_r,
         },
     }
+
+
+def _notes(result: Validation) -> tuple[str, ...]:
+    own = (NO_HOLDOUT,) if result.role == CALIBRATION else ()
+    return (*own, *result.estimate.notes)
 
 
 def _finite(value: float | None) -> float | None:

@@ -22,7 +22,6 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from calib.estimation import adaptive, estimator  # noqa: E402
-from calib.estimation.balance import brake_balance  # noqa: E402
 from calib.estimation.plan import plan_for  # noqa: E402
 from calib.fleet.job import Job  # noqa: E402
 from calib.fleet.pool import Pool  # noqa: E402
@@ -33,6 +32,7 @@ from calib.names import G  # noqa: E402
 from calib.physics.vehicle_file import read_vehicle  # noqa: E402
 from calib.signals.axle_signals import signals  # noqa: E402
 from calib.signals.blocks import blocks  # noqa: E402
+from calib.signals.brake_balance import brake_balance  # noqa: E402
 from calib.table.table import Table  # noqa: E402
 from calib.validation.limits import DEFAULTS  # noqa: E402
 from tests.benchmarks.timing import best  # noqa: E402

@@ -50,7 +50,7 @@ def test_validate_says_what_it_did_and_the_columns_have_units(batch, tmp_path):
     assert "validate on 2 workers" in ran.err
     assert "3 of 3 logs" in ran.err
     schema = pq.read_schema(tmp_path / "out/results.parquet")
-    assert schema.names == ["log", "digest", "status", "error", *METRICS, "not_held"]
+    assert schema.names == ["log", "digest", "status", "error", *METRICS, "not_held", "warned"]
     assert all(field.metadata[b"unit"] for field in schema)
     assert {str(schema.field(name).type) for name in METRICS} == {"double"}
     again = batch("validate", "logs", "--table", CAR.name, "--json", out=tmp_path / "out")
@@ -63,7 +63,11 @@ def test_a_log_that_fails_its_limits_ends_with_1(batch, brake_cal, tmp_path):
     words = ("logs", "--table", CAR.name)
     ran = batch("validate", *words, "--limits", limits, out=tmp_path / "out")
     assert (ran.code, ran.out.split(";")[0]) == (1, "3 logs: 1 error, 2 failed")
-    assert [row["not_held"] for row in rows(tmp_path / "out")] == ["interval_f", "interval_f", None]
+    assert [row["not_held", "warned"] for row in rows(tmp_path / "out")] == [
+        "interval_f",
+        "interval_f",
+        None,
+    ]
     ours = tmp_path / "line.toml"
     assert brake_cal("limits", "init", "--out", ours).code == 0
     assert batch("validate", *words, "--limits", ours, out=tmp_path / "ours").code == 0

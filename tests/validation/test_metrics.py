@@ -48,6 +48,8 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
         one, one, one, one, one, one, one, one, one, noise, np.full(blocks, np.nan), changes=(2.5,)
     )
     values = {
+        "plan": None,
+        "read": None,
         "time": TIME,
         "z": np.full(N, 0.3),
         "eta": np.full(N, 1.004),
@@ -66,7 +68,7 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
         ),
         "level": PadLevel(np.ones(N), np.ones(N)),
         "eta_zero": -0.001,
-        "accelerometer": Accelerometer(*np.zeros((7, blocks))),
+        "accelerometer": Accelerometer(*np.zeros((9, blocks))),
         "pressure_f": p,
         "pressure_r": p,
     }  # fmt: skip

@@ -262,7 +262,9 @@ def test_summary_holds_everything_and_is_json(table, wet, passed):
         "value": passed.figures["valid_share"],
         "min": 0.7,
         "max": None,
+        "warn": [None, None],
         "passed": True,
+        "warned": False,
     }
     assert summary["agreement"]["largest_departure_f"] == pytest.approx(0.0, abs=1e-9)
 

@@ -5,13 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.estimation.priors import Priors
 from calib.physics.balance import ForceBalance, brake_forces, force_balance
 from calib.physics.braking import BITE
 from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals
-from calib.signals.filters import low_pass
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -40,11 +38,6 @@ def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
         balance=force_balance(car, effects, s.time, s.speed, s.z, s.p_f),
         active=_began(s) & (np.maximum(s.p_f, s.p_r) > BITE),
     )
-
-
-def smoothed(s: Signals, x: Array, priors: Priors) -> Array:
-    """A signal (n,) of a run as it goes into a look-up."""
-    return low_pass(x, s.sample_time, priors.low_pass)
 
 
 def _began(s: Signals) -> Mask:

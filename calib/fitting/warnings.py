@@ -1,0 +1,43 @@
+"""What a fit says against its logs and its vehicle file."""
+
+from calib.fitting.identify import Identified
+from calib.fitting.resistance import Resistance
+from calib.fitting.resistance import identify as identify_resistance
+from calib.fitting.sensors import judge_accelerometer
+from calib.fitting.sort_logs import Prepared
+from calib.physics.vehicle import Vehicle
+from calib.plausibility.pads import calibration_warnings
+from calib.plausibility.run import run_warnings
+from calib.signals.axle_signals import signals
+from calib.table.table import Calibration
+from calib.warning import PlausibilityWarning
+
+
+def fit_warnings(
+    vehicle: Vehicle,
+    ramps: list[Prepared],
+    coasts: list[Prepared],
+    known: Resistance,
+    found: Identified,
+    calibration: Calibration,
+) -> tuple[PlausibilityWarning, ...]:
+    """Warnings on a fit.
+
+    ``ramps``, ``coasts`` with the blocks as read; ``known`` the resistance that was identified. A
+    ramp is compared with the resistance of the coasts alone, where there are any.
+    """
+    coasted = [(b, noise.z) for _, b, noise in coasts]
+    rolling = identify_resistance(vehicle, coasted) if coasts else known
+    runs = [(run, rolling) for run in ramps] + [(run, known) for run in coasts]
+    return (
+        *calibration_warnings(vehicle, calibration, found.posterior),
+        *(warning for run, own in runs for warning in _of_run(vehicle, run, known, own)),
+    )
+
+
+def _of_run(
+    vehicle: Vehicle, run: Prepared, known: Resistance, rolling: Resistance
+) -> tuple[PlausibilityWarning, ...]:
+    log, b, noise = run
+    sensor = judge_accelerometer(vehicle, rolling, b, noise)
+    return run_warnings(log, signals(log, vehicle), vehicle, known.effects, sensor)

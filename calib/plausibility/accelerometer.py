@@ -1,0 +1,62 @@
+"""What a run says against its accelerometer."""
+
+import math
+from collections.abc import Iterator
+
+from calib.names import G
+from calib.signals.accelerometer import Accelerometer
+from calib.statistics.intervals import Z95
+from calib.warning import PlausibilityWarning
+
+SCALE = 0.02
+"""Scale error of a_x [1] from which it is named: data sheets allow 1 to 3 %."""
+
+OFFSET = 0.05
+"""Offset of a_x, or deceleration of the rolling car [m/s^2], that is not explained: 0.005 g."""
+
+LATE = 0.06
+"""Delay of a_x against v [s] from which it is named: filters of sensors take 0.02 s."""
+
+
+def accelerometer_warnings(log: str, sensor: Accelerometer) -> Iterator[PlausibilityWarning]:
+    """Scale, offset, drag and delay as known at the end of the run."""
+    c, sigma = float(sensor.scale[-1]), math.sqrt(float(sensor.variance_scale[-1]))
+    if abs(c) > SCALE and abs(c) > Z95 * sigma:
+        yield PlausibilityWarning(
+            "a_x_scale",
+            log,
+            c / (1.0 - c),
+            (-SCALE, SCALE),
+            ("the scale of a_x", "the unit or the clock of v", "body pitch that a_x feels"),
+            "it is taken out; calibrate a_x against v",
+        )
+    bias, sigma = G * float(sensor.bias[-1]), G * math.sqrt(float(sensor.variance_bias[-1]))
+    if abs(bias) > OFFSET and abs(bias) > sigma:
+        yield PlausibilityWarning(
+            "a_x_offset",
+            log,
+            -bias,
+            (-OFFSET, OFFSET),
+            ("the zero or the mounting of a_x", "a car that drags or is driven while it rolls"),
+            "it is taken out as far as it is known; zero a_x on level ground",
+        )
+    drag = G * float(sensor.drag[-1])
+    if abs(drag) > OFFSET:
+        yield PlausibilityWarning(
+            "unexplained_drag",
+            log,
+            drag,
+            (-OFFSET, OFFSET),
+            ("an engine in gear or a motor that brakes", "a brake that drags", "wind"),
+            "roll in neutral before the stop, or log T_drive_f and T_drive_r",
+        )
+    late, sigma = float(sensor.lag[-1]), math.sqrt(float(sensor.variance_lag[-1]))
+    if abs(late) > LATE and abs(late) > 3.0 * sigma:
+        yield PlausibilityWarning(
+            "a_x_late",
+            log,
+            late,
+            (-LATE, LATE),
+            ("the clock or the filter of a_x", "the clock of v"),
+            "record a_x, v and the wheel speeds on one clock",
+        )

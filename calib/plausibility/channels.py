@@ -1,0 +1,80 @@
+"""What a run says against its channels: one signal twice, wheels of another size."""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.checks.sensors import resolution_of
+from calib.logs.log import Log
+from calib.names import WHEELS
+from calib.physics.vehicle import Vehicle
+from calib.signals.axle_signals import Signals
+from calib.warning import PlausibilityWarning
+
+Array = NDArray[np.float64]
+
+SAME = 0.99
+"""Correlation of the noise of two channels [1] from which they are one signal: the road shakes two
+wheels of an axle alike by 0.5."""
+
+STEPS = 2.0
+"""Noise of a channel over its resolution, below which it is rounding, and says nothing."""
+
+RADIUS = 0.02
+"""Difference of a rolling radius from the file's [1] that wear and inflation can cause."""
+
+COMPARED = (*(f"omega_{w}" for w in WHEELS), "v", "a_x", "p_mc")
+
+
+def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:
+    """Two channels with one signal; wheels that are not those of the file."""
+    yield from _twice(log)
+    yield from _radii(log.name, vehicle, s)
+
+
+def _twice(log: Log) -> Iterator[PlausibilityWarning]:
+    noise = {name: _noise(log[name]) for name in COMPARED if name in log}
+    noise = {name: x for name, x in noise.items() if x.any()}
+    for one, other in combinations(noise, 2):
+        alike = abs(float(noise[one] @ noise[other]))
+        if alike > SAME:
+            yield PlausibilityWarning(
+                "same_signal",
+                log.name,
+                alike,
+                (0.0, SAME),
+                (f"{other} is a copy of {one}", "a channel map that names one column twice"),
+                "record each sensor by itself",
+            )
+
+
+def _noise(x: Array) -> Array:
+    """Second differences of a channel, of length 1 as a vector; zero where it has no noise.
+
+    Those of noise change their sign from one to the next, those of a smooth signal do not.
+    """
+    rough = np.diff(x, 2)
+    size = float(np.linalg.norm(rough))
+    rounding = STEPS * resolution_of(x) * np.sqrt(rough.size)
+    quiet = size <= rounding or float(rough[1:] @ rough[:-1]) > -0.3 * size**2
+    return np.zeros_like(rough) if quiet else rough / size
+
+
+def _radii(log: str, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:
+    if s.v is None or not s.lead_in.any():
+        return
+    speed = float(np.mean(s.v[s.lead_in]))
+    for side, axle, omega in (("f", vehicle.front, s.omega_f), ("r", vehicle.rear, s.omega_r)):
+        radius = speed / float(np.mean(omega[s.lead_in]))
+        low, high = ((1.0 + sign * RADIUS) * axle.rolling_radius for sign in (-1.0, 1.0))
+        if not low < radius < high:
+            yield PlausibilityWarning(
+                f"rolling_radius_{side}",
+                log,
+                radius,
+                (low, high),
+                ("the scale or the unit of v", "the rolling radius of the vehicle file"),
+                "measure the rolling radius; check the unit of v and of the wheel speeds",
+            )

@@ -1,0 +1,126 @@
+"""What the pads of a calibration or of a stop say against vehicle file, sensors and tyres."""
+
+import math
+from collections.abc import Iterator
+
+from calib.errors import LogError
+from calib.physics.vehicle import Vehicle
+from calib.statistics.intervals import Z95
+from calib.table.table import Calibration, TyrePosterior
+from calib.warning import PlausibilityWarning
+
+POSSIBLE = (0.05, 1.0)
+"""Pad friction [1] that a brake can have: soaked pads have 0.1, racing pads 0.7."""
+
+OF_FILE = (0.8, 1.25)
+"""Pad friction over that of the vehicle file [1]: pads of one grade scatter by 10 %."""
+
+RATIO = 0.12
+"""Departure of the pads' ratio from the file's [1] from which it is named."""
+
+STIFFNESS = (8.0, 60.0)
+"""Slip stiffness of tyres over their load [1]: winter tyres on a wet road have 10, sports tyres on
+a dry one 40."""
+
+APART = 0.08
+"""Change of the front pads over that of the rear ones [1] from which it is named."""
+
+LEVEL_CAUSES = (
+    "the unit or the scale of p_mc",
+    "the scale of a_x",
+    "mass, piston areas or radii of the vehicle file",
+    "pads of another grade",
+)
+
+
+def require_possible_pads(vehicle: Vehicle, calibration: Calibration, where: str) -> None:
+    """Raise LogError for a pad friction that no pad has."""
+    low, high = POSSIBLE
+    for side, value in (
+        ("front", calibration.pad_friction_f.value),
+        ("rear", calibration.pad_friction_r.value),
+    ):
+        if not low <= value <= high:
+            raise LogError(
+                f"the {side} pads come out with a friction of {value:.3g}, which no pad has",
+                where=where,
+                expected=f"{low:g} to {high:g}; {vehicle.name} has {_of_file(vehicle, side):g} by "
+                "its file",
+                do="check the unit and the scale of p_mc first, then a_x, then mass, piston areas "
+                "and radii of the vehicle file",
+            )
+
+
+def _of_file(vehicle: Vehicle, side: str) -> float:
+    return (vehicle.front if side == "front" else vehicle.rear).pad_friction
+
+
+def calibration_warnings(
+    vehicle: Vehicle, calibration: Calibration, posterior: TyrePosterior
+) -> Iterator[PlausibilityWarning]:
+    """Pads far from the file's, their ratio, and a tyre that no road car has."""
+    for axle, side, value in (
+        ("f", "front", calibration.pad_friction_f.value),
+        ("r", "rear", calibration.pad_friction_r.value),
+    ):
+        low, high = (bound * _of_file(vehicle, side) for bound in OF_FILE)
+        if not low <= value <= high:
+            yield PlausibilityWarning(
+                f"pads_off_file_{axle}",
+                vehicle.name,
+                value,
+                (low, high),
+                LEVEL_CAUSES,
+                "correct what is wrong, or write the friction of these pads into the vehicle file",
+            )
+    rho = calibration.pad_log_ratio
+    if abs(rho.value) > RATIO and abs(rho.value) > Z95 * rho.sigma:
+        yield PlausibilityWarning(
+            "pad_ratio",
+            vehicle.name,
+            math.expm1(rho.value),
+            (-RATIO, RATIO),
+            (
+                "piston areas, radii or pads of one axle in the vehicle file",
+                "cg_height or the axle distances of the vehicle file",
+                "tyres that differ between the axles",
+                "a motor that brakes one axle",
+            ),
+            "check the brakes of both axles, cg_height and the tyres",
+        )
+    stiffness = math.exp(-posterior.value("log_compliance"))
+    margin = math.exp(posterior.sigma("log_compliance"))
+    if not STIFFNESS[0] / margin <= stiffness <= STIFFNESS[1] * margin:
+        yield PlausibilityWarning(
+            "tyre_stiffness",
+            vehicle.name,
+            stiffness,
+            STIFFNESS,
+            (
+                "the wheel speeds: teeth, unit or a copy",
+                "the scale of v",
+                "cg_height of the vehicle file",
+            ),
+            "check the wheel speeds with `brake-cal check`, then cg_height",
+        )
+
+
+def change_warnings(log: str, apart: float, sigma: float) -> Iterator[PlausibilityWarning]:
+    """Pads that changed unlike: what eta and slip cannot tell from tyres or a motor.
+
+    ``apart`` ln of the front pads' change over that of the rear ones, with its ``sigma``.
+    """
+    if abs(apart) > APART and abs(apart) > Z95 * sigma:
+        yield PlausibilityWarning(
+            "pads_changed_apart",
+            log,
+            math.expm1(apart),
+            (-APART, APART),
+            (
+                "the pads of one axle (wet, hot or new)",
+                "the tyres of one axle, changed since the ramp",
+                "a motor that brakes one axle",
+                "a pressure that the rear brakes do not get",
+            ),
+            "drive a new ramp if tyres or brakes were changed; log wheel pressures and T_drive",
+        )

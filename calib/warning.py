@@ -1,0 +1,64 @@
+"""One shape for a warning: what speaks against a result although it is given."""
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+UNITS = {
+    "a_x_scale": "1",
+    "a_x_offset": "m/s^2",
+    "a_x_late": "s",
+    "unexplained_drag": "m/s^2",
+    "unexplained_braking_force": "1",
+    "braking_force_missing": "1",
+    "pressure_lag": "s",
+    "pressure_zero": "bar",
+    "same_signal": "1",
+    "rolling_radius_f": "m",
+    "rolling_radius_r": "m",
+    "pads_off_file_f": "1",
+    "pads_off_file_r": "1",
+    "pad_ratio": "1",
+    "pads_changed_apart": "1",
+    "tyre_stiffness": "1",
+}
+"""The codes that are not the name of a metric, with the unit of what they measure."""
+
+
+@dataclass(frozen=True)
+class PlausibilityWarning:
+    """One warning.
+
+    ``code`` of `UNITS`, or the metric whose limit is not held; ``log`` its name, or that of the
+    table; ``measured`` and ``expected`` (low, high; infinite where there is no bound) in the unit
+    of the code; ``causes`` the most likely first; ``do`` what to do.
+    """
+
+    code: str
+    log: str
+    measured: float
+    expected: tuple[float, float]
+    causes: tuple[str, ...]
+    do: str
+
+    def __str__(self) -> str:
+        unit = UNITS.get(self.code, "1")
+        amount = f"{self.measured:.3g}" + ("" if unit == "1" else f" {unit}")
+        return (
+            f"{self.log}: {self.code} is {amount}, expected {self.bounds}; "
+            f"likely {', or '.join(self.causes)}; {self.do}"
+        )
+
+    @property
+    def bounds(self) -> str:
+        """The expected range in words."""
+        low, high = self.expected
+        if math.isinf(low) or math.isinf(high):
+            return f"at most {high:.3g}" if math.isinf(low) else f"at least {low:.3g}"
+        return f"{low:.3g} to {high:.3g}"
+
+
+def to_dict(warning: PlausibilityWarning) -> dict[str, Any]:
+    """A warning as JSON types; a bound that is not there is null."""
+    ends = [end if math.isfinite(end) else None for end in warning.expected]
+    return {**asdict(warning), "expected": ends, "causes": list(warning.causes)}

@@ -1,0 +1,53 @@
+"""What is said of an accelerometer, by numbers set by hand."""
+
+import numpy as np
+import pytest
+
+from calib.names import G
+from calib.plausibility.accelerometer import accelerometer_warnings
+from calib.signals.accelerometer import Accelerometer
+
+BLOCKS = 100
+
+
+def sensor(**values):
+    """An accelerometer that is right, but for ``values``; sigma 0.1 %, 0.0005 g, 5 ms."""
+    fields = dict.fromkeys(("scale", "bias", "covariance", "grade", "drag", "lag"), 0.0)
+    known = {"variance_scale": 1e-6, "variance_bias": 2.5e-7, "variance_lag": 2.5e-5}
+    fields |= {**known, **values}
+    return Accelerometer(**{name: np.full(BLOCKS, value) for name, value in fields.items()})
+
+
+def codes(judged):
+    return [warning.code for warning in accelerometer_warnings("log", judged)]
+
+
+def test_a_sensor_that_is_right_is_not_warned_about():
+    assert codes(sensor()) == []
+
+
+@pytest.mark.parametrize(
+    ("wrong", "code", "measured"),
+    [
+        ({"scale": 0.04}, "a_x_scale", 0.04 / 0.96),
+        ({"scale": -0.04}, "a_x_scale", -0.04 / 1.04),
+        ({"bias": 0.03}, "a_x_offset", -0.03 * G),
+        ({"bias": -0.03}, "a_x_offset", 0.03 * G),
+        ({"drag": 0.03}, "unexplained_drag", 0.03 * G),
+        ({"lag": 0.1}, "a_x_late", 0.1),
+    ],
+)
+def test_a_wrong_sensor_is_named_with_what_was_measured(wrong, code, measured):
+    """a_x is -g z: an offset of z has the other sign."""
+    (warning,) = accelerometer_warnings("log", sensor(**wrong))
+    assert warning.code == code
+    assert warning.measured == pytest.approx(measured)
+    assert not warning.expected[0] <= warning.measured <= warning.expected[1]
+    assert warning.causes
+    assert warning.do
+
+
+def test_what_is_not_sure_is_not_warned_about():
+    assert codes(sensor(scale=0.04, variance_scale=9e-4)) == []
+    assert codes(sensor(bias=0.03, variance_bias=1.6e-3)) == []
+    assert codes(sensor(lag=0.1, variance_lag=2.5e-3)) == []

@@ -1,0 +1,57 @@
+"""Two channels with one signal, and wheels of another size."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.plausibility.channels import channel_warnings
+from calib.signals.axle_signals import signals
+from tests.support.reference_car import CAR, REAL, noisy, stop
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return stop(REAL)
+
+
+def found(log, vehicle=CAR):
+    return [(one.code, one.causes[0]) for one in channel_warnings(log, vehicle, signals(log, CAR))]
+
+
+def changed(log, **channels):
+    return replace(log, channels={**log.channels, **channels})
+
+
+def test_a_simulation_without_noise_has_equal_wheels_and_is_right(clean):
+    assert found(clean) == []
+
+
+def test_rounding_is_no_noise(clean):
+    rounded = {name: np.round(x, 4) for name, x in clean.channels.items() if name != "time"}
+    assert found(changed(clean, **rounded)) == []
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_wheels_with_noise_of_their_own_are_right(clean, seed):
+    assert found(noisy(clean, seed)) == []
+
+
+@pytest.mark.parametrize(
+    ("to", "source", "gain"),
+    [("omega_rr", "omega_rl", 1.0), ("omega_fr", "omega_fl", 1.0), ("v", "omega_rl", 0.3)],
+)
+def test_a_copy_is_named(clean, to, source, gain):
+    log = noisy(clean, 0)
+    named = found(changed(log, **{to: gain * log[source]}))
+    assert ("same_signal", f"{max(to, source)} is a copy of {min(to, source)}") in [
+        (code, " is a copy of ".join(sorted(cause.split(" is a copy of "), reverse=True)))
+        for code, cause in named
+    ]
+
+
+@pytest.mark.parametrize("factor", [0.975, 1.025])
+def test_a_wrong_speed_shows_as_another_radius(clean, factor):
+    log = noisy(clean, 0)
+    codes = [code for code, _ in found(changed(log, v=factor * log["v"]))]
+    assert codes == ["rolling_radius_f", "rolling_radius_r"]

@@ -1,0 +1,66 @@
+"""What is said of pads and tyres of a calibration."""
+
+import math
+
+import pytest
+
+from calib.errors import LogError
+from calib.plausibility.pads import calibration_warnings, change_warnings, require_possible_pads
+from calib.table.table import Calibration, TyrePosterior, Value
+from tests.support.reference_car import CAR
+
+
+def calibration(front=1.0, rear=1.0, sigma=0.02):
+    """Pads as multiples of the file's."""
+    f, r = front * CAR.front.pad_friction, rear * CAR.rear.pad_friction
+    rho = math.log(front / rear)
+    return Calibration(
+        Value(math.sqrt(front * rear), 0.02), Value(rho, sigma), Value(f, 0.01), Value(r, 0.01)
+    )
+
+
+def posterior(stiffness=25.0, sigma=0.1):
+    return TyrePosterior(("log_compliance",), (-math.log(stiffness),), ((sigma**2,),))
+
+
+def codes(pads, tyre=None):
+    return [one.code for one in calibration_warnings(CAR, pads, tyre or posterior())]
+
+
+@pytest.mark.parametrize(
+    ("pads", "expected"),
+    [
+        (calibration(), []),
+        (calibration(0.85, 0.85), []),
+        (calibration(0.75, 0.75), ["pads_off_file_f", "pads_off_file_r"]),
+        (calibration(1.3, 1.3), ["pads_off_file_f", "pads_off_file_r"]),
+        (calibration(1.1, 0.9), ["pad_ratio"]),
+        (calibration(1.1, 0.9, sigma=0.15), []),
+    ],
+)
+def test_pads_far_from_the_file_are_named(pads, expected):
+    assert codes(pads) == expected
+
+
+@pytest.mark.parametrize(("stiffness", "named"), [(2.0, True), (10.0, False), (200.0, True)])
+def test_a_tyre_that_no_car_has(stiffness, named):
+    assert ("tyre_stiffness" in codes(calibration(), posterior(stiffness))) == named
+
+
+@pytest.mark.parametrize("factor", [0.1, 10.0])
+def test_a_friction_that_no_pad_has_is_refused(factor):
+    """A pressure in bar that is labelled MPa, and the other way round."""
+    with pytest.raises(LogError, match="which no pad has") as refused:
+        require_possible_pads(CAR, calibration(factor, factor), "ramp.csv")
+    assert "the unit and the scale of p_mc" in str(refused.value)
+
+
+def test_possible_pads_are_not_refused():
+    require_possible_pads(CAR, calibration(0.6, 1.4), "ramp.csv")
+
+
+@pytest.mark.parametrize(("apart", "sigma", "named"), [(0.2, 0.05, 1), (0.2, 0.2, 0), (0.04, 0, 0)])
+def test_pads_that_changed_apart(apart, sigma, named):
+    found = list(change_warnings("log", apart, sigma))
+    assert len(found) == named
+    assert all(one.measured == pytest.approx(math.expm1(apart)) for one in found)
