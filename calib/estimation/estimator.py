@@ -294,7 +294,8 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
         moment_r=forces.moment_r,
         load_f=forces.load_f,
         load_r=forces.load_r,
-        tyre_sum=forces.tyre_sum,
+        # the lead-in zeroes the slip: its force must not hang on an accelerometer not yet judged
+        tyre_sum=np.where(b.lead_in, forces.moment_f + forces.moment_r, forces.tyre_sum),
         slip=None if b.v is None else mean_slip(car, forces.load_f, b.omega_f, b.omega_r, b.v),
         pitch_deficit=late[ends],
     )
