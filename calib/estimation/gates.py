@@ -31,6 +31,10 @@ class Gates:
     0.12 if the mass were known, and 0.06 for a mass that is known to 3 %."""
     interval_r: float = 0.26
     """The same of the rear, which eta shows more faintly."""
+    beyond: float = 1.2
+    """Normalised force over the greatest one of the ramp up to which the tyre's curve is continued:
+    rear brakes that are held leave the front ones more than the ramp had. The curvature of the
+    posterior widens the interval there."""
     steering: float = np.deg2rad(5.0)
     """Angle at the driver's wheel [rad] whose effect on eta is as large as the signal."""
     lateral: float = 3.0
@@ -54,7 +58,7 @@ def valid(
     """Where the estimator stands behind its answer (n,), see `Gates`.
 
     ``axles`` the estimates, front and rear; ``active`` where the pads bite (n,); ``greatest``
-    normalised force that the table knows [1]; ``track_width`` [m].
+    normalised force of the ramp [1]; ``track_width`` [m].
     """
     ok = active & (np.maximum(s.p_f, s.p_r) > gates.pressure) & (s.speed > gates.speed)
     ok &= _since(s.time, ~active) > gates.settle
@@ -62,7 +66,7 @@ def valid(
     with np.errstate(invalid="ignore"):
         for axle, width in zip(axles, (gates.interval_f, gates.interval_r), strict=True):
             ok &= axle.upper - axle.lower < 2.0 * width * axle.pad_friction
-            ok &= axle.normalised_force < greatest
+            ok &= axle.normalised_force < gates.beyond * greatest
     ok &= np.abs(_lateral(log, s, track_width)) < gates.lateral
     if "steering" in log:
         ok &= np.abs(log["steering"]) < gates.steering

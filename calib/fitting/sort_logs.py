@@ -1,16 +1,14 @@
 """Ramps and coast logs among the logs of a fit, and which of them will do."""
 
-import numpy as np
-
 from calib.checks.check import problems_for
 from calib.checks.gates import bitten, eta_rise, refuse_twice, require_same_wheels
 from calib.errors import LogError
 from calib.logs.log import Log
-from calib.physics.braking import BITE
 from calib.physics.forces import front_biased_up_to
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import Blocks, blocks
+from calib.signals.driving_record import brake_events, driving_record
 from calib.signals.noise import SensorNoise, sensor_noise
 
 Prepared = tuple[Log, Blocks, SensorNoise]
@@ -27,7 +25,7 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
     coasts: list[Prepared] = []
     for log in sorted(logs, key=lambda item: item.digest):
         s = signals(log, vehicle)
-        coasting = float(np.max(np.maximum(s.p_f, s.p_r))) < BITE
+        coasting = not brake_events(driving_record(log))
         problems = problems_for(log, "diagnose" if coasting else "fit")
         if problems:
             raise LogError(

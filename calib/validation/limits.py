@@ -54,7 +54,7 @@ class Judgement:
 
 DEFAULTS: tuple[Limit, ...] = (
     Limit("valid_share", 0.7, None),
-    Limit("covered_share", 0.5, None),
+    Limit("covered_share", None, None, warn_low=0.5),
     Limit("pad_friction_drift_f", None, 0.10),
     Limit("pad_friction_drift_r", None, 0.20),
     Limit("interval_f", None, 0.12),

@@ -15,6 +15,7 @@ from calib.physics.balance import brake_forces
 from calib.physics.effects.effects import Effects
 from calib.signals.noise import SensorNoise
 from calib.table.table import TyrePosterior
+from calib.validation.validate import validate
 from tests.studies.ensemble import cases
 from tests.support.plant import as_log, drive, magic
 from tests.support.reference_car import (
@@ -515,3 +516,24 @@ def test_the_right_mode_surprises_less_than_none(table):
             squares.append(np.nanmean(e.split.innovation_eta[moving] ** 2))
         sums.append(np.mean(squares))
     assert sums[0] < sums[1]
+
+
+def test_rear_pressure_that_is_held_is_estimated_where_wheel_pressures_are_logged():
+    """The front axle carries more than on the ramp: past its greatest force, and still right."""
+
+    def pedal(t):
+        return 45e5 * min(max((t - 1.5) / 0.25, 0.0), 1.0)
+
+    def rear(t):
+        return min(pedal(t), 8e5)
+
+    own = {"fl": pedal, "fr": pedal, "rl": rear, "rr": rear}
+    run = drive(REAL, pedal, 27.0, duration=9.0, stop_speed=1.5, wheel_pressure=own)
+    table = fit(CAR, [noisy(ramp(REAL), 1)])
+    (result,) = validate(table, [noisy(as_log(run, "held"), 1)])
+    assert result.passed
+    assert result.figures["valid_share"] > 0.9
+    e = result.estimate
+    assert np.max(e.front.normalised_force[e.valid]) > table.tyre.force[-1]
+    for axle, true in ((e.front, CAR.front.pad_friction), (e.rear, CAR.rear.pad_friction)):
+        assert np.mean(((axle.lower <= true) & (true <= axle.upper))[e.valid]) > 0.95

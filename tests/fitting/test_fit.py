@@ -404,3 +404,24 @@ def test_rise_of_eta_does_not_follow_a_wheel_that_locks_at_times(clean):
     hit, _ = eta_rise(replace(b, omega_r=b.omega_r * locking), use)
     assert 0.5 * rise < hit < rise
     assert math.isnan(eta_rise(b, np.zeros(b.end.size, bool))[0])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_widens_and_does_not_refuse(seed):
+    """Five times the usual noise: single samples of p_mc pass the pressure at which pads bite."""
+    rolling = as_log(drive(REAL, lambda t: 0.0, 30.0, duration=12.0), "coast")
+
+    def loud(log, number):
+        usual = noisy(log, number)
+        x = {k: log[k] + 5.0 * (usual[k] - log[k]) for k in log.channels if k != "time"}
+        return replace(usual, channels={**log.channels, **x})
+
+    table = fit(CAR, [loud(ramp(REAL), seed), loud(rolling, seed + 10)])
+    quiet = fit(CAR, [noisy(ramp(REAL), seed), noisy(rolling, seed + 10)])
+    for one, other in (
+        (table.calibration.pad_friction_f, quiet.calibration.pad_friction_f),
+        (table.calibration.pad_friction_r, quiet.calibration.pad_friction_r),
+    ):
+        low, high = one.ci95
+        assert low < 0.38 < high
+        assert one.sigma > other.sigma
