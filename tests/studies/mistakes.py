@@ -14,7 +14,8 @@ it. Every one is written to files and goes through `fit`, `validate` and `statio
 * silent: exit code 0 and no warning, of the material ones that the command met: `fit` those in
   ramp, coast or vehicle file; `validate` those with a table; `station` all. "Nothing new" counts
   words that came without the mistake, too, as silence.
-* named: a refusal or the first two causes of a warning of any command hold the kind's words.
+* named: a refusal or the first two causes of a warning of any command hold the kind's words. What
+  to do about a check of the station is no such cause: it lists all parts that there are.
 """
 
 import argparse
@@ -45,11 +46,15 @@ PADS, CURVE = 0.05, 0.02
 
 @dataclass(frozen=True)
 class Row:
-    """One line: the mistake and its size, how far it moved pads and D, what was said."""
+    """One line: the mistake and its size, how far it moved pads and D, what was said.
+
+    ``off`` largest error of the pads without the mistake, front and rear [1].
+    """
 
     number: int
     kind: str
     size: str
+    off: tuple[float, float]
     pads: float
     curve: float
     clean: dict[str, Said]
@@ -113,8 +118,9 @@ def tried(job: tuple[int, int, str]) -> Row:
     }
     others = mistake.logs(others)
     clean, made = answered(good.file, logs), answered(bad.file, others)
-    pads = moved_pads(errors(clean, logs), errors(made, others))
-    return Row(number, name, mistake.size, pads, moved_curve(clean, made), clean.said, made.said)
+    before = errors(clean, logs)
+    pads, curve = moved_pads(before, errors(made, others)), moved_curve(clean, made)
+    return Row(number, name, mistake.size, largest(before), pads, curve, clean.said, made.said)
 
 
 def answered(vehicle, logs: dict[str, Log]) -> Answer:
@@ -131,6 +137,15 @@ def errors(of: Answer, logs: dict[str, Log]) -> dict[tuple[str, str], float]:
         for run, pair in of.pads.items()
         for axle, mu in zip("fr", pair, strict=True)
     }
+
+
+def largest(clean: dict[tuple[str, str], float]) -> tuple[float, float]:
+    """The largest error over the runs, front and rear [1]; nan without any."""
+    front, rear = (
+        max((abs(e) for (_, side), e in clean.items() if side == axle), default=math.nan)
+        for axle in "fr"
+    )
+    return math.expm1(front), math.expm1(rear)
 
 
 def moved_pads(clean: dict[tuple[str, str], float], made: dict[tuple[str, str], float]) -> float:
@@ -174,6 +189,9 @@ def report(rows: list[Row]) -> None:
     ):  # fmt: skip
         print(f"  {text:34} {share(hits)}")
     print("\ngood lines")
+    middle, high = (100 * np.nanpercentile([row.off for row in rows], q, axis=0) for q in (50, 95))
+    print(f"  largest error of the pads, front / rear: median {middle[0]:.1f} / {middle[1]:.1f} %, "
+          f"95 % below {high[0]:.1f} / {high[1]:.1f} %")  # fmt: skip
     for command in COMMANDS:
         said = [row.clean[command] for row in rows if command in row.clean]
         print(f"  {command:9} warned {share([s.code == 0 and s.anything for s in said])}, "
