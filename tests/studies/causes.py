@@ -156,7 +156,7 @@ def load_exponent(rng: Rng) -> Hidden:
 def motor_torque(rng: Rng) -> Hidden:
     """20 to 200 N m a wheel that come with the pedal (UN R13-H, category A) or on the lift of the
     other one: 0.01 to 0.1 g, as cars with belt starters and hybrids have; half of them in the
-    ramp, too."""
+    ramp, too. On a slippery road less, as stability control lets it (our estimate)."""
     torque, front, pedal, ramp = (
         float(rng.uniform(20.0, 200.0)),
         bool(rng.random() < 0.6),
@@ -168,9 +168,11 @@ def motor_torque(rng: Rng) -> Hidden:
         if role == COAST or (role == RAMP and not ramp):
             return p
 
+        most = torque * grip(p)
+
         def motor(t: float) -> tuple[float, float]:
             on = min(max(pressure(t) / (3.0 * BAR), 0.0), 1.0) if pedal else 1.0
-            return (-torque * on, 0.0) if front else (0.0, -torque * on)
+            return (-most * on, 0.0) if front else (0.0, -most * on)
 
         return replace(p, motor=motor)
 
@@ -184,14 +186,15 @@ def hydraulic_lag(rng: Rng) -> Hidden:
 
 
 def bends(rng: Rng) -> Hidden:
-    """Stops in bends of 1 to 4 m/s^2 at first: what drivers do; the ramp is straight."""
+    """Stops in bends of 1 to 4 m/s^2 at first, less on a slippery road: what drivers do (our
+    estimate); the ramp is straight."""
     sideways = rng.choice([-1.0, 1.0], 16) * rng.uniform(1.0, 4.0, 16)
     left = sideways.tolist()
 
     def car(role: str, p: Plant, pressure: Pressure, v0: float) -> Plant:
         if role != STOP:
             return p
-        k = left.pop() / v0**2
+        k = left.pop() * grip(p) / v0**2
         return replace(p, curvature=lambda t: k)
 
     return Hidden(car=car)
@@ -231,6 +234,11 @@ def quantisation(rng: Rng) -> Hidden:
 def everything(rng: Rng) -> Hidden:
     """All that is above, together."""
     return together([draw(rng) for name, draw in CAUSES.items() if draw is not everything])
+
+
+def grip(p: Plant) -> float:
+    """Peak of the road over that of a good one [1], at most 1."""
+    return min(p.surface(0.0)[1], 1.0) if p.surface else 1.0
 
 
 def together(parts: list[Hidden]) -> Hidden:

@@ -46,18 +46,17 @@ class Case:
 
 @dataclass(frozen=True)
 class Track:
-    """What all runs of a car share: what is hidden in it, its sensors' noise, the sample rate."""
+    """What all runs of a car share: what is hidden in it, and the noise of its sensors."""
 
     hidden: Hidden
     levels: dict[str, NoiseLevel]
-    rate: float = 200.0
 
     def driven(
         self, role: str, name: str, plant: Plant, pressure: Pressure, v0: float, seed: int, **how
     ) -> Log:
         """One run as the sensors give it; ``how`` as `drive` has it."""
         real = self.hidden.car(role, plant, pressure, v0)
-        log = as_log(drive(real, pressure, v0, rate=self.rate, **how), name)
+        log = as_log(drive(real, pressure, v0, **how), name)
         return add_noise(self.hidden.sense(role, log), seed, self.levels)
 
 
@@ -68,11 +67,7 @@ def cases(count: int, seed: int, stops: int = 3) -> Iterator[Case]:
 
 
 def case(
-    rng: np.random.Generator,
-    stops: int,
-    noise_seed: int,
-    hidden: Hidden | None = None,
-    rate: float = 200.0,
+    rng: np.random.Generator, stops: int, noise_seed: int, hidden: Hidden | None = None
 ) -> Case:
     """One car, one ramp on its home surface, stops elsewhere.
 
@@ -93,7 +88,7 @@ def case(
     loud = float(rng.uniform(0.6, 2.0))
     levels = {k: replace(v, sd=v.sd * loud) for k, v in LEVELS.items()}
     given = hidden or Hidden()
-    track = Track(given, given.levels(levels), rate)
+    track = Track(given, given.levels(levels))
     slope = float(rng.uniform(4.0, 7.0)) * 1e5
     v0 = float(rng.uniform(30.0, 34.0))
     top = round(20.0 * ((0.58 / per_pascal(vehicle)) / slope + 1.5)) / 20.0
