@@ -9,11 +9,11 @@ import pytest
 
 from calib.logs.log import Log
 from tests.studies.answers import answer
-from tests.studies.causes import CAUSES, RAMP, STOP, Hidden
+from tests.studies.causes import CAUSES, RAMP, STOP
 from tests.studies.ensemble import LEVELS
 from tests.studies.made_lines import RUNS, Line, line, recorded
 from tests.studies.made_mistakes import KINDS
-from tests.support.reference_car import IDEAL, ramp
+from tests.support.reference_car import IDEAL
 
 OF_THE_FILE = {
     "centre of gravity too high", "mass of the file", "pad ratio of the file",
@@ -62,11 +62,9 @@ def test_a_mistake_goes_through_the_commands(tmp_path):
 @pytest.mark.parametrize("name", CAUSES)
 def test_a_cause_is_hidden_somewhere(name):
     hidden = CAUSES[name](np.random.default_rng(5))
-    log, plain = ramp(), Hidden()
-    changed = [
-        hidden.car(role, IDEAL, lambda t: 1e6, 25.0) != IDEAL for role in (RAMP, STOP)
-    ]  # fmt: skip
-    changed.append(hidden.told(IDEAL.vehicle) != plain.told(IDEAL.vehicle))
+    log = good()[1]["stop_1"]
+    changed = [hidden.car(role, IDEAL, lambda t: 1e6, 25.0) != IDEAL for role in (RAMP, STOP)]
+    changed.append(hidden.told(IDEAL.vehicle) != IDEAL.vehicle)
     changed.append(hidden.levels(LEVELS) != LEVELS)
     seen = hidden.sense(STOP, log)
     changed.append(any(not np.array_equal(seen[c], log[c]) for c in log.channels))
