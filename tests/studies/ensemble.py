@@ -12,8 +12,9 @@ import numpy as np
 
 from calib.logs.log import Log
 from calib.physics.vehicle import Axle, Vehicle
-from calib.simulation.sensor_noise import LEVELS, add_noise
-from tests.support.plant import Plant, as_log, brush, drive, magic
+from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
+from tests.studies.causes import COAST, RAMP, STOP, Hidden
+from tests.support.plant import Plant, Pressure, as_log, brush, drive, magic
 
 SURFACES = {
     # name: stiffness factors, peak factors, deceleration aimed at, common pad level
@@ -35,11 +36,28 @@ class Stop:
 
 @dataclass(frozen=True)
 class Case:
-    """One car: what the program is told, its ramp, its stops."""
+    """One car: what the program is told, its ramp, its stops; ``coast`` where one was asked for."""
 
     vehicle: Vehicle
     ramp: Log
     stops: tuple[Stop, ...]
+    coast: Log | None = None
+
+
+@dataclass(frozen=True)
+class Track:
+    """What all runs of a car share: what is hidden in it, and the noise of its sensors."""
+
+    hidden: Hidden
+    levels: dict[str, NoiseLevel]
+
+    def driven(
+        self, role: str, name: str, plant: Plant, pressure: Pressure, v0: float, seed: int, **how
+    ) -> Log:
+        """One run as the sensors give it; ``how`` as `drive` has it."""
+        real = self.hidden.car(role, plant, pressure, v0)
+        log = as_log(drive(real, pressure, v0, **how), name)
+        return add_noise(self.hidden.sense(role, log), seed, self.levels)
 
 
 def cases(count: int, seed: int, stops: int = 3) -> Iterator[Case]:
@@ -48,8 +66,14 @@ def cases(count: int, seed: int, stops: int = 3) -> Iterator[Case]:
         yield case(np.random.default_rng([seed, i]), stops, seed * 1000 + i)
 
 
-def case(rng: np.random.Generator, stops: int, noise_seed: int) -> Case:
-    """One car, one ramp on its home surface, stops elsewhere."""
+def case(
+    rng: np.random.Generator, stops: int, noise_seed: int, hidden: Hidden | None = None
+) -> Case:
+    """One car, one ramp on its home surface, stops elsewhere.
+
+    With something ``hidden`` it has a coast log, too; the car, its roads and its pads are those
+    that it has without.
+    """
     vehicle = car(rng)
     plant = Plant(
         vehicle=vehicle,
@@ -63,20 +87,27 @@ def case(rng: np.random.Generator, stops: int, noise_seed: int) -> Case:
         plant = replace(plant, rolling_resistance=float(rng.uniform(0.008, 0.014)))
     loud = float(rng.uniform(0.6, 2.0))
     levels = {k: replace(v, sd=v.sd * loud) for k, v in LEVELS.items()}
+    given = hidden or Hidden()
+    track = Track(given, given.levels(levels))
     slope = float(rng.uniform(4.0, 7.0)) * 1e5
     v0 = float(rng.uniform(30.0, 34.0))
     top = round(20.0 * ((0.58 / per_pascal(vehicle)) / slope + 1.5)) / 20.0
-    run = drive(plant, lambda t: slope * max(t - 1.5, 0.0), v0, duration=top, stop_speed=8.0)
-    ramp = add_noise(as_log(run, "ramp"), noise_seed, levels)
+    pressure = lambda t: slope * max(t - 1.5, 0.0)  # noqa: E731
+    how = {"duration": top, "stop_speed": 8.0}
+    ramp = track.driven(RAMP, "ramp", plant, pressure, v0, noise_seed, **how)
+    coast = None
+    if hidden:
+        seed = noise_seed + 104_729
+        coast = track.driven(COAST, "coast", plant, lambda t: 0.0, v0, seed, duration=15.0)
     made = [
-        stop(rng, plant, vehicle, str(name), noise_seed + 7919 * (k + 1), levels)
+        stop(rng, plant, vehicle, str(name), noise_seed + 7919 * (k + 1), track)
         for k, name in enumerate(rng.choice(list(SURFACES), stops, p=[0.3, 0.3, 0.25, 0.15]))
     ]
-    return Case(vehicle, ramp, tuple(made))
+    return Case(given.told(vehicle), ramp, tuple(made), coast)
 
 
 def stop(
-    rng: np.random.Generator, plant: Plant, vehicle: Vehicle, name: str, seed: int, levels: dict
+    rng: np.random.Generator, plant: Plant, vehicle: Vehicle, name: str, seed: int, track: Track
 ) -> Stop:
     """One stop on a surface, with pads of their own."""
     stiffness, peak, aim, level = (rng.uniform(*r) for r in SURFACES[name])
@@ -95,8 +126,8 @@ def stop(
     pressure = profile(rng, p0)
     on_road = replace(plant, pads=pads, surface=lambda x: (float(stiffness), float(peak)))
     v0 = float(rng.uniform(22.0, 30.0)) if name != "tile" else float(rng.uniform(16.0, 20.0))
-    run = drive(on_road, pressure, v0, duration=11.0, stop_speed=1.5)
-    return Stop(add_noise(as_log(run, name), seed, levels), name, alike)
+    how = {"duration": 11.0, "stop_speed": 1.5}
+    return Stop(track.driven(STOP, name, on_road, pressure, v0, seed, **how), name, alike)
 
 
 def profile(rng: np.random.Generator, p0: float) -> Callable[[float], float]:

@@ -18,8 +18,8 @@ from scipy.integrate import solve_ivp
 
 from calib.logs.log import Log
 from calib.physics.vehicle import Vehicle
+from tests.support.cornering import GRAVITY, STRAIGHT, Tyre, along, cornering
 
-GRAVITY = 9.80665
 AIR = 1.2
 
 WHEELS = ("fl", "fr", "rl", "rr")
@@ -29,9 +29,6 @@ V, X, TRANSFER, RATE, OMEGA = 0, 1, 2, 3, slice(4, 8)
 
 Pressure = Callable[[float], float]
 """Pressure [Pa] at a time [s]."""
-
-Tyre = Callable[[float, float, float, float], float]
-"""slip, load over the static mean load, stiffness factor, peak factor -> normalised force."""
 
 
 def magic(
@@ -82,6 +79,11 @@ class Plant:
     surface : stiffness and peak factors [1] of the road at a distance [m]; None if all alike.
     pitch_frequency : eigenfrequency [Hz] of the load transfer; 0 if it follows at once.
     pitch_damping : its damping ratio [1].
+    pitch_felt : angle by which the nose dips per g [rad]; it tilts the accelerometer.
+    grade : sine of the slope [1], positive uphill; the accelerometer feels it.
+    motor : torque at each front and each rear wheel [N m] at a time [s]; negative slows the car.
+    hydraulic_lag : time constant [s] of the wheels' pressures behind that of the master cylinder.
+    curvature : of the path [1/m] at a time [s], positive to the left; straight if None.
     """
 
     vehicle: Vehicle
@@ -96,11 +98,16 @@ class Plant:
     surface: Callable[[float], tuple[float, float]] | None = None
     pitch_frequency: float = 0.0
     pitch_damping: float = 0.3
+    pitch_felt: float = 0.0
+    grade: float = 0.0
+    motor: Callable[[float], tuple[float, float]] | None = None
+    hydraulic_lag: float = 0.0
+    curvature: Callable[[float], float] | None = None
 
 
 @dataclass(frozen=True)
 class Moment:
-    """One instant: deceleration over g and, by wheel, load, tyre force, brake torque, spin rate."""
+    """One instant: ``z`` force against the motion over the weight [1]; the rest by wheel."""
 
     z: float
     load: tuple[float, ...]
@@ -123,6 +130,10 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     if plant.surface:
         road = [plant.surface(state[X]), plant.surface(state[X] - length)]
     road[1] = (road[1][0] * plant.rear_stiffness, road[1][1])
+    turn = STRAIGHT
+    if plant.curvature:
+        turn = cornering(car, plant.tyre, plant.curvature(t), v)
+    motor = plant.motor(t) if plant.motor else (0.0, 0.0)
     z = state[TRANSFER]
     for _ in range(1 if plant.pitch_frequency else 8):
         half = [
@@ -133,12 +144,16 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
             r * (1.0 - plant.radius_load * (now / then - 1.0))
             for r, now, then in zip(at_rest, half, rest, strict=True)
         ]
-        slips = [1.0 - radius[i] * w / v for i, w in zip(SIDES, state[OMEGA], strict=True)]
-        forces = [
-            half[i] * plant.tyre(s, 4.0 * half[i] / weight, *road[i])
-            for i, s in zip(SIDES, slips, strict=True)
+        loads = [half[i] * k for i, k in zip(SIDES, turn.load, strict=True)]
+        slips = [
+            1.0 - radius[i] * w / (v * k)
+            for i, w, k in zip(SIDES, state[OMEGA], turn.path, strict=True)
         ]
-        last, z = z, (sum(forces) + drag) / weight
+        forces = [
+            n * along(plant.tyre, s, turn.across, 4.0 * n / weight, road[i])
+            for i, s, n in zip(SIDES, slips, loads, strict=True)
+        ]
+        last, z = z, (sum(forces) + drag + turn.resistance * 2.0 * half[0]) / weight
         if abs(z - last) < 1e-13:
             break
     torque = [
@@ -146,10 +161,10 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
         for i, q in zip(SIDES, p, strict=True)
     ]
     spin = [
-        (radius[i] * (f - plant.rolling_resistance * half[i]) - b) / axles[i].wheel_inertia
-        for i, f, b in zip(SIDES, forces, torque, strict=True)
+        (radius[i] * (f - plant.rolling_resistance * n) - b + motor[i]) / axles[i].wheel_inertia
+        for i, f, n, b in zip(SIDES, forces, loads, torque, strict=True)
     ]
-    return Moment(z, tuple(half[i] for i in SIDES), tuple(forces), tuple(torque), tuple(spin))
+    return Moment(z, tuple(loads), tuple(forces), tuple(torque), tuple(spin))
 
 
 def drive(
@@ -171,13 +186,15 @@ def drive(
     """
     own = wheel_pressure or {}
     traces = [own.get(w, pressure) for w in WHEELS]
+    if plant.hydraulic_lag:
+        traces = [lagged(trace, plant.hydraulic_lag, duration) for trace in traces]
     omega_n = 2.0 * math.pi * plant.pitch_frequency
 
     def derivative(t: float, state: np.ndarray) -> list[float]:
         s = state.tolist()
         now = instant(plant, t, s, tuple(trace(t) for trace in traces))
         follow = omega_n**2 * (now.z - s[TRANSFER]) - 2.0 * plant.pitch_damping * omega_n * s[RATE]
-        return [-GRAVITY * now.z, s[V], s[RATE], follow, *now.spin]
+        return [-GRAVITY * (now.z + plant.grade), s[V], s[RATE], follow, *now.spin]
 
     def stopped(t: float, state: np.ndarray) -> float:
         return float(state[V] - stop_speed)
@@ -199,6 +216,19 @@ def drive(
     return _channels(plant, solution.t, solution.y, pressure, traces, own)
 
 
+def lagged(pressure: Pressure, lag: float, duration: float, step: float = 1e-3) -> Pressure:
+    """The pressure behind a first-order lag [s], as if it had begun at rest; straight between."""
+    keep, values = math.exp(-step / lag), [pressure(0.0)]
+    for k in range(1, round(duration / step) + 2):
+        values.append(keep * values[-1] + (1.0 - keep) * pressure(k * step))
+
+    def trace(t: float) -> float:
+        k = min(int(t / step), len(values) - 2)
+        return values[k] + (t / step - k) * (values[k + 1] - values[k])
+
+    return trace
+
+
 def _start(plant: Plant, v0: float, traces: list[Pressure]) -> list[float]:
     """The first state: as if the car had braked with the first pressure for ever."""
     axles = (plant.vehicle.front, plant.vehicle.rear)
@@ -208,7 +238,7 @@ def _start(plant: Plant, v0: float, traces: list[Pressure]) -> list[float]:
 
     def frozen(t: float, omega: np.ndarray) -> list[float]:
         now = instant(quick, 0.0, [v0, 0.0, 0.0, 0.0, *omega.tolist()], p)
-        drift = [-GRAVITY * now.z * w / v0 for w in omega.tolist()]
+        drift = [-GRAVITY * (now.z + plant.grade) * w / v0 for w in omega.tolist()]
         return [s - d for s, d in zip(now.spin, drift, strict=True)]
 
     free = [v0 / radius[i] for i in SIDES]
@@ -235,7 +265,9 @@ def _channels(
         lambda t: (plant.vehicle.front.pad_friction, plant.vehicle.rear.pad_friction)
     )
     run = {"time": time, "p_mc": np.array([pressure(t) for t in time.tolist()])}
-    run |= {"a_x": np.array([-GRAVITY * m.z for m in moments]), "v": states[V]}
+    z = np.array([m.z for m in moments])
+    dip = plant.pitch_felt * (states[TRANSFER] if plant.pitch_frequency else z)
+    run |= {"a_x": -GRAVITY * (z * np.cos(dip) + np.sin(dip)), "v": states[V]}
     for i, w in enumerate(WHEELS):
         run[f"omega_{w}"] = states[OMEGA][i]
         run[f"true_Tb_{w}"] = np.array([m.torque[i] for m in moments])

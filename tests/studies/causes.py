@@ -1,0 +1,293 @@
+"""One cause at a time that sets a real car apart from its model: how large it is, and whence.
+
+A cause is drawn for a car as a `Hidden`: what it does to the car and the road of a run, to what the
+program is told, to what the sensors read. `CAUSES` has them by name, the control first.
+
+Spreads are those of the road, not of the program's priors. Where the source gives a tolerance it is
+named; where it gives a range, the draw is even over the range; the rest is our own estimate and is
+called so.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.logs.log import Log
+from calib.names import WHEELS
+from calib.physics.vehicle import Vehicle
+from calib.simulation.sensor_noise import NoiseLevel
+from tests.support.plant import Plant, Pressure
+
+BAR = 1e5
+RAMP, COAST, STOP = "ramp", "coast", "stop"
+
+Rng = np.random.Generator
+Levels = dict[str, NoiseLevel]
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """What a car has that its model lacks.
+
+    ``car`` makes the plant of a run from its role, the plant, its pressure and first speed;
+    ``told`` the vehicle file; ``sense`` what the sensors read before noise, by role; ``levels``
+    their noise and steps.
+    """
+
+    car: Callable[[str, Plant, Pressure, float], Plant] = lambda role, plant, pressure, v0: plant
+    told: Callable[[Vehicle], Vehicle] = lambda vehicle: vehicle
+    sense: Callable[[str, Log], Log] = lambda role, log: log
+    levels: Callable[[Levels], Levels] = lambda levels: levels
+
+
+def control(rng: Rng) -> Hidden:
+    return Hidden()
+
+
+def tyres_per_axle(rng: Rng) -> Hidden:
+    """One sigma 10 %: pressure, wear and width of front and rear tyres are seldom the same.
+
+    Carlson and Gerdes, IEEE Trans. Control Systems Technology 13 (2005), see the stiffness of one
+    tyre move by such amounts with pressure and tread; Gustafsson, Automatica 33 (1997), between
+    tyres by more.
+    """
+    k = math.exp(rng.normal(0.0, 0.10))
+    return Hidden(car=lambda role, p, *_: replace(p, rear_stiffness=k * p.rear_stiffness))
+
+
+def tyres_changed(rng: Rng) -> Hidden:
+    """Another set on one axle after the ramp: one sigma 10 %, same sources."""
+    k, front = math.exp(rng.normal(0.0, 0.10)), bool(rng.random() < 0.5)
+
+    def car(role: str, p: Plant, *_: object) -> Plant:
+        if role != STOP:
+            return p
+        if not front:
+            return replace(p, rear_stiffness=k * p.rear_stiffness)
+        road = p.surface or (lambda x: (1.0, 1.0))
+        both = lambda x: (k * road(x)[0], road(x)[1])  # noqa: E731
+        return replace(p, surface=both, rear_stiffness=p.rear_stiffness / k)
+
+    return Hidden(car=car)
+
+
+def mass(rng: Rng) -> Hidden:
+    """A driver of 75 kg (Regulation (EU) 1230/2012) is in the file; up to two more and their bags
+    (75 and 7 kg each), and half a tank more or less (25 kg), are in no file; in the stops others.
+    """
+
+    def load() -> float:
+        return float(82.0 * rng.integers(0, 3) + rng.uniform(-25.0, 25.0))
+
+    ramp, stops = load(), load()
+
+    def car(role: str, p: Plant, *_: object) -> Plant:
+        extra = stops if role == STOP else ramp
+        return replace(p, mass_scale=p.mass_scale * (1.0 + extra / p.vehicle.mass))
+
+    return Hidden(car=car)
+
+
+def centre_of_gravity(rng: Rng) -> Hidden:
+    """One sigma 7 %: a height from a sister model or from the roof; a test by ISO 10392 does
+    better, and passengers raise it by 2 to 4 % (our estimate)."""
+    k = math.exp(rng.normal(0.0, 0.07))
+    return Hidden(told=lambda car: replace(car, cg_height=k * car.cg_height))
+
+
+def a_x_scale(rng: Rng) -> Hidden:
+    """One sigma 2.5 %: ADXL350 data sheet, 473.6 to 550.4 LSB/g about 512, 7.5 % at most."""
+    k = 1.0 + float(rng.normal(0.0, 0.025))
+    return Hidden(sense=lambda role, log: changed(log, a_x=k * log["a_x"]))
+
+
+def a_x_bias(rng: Rng) -> Hidden:
+    """One sigma 0.15 m/s^2, other in every run: 0.31 mg/K (ADXL350 data sheet) over 30 K of a
+    car that warms, and half a degree of mounting and of tank and trunk (our estimate)."""
+    ramp, stops = rng.normal(0.0, 0.15, 2).tolist()
+    return Hidden(
+        sense=lambda role, log: changed(log, a_x=log["a_x"] + (stops if role == STOP else ramp))
+    )
+
+
+def body_pitch(rng: Rng) -> Hidden:
+    """0.5 to 2 degrees a g: Reimpell, The Automotive Chassis, and Gillespie, Fundamentals of
+    Vehicle Dynamics, give passenger cars about 1 to 2 without anti-dive."""
+    dip = math.radians(rng.uniform(0.5, 2.0))
+    return Hidden(car=lambda role, p, *_: replace(p, pitch_felt=dip))
+
+
+def grade(rng: Rng) -> Hidden:
+    """Ramp and coast on a test track, up to 1 % (49 CFR 571.135, S6.2; California VC 26456); a stop
+    on a road, up to 4 %, as German main roads have on a plain (RAL)."""
+    track = float(rng.uniform(-0.01, 0.01))
+    roads = rng.uniform(-0.04, 0.04, 16).tolist()
+
+    def car(role: str, p: Plant, *_: object) -> Plant:
+        return replace(p, grade=roads.pop() if role == STOP else track)
+
+    return Hidden(car=car)
+
+
+def radius_over_load(rng: Rng) -> Hidden:
+    """0.2 to 1 % per 100 % of load: the coefficients BREFF, DREFF and FREFF of common tyre files
+    give about 0.4 (Pacejka, Tyre and Vehicle Dynamics, ch. 4, A4 of the MF-Tyre manual)."""
+    k = float(rng.uniform(0.002, 0.01))
+    return Hidden(car=lambda role, p, *_: replace(p, radius_load=k))
+
+
+def load_exponent(rng: Rng) -> Hidden:
+    """Compliance grows with load to the power 0 to 0.2: PKX1 to PKX3 of tyre files (Pacejka)."""
+    k = float(rng.uniform(0.0, 0.2))
+
+    def car(role: str, p: Plant, *_: object) -> Plant:
+        inner = p.tyre
+
+        def tyre(slip: float, load: float, stiffness: float, peak: float) -> float:
+            return inner(slip, load, stiffness * load**-k, peak)
+
+        return replace(p, tyre=tyre)
+
+    return Hidden(car=car)
+
+
+def motor_torque(rng: Rng) -> Hidden:
+    """20 to 200 N m a wheel that come with the pedal (UN R13-H, category A) or on the lift of the
+    other one: 0.01 to 0.1 g, as cars with belt starters and hybrids have; half of them in the
+    ramp, too. On a slippery road less, as stability control lets it (our estimate)."""
+    torque, front, pedal, ramp = (
+        float(rng.uniform(20.0, 200.0)),
+        bool(rng.random() < 0.6),
+        bool(rng.random() < 0.5),
+        bool(rng.random() < 0.5),
+    )
+
+    def car(role: str, p: Plant, pressure: Pressure, v0: float) -> Plant:
+        if role == COAST or (role == RAMP and not ramp):
+            return p
+
+        most = torque * grip(p)
+
+        def motor(t: float) -> tuple[float, float]:
+            on = min(max(pressure(t) / (3.0 * BAR), 0.0), 1.0) if pedal else 1.0
+            return (-most * on, 0.0) if front else (0.0, -most * on)
+
+        return replace(p, motor=motor)
+
+    return Hidden(car=car)
+
+
+def hydraulic_lag(rng: Rng) -> Hidden:
+    """0.05 to 0.2 s: Limpert, Brake Design and Safety; UN R13-H lets 0.6 s pass to 75 % force."""
+    lag = float(rng.uniform(0.05, 0.20))
+    return Hidden(car=lambda role, p, *_: replace(p, hydraulic_lag=lag))
+
+
+def bends(rng: Rng) -> Hidden:
+    """Stops in bends of 1 to 4 m/s^2 at first, less on a slippery road: what drivers do (our
+    estimate); the ramp is straight."""
+    sideways = rng.choice([-1.0, 1.0], 16) * rng.uniform(1.0, 4.0, 16)
+    left = sideways.tolist()
+
+    def car(role: str, p: Plant, pressure: Pressure, v0: float) -> Plant:
+        if role != STOP:
+            return p
+        k = left.pop() * grip(p) / v0**2
+        return replace(p, curvature=lambda t: k)
+
+    return Hidden(car=car)
+
+
+def tone_ring(rng: Rng) -> Hidden:
+    """Each ring out of true by 0.05 to 0.15 mm on 50 mm (our estimate of the usual tolerance):
+    0.1 to 0.3 % of the wheel speed, once a turn."""
+    sizes, angles = rng.uniform(0.001, 0.003, 4), rng.uniform(0.0, 2.0 * math.pi, 4)
+
+    def sense(role: str, log: Log) -> Log:
+        seen = {}
+        for wheel, size, angle in zip(WHEELS, sizes, angles, strict=True):
+            omega = log[f"omega_{wheel}"]
+            turned = angle + np.cumsum(omega) * log.sample_time
+            seen[f"omega_{wheel}"] = omega * (1.0 + size * np.cos(turned))
+        return changed(log, **seen)
+
+    return Hidden(sense=sense)
+
+
+def quantisation(rng: Rng) -> Hidden:
+    """Steps of signals on vehicle buses, as the public DBC files of opendbc have them: wheel speeds
+    0.01 to 0.0625 km/h, a_x 0.01 to 0.04 m/s^2, pressure 0.1 to 0.5 bar."""
+    speed = float(rng.choice([0.01, 0.03125, 0.05625, 0.0625])) / 3.6 / 0.31
+    steps = {f"omega_{w}": speed for w in WHEELS}
+    steps |= {"a_x": float(rng.choice([0.01, 0.02, 0.04])), "p_mc": float(rng.choice([0.1, 0.5]))}
+    steps["p_mc"] *= BAR
+    return Hidden(
+        levels=lambda levels: {
+            name: replace(level, quantum=steps.get(name, level.quantum))
+            for name, level in levels.items()
+        }
+    )
+
+
+def everything(rng: Rng) -> Hidden:
+    """All that is above, together."""
+    return together([draw(rng) for name, draw in CAUSES.items() if draw is not everything])
+
+
+def grip(p: Plant) -> float:
+    """Peak of the road over that of a good one [1], at most 1."""
+    return min(p.surface(0.0)[1], 1.0) if p.surface else 1.0
+
+
+def together(parts: list[Hidden]) -> Hidden:
+    """Several causes in one car."""
+
+    def car(role: str, p: Plant, pressure: Pressure, v0: float) -> Plant:
+        for part in parts:
+            p = part.car(role, p, pressure, v0)
+        return p
+
+    def told(vehicle: Vehicle) -> Vehicle:
+        for part in parts:
+            vehicle = part.told(vehicle)
+        return vehicle
+
+    def sense(role: str, log: Log) -> Log:
+        for part in parts:
+            log = part.sense(role, log)
+        return log
+
+    def levels(of: Levels) -> Levels:
+        for part in parts:
+            of = part.levels(of)
+        return of
+
+    return Hidden(car, told, sense, levels)
+
+
+def changed(log: Log, **channels: np.ndarray) -> Log:
+    """The log with other readings."""
+    return replace(log, channels={**log.channels, **channels})
+
+
+CAUSES: dict[str, Callable[[Rng], Hidden]] = {
+    "control": control,
+    "tyres per axle": tyres_per_axle,
+    "tyres changed after": tyres_changed,
+    "mass": mass,
+    "centre of gravity": centre_of_gravity,
+    "a_x scale": a_x_scale,
+    "a_x bias": a_x_bias,
+    "body pitch": body_pitch,
+    "grade": grade,
+    "radius over load": radius_over_load,
+    "load exponent": load_exponent,
+    "motor torque": motor_torque,
+    "hydraulic lag": hydraulic_lag,
+    "bends": bends,
+    "tone ring": tone_ring,
+    "quantisation": quantisation,
+    "everything": everything,
+}

@@ -1,0 +1,166 @@
+"""How often the 95 % intervals hold the truth on real cars, by what the model of them lacks.
+
+    python tests/studies/coverage_by_cause.py --cars 6 --seed 1 [--cause "a_x bias"] [--jobs 2]
+
+The cars of `ensemble`, each with a ramp, a coast and three stops, and with one cause of `causes`
+drawn on top; car i is the same car for every cause. One table with the reference speed `v` and one
+without. A stop is warned if `validate` has a warning on it; "unwarned" is what a reader would
+believe. Errors are those of the pad friction against the plant, over the valid samples. In two of
+five stops the pads really changed apart, of the control, too: a warning of that is a right one.
+"""
+
+import argparse
+import sys
+import zlib
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+
+from calib.errors import BrakeCalError
+from calib.fitting.fit import fit
+from calib.logs.log import Log
+from calib.table.table import Table
+from calib.validation.limits import DEFAULTS
+from calib.validation.validate import validate_one
+from tests.studies.causes import CAUSES
+from tests.studies.coverage import without_v
+from tests.studies.ensemble import Case, case
+
+
+@dataclass(frozen=True)
+class Row:
+    """One stop. ``held`` and ``squares``: number of valid samples that hold the truth, sum of the
+    squared relative errors, front and rear; ``codes`` of its warnings; ``refused`` if no estimate.
+    """
+
+    cause: str
+    with_v: bool
+    valid: int = 0
+    braked: int = 0
+    held: tuple[float, float] = (0.0, 0.0)
+    squares: tuple[float, float] = (0.0, 0.0)
+    codes: tuple[str, ...] = field(default=())
+    refused: str = ""
+
+
+def tried(job: tuple[str, int, int]) -> list[Row]:
+    """All stops of one car with one cause: (cause, seed, car)."""
+    cause, seed, number = job
+    hidden = CAUSES[cause](np.random.default_rng([seed, number, zlib.crc32(cause.encode())]))
+    of = case(np.random.default_rng([seed, number]), 3, 1000 * seed + number, hidden)
+    return [row for keep_v in (True, False) for row in rows(cause, of, keep_v)]
+
+
+def rows(cause: str, of: Case, keep_v: bool) -> list[Row]:
+    """The stops of a car, by a table of its ramp and its coast."""
+
+    def seen(log: Log) -> Log:
+        return log if keep_v else without_v(log)
+
+    try:
+        table = fit(of.vehicle, [seen(log) for log in (of.ramp, of.coast) if log])
+    except BrakeCalError as error:
+        return [Row(cause, keep_v, refused=f"fit: {error}") for _ in of.stops]
+    return [row(cause, keep_v, table, seen(stop.log)) for stop in of.stops]
+
+
+def row(cause: str, keep_v: bool, table: Table, log: Log) -> Row:
+    """One stop against the plant."""
+    try:
+        result = validate_one(table, log, None, DEFAULTS, baselines=False)
+    except BrakeCalError as error:
+        return Row(cause, keep_v, refused=f"validate: {error}")
+    e, held, squares = result.estimate, [], []
+    for axle, name in ((e.front, "true_mu_pad_f"), (e.rear, "true_mu_pad_r")):
+        truth = log.truth[name]
+        held.append(float(np.sum(((truth >= axle.lower) & (truth <= axle.upper))[e.valid])))
+        squares.append(float(np.sum((axle.pad_friction / truth - 1.0)[e.valid] ** 2)))
+    return Row(
+        cause,
+        keep_v,
+        valid=int(np.sum(e.valid)),
+        braked=int(np.sum(e.braked & (e.speed > 3.0))),
+        held=(held[0], held[1]),
+        squares=(squares[0], squares[1]),
+        codes=tuple(warning.code for warning in result.warnings),
+    )
+
+
+def report(found: list[Row], with_v: bool) -> None:
+    """Print the table."""
+    print(f"\n{'with' if with_v else 'without'} v")
+    print(f"{'cause':20} {'stops':>5} {'refused':>7} {'coverage f/r':>13} {'valid':>6} "
+          f"{'rms f/r %':>12} {'warned':>7} {'unwarned f/r':>13}   codes")  # fmt: skip
+    for cause in CAUSES:
+        part = [r for r in found if (r.cause, r.with_v) == (cause, with_v)]
+        if not part:
+            continue
+        answered = [r for r in part if not r.refused]
+        quiet = [r for r in answered if not r.codes]
+        valid, braked = sum(r.valid for r in answered), sum(r.braked for r in answered)
+        counted = Counter(code for r in answered for code in set(r.codes))
+        codes = ", ".join(f"{code} {n}" for code, n in counted.most_common(3))
+        print(f"{cause:20} {len(part):5} {len(part) - len(answered):7} {coverage(answered):>13} "
+              f"{valid / braked if braked else 0.0:6.2f} {rms(answered):>12} "
+              f"{share(len(answered) - len(quiet), len(answered)):>7} {coverage(quiet):>13}   "
+              f"{codes}")  # fmt: skip
+    refusals = Counter(r.refused for r in found if r.refused and r.with_v == with_v)
+    for text, n in refusals.most_common(5):
+        print(f"refused {n}: {text[:160]}")
+
+
+def coverage(part: list[Row]) -> str:
+    """Share of valid samples whose interval holds the truth, front and rear."""
+    valid = sum(r.valid for r in part)
+    if not valid:
+        return "none"
+    f, b = (sum(r.held[k] for r in part) / valid for k in (0, 1))
+    return f"{f:.2f} / {b:.2f}"
+
+
+def rms(part: list[Row]) -> str:
+    """Root mean square of the relative error, front and rear, in percent."""
+    valid = sum(r.valid for r in part)
+    if not valid:
+        return "none"
+    f, b = (100 * np.sqrt(sum(r.squares[k] for r in part) / valid) for k in (0, 1))
+    return f"{f:.1f} / {b:.1f}"
+
+
+def share(hits: int, n: int) -> str:
+    """A share in percent."""
+    return f"{100 * hits / n:.0f} %" if n else "none"
+
+
+def carried_out(jobs: list[tuple[str, int, int]], workers: int) -> Iterator[list[Row]]:
+    """The rows of the jobs in their order."""
+    if workers == 1:
+        yield from map(tried, jobs)
+        return
+    with ProcessPoolExecutor(workers) as pool:
+        yield from pool.map(tried, jobs)
+
+
+def main() -> None:
+    """Run the study."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--cars", type=int, default=6)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--cause", action="append", choices=list(CAUSES), metavar="CAUSE")
+    asked = parser.parse_args()
+    jobs = [(c, asked.seed, i) for c in asked.cause or CAUSES for i in range(asked.cars)]
+    found = [row for part in carried_out(jobs, asked.jobs) for row in part]
+    print(f"{asked.cars} cars a cause, seed {asked.seed}")
+    for with_v in (True, False):
+        report(found, with_v)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,183 @@
+"""A car at a station, drawn at random: ramp, coast, three stops within an hour on one road.
+
+Everything that a good line does not know is drawn, in the size that it has on a good line; nothing
+of `calib` makes the data but the noise of the sensors. What a mistake adds is in `made_mistakes`.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from calib.logs.log import Log
+from calib.names import WHEELS
+from calib.physics.vehicle import Vehicle
+from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
+from tests.studies.ensemble import car, per_pascal, tyre
+from tests.support.plant import Plant, Pressure, as_log, drive
+
+RATE = 100.0
+"""Sample rate of the logs [Hz]."""
+
+BAR = 1e5
+STOPS = ("stop_1", "stop_2", "stop_3")
+RUNS = ("ramp", "coast", *STOPS)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One drive: what the car is in it, what its driver does.
+
+    ``wheels`` pressures [Pa] of wheels that have one of their own; nobody logs them.
+    """
+
+    plant: Plant
+    pressure: Pressure
+    speed: float
+    duration: float
+    stop_speed: float
+    wheels: dict[str, Pressure] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """``zeros`` and ``gains`` of channels, noise by channel, its seed; whether ``v`` is logged."""
+
+    zeros: dict[str, float]
+    gains: dict[str, float]
+    levels: dict[str, NoiseLevel]
+    seed: int
+    with_v: bool
+
+
+@dataclass(frozen=True)
+class Line:
+    """One car at the station: the file it comes with, its runs, its sensors."""
+
+    file: Vehicle
+    runs: dict[str, Run]
+    sensors: Sensors
+
+    @property
+    def true(self) -> Vehicle:
+        """The car as it is."""
+        return self.runs["ramp"].plant.vehicle
+
+
+def line(rng: np.random.Generator, seed: int) -> Line:
+    """Draw a good line; ``seed`` is that of its noise."""
+    true = replace(car(rng), name="car")
+    plant = Plant(
+        vehicle=true,
+        tyre=tyre(rng),
+        drag_area=float(rng.uniform(0.55, 0.8)),
+        rolling_resistance=float(rng.uniform(0.008, 0.014)),
+        radius_load=float(rng.uniform(0.0, 0.004)),
+        rear_stiffness=math.exp(rng.normal(0.0, 0.03)),
+        pitch_frequency=float(rng.uniform(1.1, 1.6)),
+        pitch_damping=float(rng.uniform(0.25, 0.4)),
+        pitch_felt=math.radians(rng.uniform(0.0, 0.6)),
+        grade=float(rng.normal(0.0, 0.002)),
+        hydraulic_lag=float(rng.uniform(0.01, 0.05)),
+    )
+    common, apart = rng.uniform(0.9, 1.1), math.exp(rng.normal(0.0, 0.02))
+    runs = {
+        name: replace(run, plant=replace(run.plant, pads=pads(rng, true, common, apart)))
+        for name, run in drives(rng, plant).items()
+    }
+    return Line(on_paper(rng, true), runs, sensors(rng, seed))
+
+
+def pads(
+    rng: np.random.Generator, true: Vehicle, common: float, apart: float
+) -> Callable[[float], tuple[float, float]]:
+    """Pads of one run: those of the car, 1 % up or down, the axles 0.5 % apart by chance."""
+    now, split = common * math.exp(rng.normal(0.0, 0.01)), apart * math.exp(rng.normal(0.0, 0.005))
+    front = true.front.pad_friction * now * math.sqrt(split)
+    rear = true.rear.pad_friction * now / math.sqrt(split)
+    return lambda t: (front, rear)
+
+
+def on_paper(rng: np.random.Generator, true: Vehicle) -> Vehicle:
+    """The vehicle file: weighed to 1 %, centre of gravity to 3 %, tyres to 0.3 and 0.1 %."""
+    radius = 1.0 + rng.normal(0.0, 0.003)
+    front, rear = (
+        replace(
+            axle,
+            rolling_radius=axle.rolling_radius * radius * (1.0 + rng.normal(0.0, 0.001)),
+            wheel_inertia=axle.wheel_inertia * (1.0 + rng.normal(0.0, 0.05)),
+        )
+        for axle in (true.front, true.rear)
+    )
+    return replace(
+        true,
+        mass=true.mass * (1.0 + rng.normal(0.0, 0.01)),
+        cg_height=true.cg_height * (1.0 + rng.normal(0.0, 0.03)),
+        front=front,
+        rear=rear,
+    )
+
+
+def drives(rng: np.random.Generator, plant: Plant) -> dict[str, Run]:
+    """What the driver does: a ramp of 5 s after 1.5 s of rolling, a coast, three stops."""
+    bar_per_g = 1.0 / per_pascal(plant.vehicle)
+    slope = bar_per_g * rng.uniform(0.45, 0.55) / 5.0
+    ramp = Run(plant, lambda t: slope * max(t - 1.5, 0.0), float(rng.uniform(29.0, 33.0)), 6.5, 8.0)
+    runs = {"ramp": ramp, "coast": replace(ramp, pressure=lambda t: 0.0, duration=15.0)}
+    for name in STOPS:
+        peak = bar_per_g * float(rng.uniform(0.22, 0.45))
+        speed = float(rng.uniform(22.0, 30.0))
+        runs[name] = Run(plant, profile(rng, peak), speed, 11.0, 1.5)
+    return runs
+
+
+def profile(rng: np.random.Generator, peak: float) -> Pressure:
+    """Pressure [Pa] of a stop: held, waved, in two steps or slowly let go, from 1.5 s on."""
+    rise, kind = float(rng.uniform(0.2, 0.5)), int(rng.integers(4))
+
+    def shape(t: float) -> float:
+        if kind == 0:
+            return 1.0
+        if kind == 1:
+            return 0.88 + 0.12 * math.sin(2.5 * t)
+        if kind == 2:
+            return 0.6 + 0.4 / (1.0 + math.exp(-(t - 1.5) / 0.15))
+        return 1.0 - 0.05 * t
+
+    return lambda t: peak * min(max((t - 1.5) / rise, 0.0), 1.0) * shape(max(t - 1.5, 0.0))
+
+
+def sensors(rng: np.random.Generator, seed: int) -> Sensors:
+    """Good sensors: a_x to 0.5 % and 0.02 m/s^2, pressure to 0.5 % and 0.15 bar, v to 0.2 %."""
+    loud = float(rng.uniform(0.6, 1.5))
+    levels = {name: replace(level, sd=level.sd * loud) for name, level in LEVELS.items()}
+    levels["a_x"] = replace(levels["a_x"], quantum=float(rng.choice([0.005, 0.01, 0.02])))
+    floor = float(rng.choice([0.0, -math.inf]))  # half of the loggers clip the pressure
+    levels["p_mc"] = replace(levels["p_mc"], floor=floor)
+    return Sensors(
+        zeros={"a_x": float(rng.normal(0.0, 0.02)), "p_mc": float(rng.normal(0.0, 0.15 * BAR))},
+        gains={
+            "a_x": 1.0 + float(rng.normal(0.0, 0.005)),
+            "p_mc": 1.0 + float(rng.normal(0.0, 0.005)),
+            "v": 1.0 + float(rng.normal(0.0, 0.002)),
+        },
+        levels=levels,
+        seed=seed,
+        with_v=bool(rng.random() < 2.0 / 3.0),
+    )
+
+
+def recorded(name: str, run: Run, sensors: Sensors) -> Log:
+    """The log of a run as its sensors give it; the truth stays beside it."""
+    how = {"duration": run.duration, "stop_speed": run.stop_speed, "rate": RATE, "rtol": 1e-6}
+    log = as_log(drive(run.plant, run.pressure, run.speed, wheel_pressure=run.wheels, **how), name)
+    channels = {k: x for k, x in log.channels.items() if k not in {f"p_{w}" for w in WHEELS}}
+    for channel, gain in sensors.gains.items():
+        channels[channel] = gain * channels[channel]
+    for channel, zero in sensors.zeros.items():
+        channels[channel] = channels[channel] + zero
+    if not sensors.with_v:
+        del channels["v"]
+    seed = sensors.seed + RUNS.index(name)
+    return add_noise(replace(log, channels=channels), seed, sensors.levels)

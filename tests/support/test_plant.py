@@ -1,0 +1,85 @@
+"""The plant of the tests against closed forms."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.support.cornering import GRAVITY
+from tests.support.plant import Plant, drive, lagged
+from tests.support.reference_car import CAR, IDEAL
+
+COASTING = {"duration": 2.0, "rate": 100.0}
+
+
+def no_pressure(t: float) -> float:
+    return 0.0
+
+
+def test_a_slope_slows_the_car_and_the_accelerometer_does_not_see_it():
+    run = drive(replace(IDEAL, grade=0.03), no_pressure, 25.0, **COASTING)
+    inertia = sum(2 * a.wheel_inertia / a.rolling_radius**2 for a in (CAR.front, CAR.rear))
+    slowed = GRAVITY * 0.03 / (1.0 + inertia / CAR.mass)
+    assert run["v"][-1] == pytest.approx(25.0 - 2.0 * slowed, abs=1e-3)
+    # what the wheels' inertia pushes is all that it feels
+    assert run["a_x"][100] == pytest.approx(GRAVITY * 0.03 - slowed, abs=1e-3)
+
+
+def test_a_motor_brakes_by_its_torque_over_the_radius():
+    torque = -80.0
+    run = drive(replace(IDEAL, motor=lambda t: (torque, 0.0)), no_pressure, 25.0, **COASTING)
+    inertia = sum(2 * a.wheel_inertia / a.rolling_radius**2 for a in (CAR.front, CAR.rear))
+    expected = 2.0 * torque / CAR.front.rolling_radius / (CAR.mass + inertia)
+    assert np.diff(run["v"])[100] * 100.0 == pytest.approx(expected, rel=0.01)
+    assert run["omega_fl"][100] < run["omega_rl"][100]  # it is in front that it brakes
+
+
+def test_pitch_tilts_the_accelerometer():
+    dip = math.radians(2.0)
+    braked = [
+        drive(plant, lambda t: 20e5, 25.0, **COASTING)
+        for plant in (IDEAL, replace(IDEAL, pitch_felt=dip))
+    ]
+    z = -braked[0]["a_x"] / GRAVITY
+    felt = -braked[1]["a_x"] / GRAVITY
+    assert felt == pytest.approx(z * np.cos(dip * z) + np.sin(dip * z), abs=1e-9)
+    assert felt[50] / z[50] == pytest.approx(1.0 + dip, abs=1e-3)
+
+
+def test_a_lag_is_an_exponential():
+    trace = lagged(lambda t: 1e5 if t > 0.0 else 0.0, 0.15, 1.0)
+    assert trace(0.0) == 0.0
+    for t in (0.1, 0.15, 0.6):
+        assert trace(t) == pytest.approx(1e5 * (1.0 - math.exp(-t / 0.15)), rel=0.01)
+
+
+def test_the_brakes_lag_and_the_log_does_not():
+    late = replace(IDEAL, hydraulic_lag=0.2)
+    run = drive(late, lambda t: 20e5 if t > 0.5 else 0.0, 25.0, **COASTING)
+    at = int(np.searchsorted(run["time"], 0.7))
+    assert run["p_mc"][at] == 20e5
+    full = run["true_Tb_fl"][-1]
+    assert run["true_Tb_fl"][at] == pytest.approx(full * (1.0 - math.exp(-1.0)), rel=0.02)
+
+
+def test_a_bend_turns_the_wheels_on_their_own_paths():
+    curvature, v = 1.0 / 200.0, 20.0
+    plant = Plant(CAR, curvature=lambda t: curvature)
+    run = drive(plant, no_pressure, v, duration=0.5, rate=100.0)
+    omega = {w: run[f"omega_{w}"][20] for w in ("fl", "fr", "rl", "rr")}
+    behind = 0.5 * curvature * CAR.track_width
+    assert omega["rr"] / omega["rl"] == pytest.approx((1 + behind) / (1 - behind), rel=1e-4)
+    assert omega["fl"] > omega["rl"]
+    load = {w: run[f"true_Fz_{w}"][20] for w in omega}
+    moved = 2.0 * CAR.cg_height / CAR.track_width * curvature * run["v"][20] ** 2 / GRAVITY
+    assert load["fr"] / load["fl"] == pytest.approx((1 + moved) / (1 - moved), rel=1e-6)
+
+
+def test_a_tyre_that_corners_pulls_less_along_the_car():
+    straight = Plant(CAR)
+    bent = replace(straight, curvature=lambda t: 1.0 / 150.0)
+    a, b = (drive(p, lambda t: 20e5, 25.0, duration=1.0, rate=100.0) for p in (straight, bent))
+    slip = [1.0 - CAR.rear.rolling_radius * 0.5 * (run["omega_rl"] + run["omega_rr"]) / run["v"]
+            for run in (a, b)]  # fmt: skip
+    assert slip[1][80] > slip[0][80]
