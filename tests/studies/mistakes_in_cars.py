@@ -5,11 +5,22 @@ from dataclasses import replace
 
 import numpy as np
 
+from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.vehicle import Axle, Vehicle
-from tests.studies.ensemble import per_pascal
 from tests.studies.made_lines import BAR, RUNS, STOPS, Run
-from tests.studies.mistake import Make, Mistake, Rng, in_car, in_file, in_runs, off_by, percent
+from tests.studies.mistake import (
+    Logs,
+    Make,
+    Mistake,
+    Rng,
+    in_car,
+    in_channel,
+    in_file,
+    in_runs,
+    off_by,
+    percent,
+)
 from tests.support.plant import Plant, Pressure
 
 
@@ -158,21 +169,24 @@ def dragging(runs: tuple[str, ...]) -> Make:
 
 
 def abs_in_ramp(rng: Rng) -> Mistake:
-    """A road so wet that the front wheels are let go five times a second at the end of the ramp."""
-    limit = float(rng.uniform(0.28, 0.36))
+    """ABS holds the front brakes at what the road bears and lets their wheels dip 5 times a second.
+
+    The dips are drawn as half sine waves of slip, as they look in a log.
+    """
+    share, depth = float(rng.uniform(0.6, 0.8)), float(rng.uniform(0.08, 0.20))
 
     def change(run: Run) -> Run:
-        full = run.plant.tyre(1.0, 1.0, 1.0, 1.0)
-        top = max(run.plant.tyre(s, 1.0, 1.0, 1.0) for s in np.linspace(0.01, 0.3, 30).tolist())
-        reach = limit / per_pascal(run.plant.vehicle)
+        most = share * run.pressure(run.duration)
+        held: Pressure = lambda t: min(run.pressure(t), most)  # noqa: E731
+        return replace(run, wheels={"fl": held, "fr": held})
 
-        def front(t: float) -> float:
-            p = run.pressure(t)
-            if p < reach:
-                return p
-            return reach * (1.15 if math.fmod(t, 0.2) < 0.1 else 0.5)
+    def dipped(x: np.ndarray, log: Log) -> np.ndarray:
+        works = log["p_mc"] > share * log["p_mc"].max()
+        return x * (1.0 - depth * works * np.maximum(np.sin(2.0 * math.pi * 5.0 * log.time), 0.0))
 
-        road = replace(run.plant, surface=lambda x: (1.0, 1.05 * limit / max(top, full)))
-        return replace(run, plant=road, wheels={"fl": front, "fr": front})
+    def logs(of: Logs) -> Logs:
+        for wheel in ("omega_fl", "omega_fr"):
+            of = in_channel(("ramp",), wheel, dipped)(of)
+        return of
 
-    return Mistake(f"at {limit:.2f} g", line=in_runs(("ramp",), change))
+    return Mistake(f"{100 * depth:.0f} % slip", line=in_runs(("ramp",), change), logs=logs)

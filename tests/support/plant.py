@@ -27,6 +27,9 @@ SIDES = (0, 0, 1, 1)
 # State: v, distance, the transferred deceleration and its rate, then omega of every wheel.
 V, X, TRANSFER, RATE, OMEGA = 0, 1, 2, 3, slice(4, 8)
 
+STANDING = 0.1
+"""Spin rate [rad/s] within which a wheel counts as standing; tanh is 1 to the last bit past 2."""
+
 Pressure = Callable[[float], float]
 """Pressure [Pa] at a time [s]."""
 
@@ -160,9 +163,13 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
         mu[i] * axles[i].friction_faces * axles[i].piston_area * axles[i].effective_radius * q
         for i, q in zip(SIDES, p, strict=True)
     ]
+    # A brake, and a motor that brakes, holds a wheel that stands; it turns none backwards.
+    turning = [math.tanh(w / STANDING) for w in state[OMEGA]]
+    braking = [b - min(motor[i], 0.0) for i, b in zip(SIDES, torque, strict=True)]
+    driving = [max(motor[i], 0.0) for i in SIDES]
     spin = [
-        (radius[i] * (f - plant.rolling_resistance * n) - b + motor[i]) / axles[i].wheel_inertia
-        for i, f, n, b in zip(SIDES, forces, loads, torque, strict=True)
+        (radius[i] * (f - plant.rolling_resistance * n) - b * k + m) / axles[i].wheel_inertia
+        for i, f, n, b, k, m in zip(SIDES, forces, loads, braking, turning, driving, strict=True)
     ]
     return Moment(z, tuple(loads), tuple(forces), tuple(torque), tuple(spin))
 

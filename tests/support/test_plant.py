@@ -83,3 +83,10 @@ def test_a_tyre_that_corners_pulls_less_along_the_car():
     slip = [1.0 - CAR.rear.rolling_radius * 0.5 * (run["omega_rl"] + run["omega_rr"]) / run["v"]
             for run in (a, b)]  # fmt: skip
     assert slip[1][80] > slip[0][80]
+
+
+def test_a_locked_wheel_stands_and_does_not_turn_backwards():
+    run = drive(IDEAL, lambda t: 300e5 * min(t, 1.0), 20.0, duration=2.0, rate=100.0)
+    assert run["omega_fl"][-1] == pytest.approx(0.0, abs=0.2)
+    assert min(run[f"omega_{w}"].min() for w in ("fl", "fr", "rl", "rr")) > -0.01
+    assert run["v"][-1] > 2.0
