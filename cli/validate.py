@@ -55,7 +55,12 @@ def validate(
     one that the table was fitted on.
     """
     from calib.logs.read import read_log
-    from calib.validation.validate import require_same_vehicle, to_dict, validate_one
+    from calib.validation.validate import (
+        all_warnings,
+        require_same_vehicle,
+        to_dict,
+        validate_one,
+    )
 
     _check_out(logs, out)
     stored = calib.Store(store).load(table)
@@ -70,8 +75,8 @@ def validate(
         for path in logs:
             results.append(validate_one(used, read_log(path, mapping), car, held))
             done()
-    summary = to_dict(stored.id, results)
-    warn(one for result in results for one in result.all_warnings)
+    summary = to_dict(stored.id, results, used.warnings)
+    warn(all_warnings(used.warnings, results))
     if out is not None:
         _write(results, summary, out)
     if json:

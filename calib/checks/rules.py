@@ -16,6 +16,8 @@ RAMP_Z, RAMP_TIME, RAMP_RISE = 0.25, 2.0, 1.0  # [g], braking [s], of which risi
 BRAKING = 1.0  # [s] above 3 m/s
 COASTING = 2.0  # [s]; a coast of that length gives the zero of eta and the drag
 RADIUS = (0.12, 0.9)  # [m] range of plausible a_x over wheel deceleration
+NEVER_FREE = 1e5  # [Pa] pressure that a released pedal does not leave
+SOFTEST = 20e5  # [Pa] for each g; usual cars need 60 to 150 bar
 PRESSURE = 350e5  # [Pa] above the pressure of any master cylinder
 GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
 HOLE = 0.1  # [s] longest gap within a braking
@@ -91,7 +93,17 @@ def _wrong_pressure(seen: Observation) -> Iterator[str]:
         yield f"p_mc reaches {sensor.high / 1e5:.0f} bar: check its unit"
     if sensor.low < -3e5:
         yield f"p_mc falls to {sensor.low / 1e5:.1f} bar: check its zero and its sign"
-    if seen.z > 2.5 * BITE_Z and sensor.high < BITE:
+    if sensor.low > NEVER_FREE:
+        yield (
+            f"p_mc never falls below {sensor.low / 1e5:.1f} bar: check its zero with the pedal "
+            "released"
+        )
+    if seen.z > 2.5 * BITE_Z and sensor.high < SOFTEST * seen.z:
+        yield (
+            f"p_mc takes {sensor.high / seen.z / 1e5:.1f} bar for each g, and no car less than "
+            f"{SOFTEST / 1e5:g}: check its unit (bar or MPa) and its scale"
+        )
+    elif seen.z > 2.5 * BITE_Z and sensor.high < BITE:
         yield (
             f"the car brakes with {seen.z:.2f} g and p_mc stays below {BITE / 1e5:g} bar: "
             "check its unit, or whether it is the brake's pressure at all"

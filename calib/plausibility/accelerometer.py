@@ -8,13 +8,13 @@ from calib.signals.accelerometer import Accelerometer
 from calib.statistics.intervals import Z95
 from calib.warning import PlausibilityWarning
 
-SCALE = 0.02
+SCALE = 0.025
 """Scale error of a_x [1] from which it is named: data sheets allow 1 to 3 %."""
 
 OFFSET = 0.05
 """Offset of a_x, or deceleration of the rolling car [m/s^2], that is not explained: 0.005 g."""
 
-LATE = 0.06
+LATE = 0.10
 """Delay of a_x against v [s] from which it is named: filters of sensors take 0.02 s."""
 
 

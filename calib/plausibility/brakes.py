@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from calib.signals.axle_signals import Signals
-from calib.signals.brake_response import BrakeResponse
+from calib.signals.brake_response import USUAL, BrakeResponse
 from calib.warning import PlausibilityWarning
 
-FORCE = 0.03
+FORCE = 0.045
 """Force without pressure over the usual brake force [1] from which it is named: it moves the pads
 of one axle by twice as much."""
 
@@ -18,7 +18,7 @@ MISSING = -0.05
 SURE = 3.2
 """Standard deviations from zero that are asked for: one false alarm in 1400 runs."""
 
-LAG = 0.06
+LAG = 0.11
 """Delay between pressure and deceleration [s] from which it is named."""
 
 ZERO = 0.5e5
@@ -60,7 +60,7 @@ def response_warnings(log: str, response: BrakeResponse | None) -> Iterator[Plau
             "check the zero of p_mc; find the cause with `brake-cal diagnose`",
         )
     late = response.delay
-    if abs(late) > LAG and abs(late) > SURE * response.delay_sigma:
+    if abs(late) > LAG and abs(late - USUAL) > SURE * response.delay_sigma:
         early = ("the clock of p_mc, late", "the clock of a_x, early")
         usual = ("hydraulic lag between p_mc and the wheels", "the clock or the filter of a_x")
         yield PlausibilityWarning(

@@ -117,10 +117,11 @@ def change_warnings(log: str, apart: float, sigma: float) -> Iterator[Plausibili
             math.expm1(apart),
             (-APART, APART),
             (
-                "the pads of one axle (wet, hot or new)",
-                "the tyres of one axle, changed since the ramp",
-                "a motor that brakes one axle",
-                "a pressure that the rear brakes do not get",
+                "the pads or the tyres of one axle (wet, hot, new or changed since the ramp)",
+                "rear brakes that do not get all of the pressure"
+                if apart > 0.0
+                else "a motor or an engine that brakes the rear axle",
+                *(("a motor that brakes the front axle",) if apart > 0.0 else ()),
             ),
             "drive a new ramp if tyres or brakes were changed; log wheel pressures and T_drive",
         )

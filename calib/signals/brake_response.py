@@ -33,8 +33,11 @@ LATEST = 0.5
 """Longest delay that is tried [s]: a hydraulic unit in the cold has 0.2 s."""
 EARLIEST = -0.5
 """Largest advance that is tried [s]: nothing brakes before the pressure but by a wrong clock."""
-BETTER = 0.93
-"""Mean square of the residual, over that without delay, below which a delay is taken."""
+USUAL, SPREAD = 0.02, 0.06
+"""Delay of brakes and filters as usual, and its standard deviation [s]: on a slow ramp a delay and
+a force are nearly one, and only what is usual tells them apart."""
+FORCE = 0.05
+"""Standard deviation of the force over the usual brake force before the run [1]."""
 GROUP = 0.2
 """Time over which residuals are averaged to see how they are correlated [s]."""
 AFTER = 0.5
@@ -89,25 +92,28 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         return np.column_stack([late, late * age, on, np.ones_like(late)])
 
     y = demanded[inside]
+    usual = float(np.median(y[braked[inside] > 0.5]))
     kind, delay = _best(columns, y, inside)
     A = columns(kind, delay)
-    later = first_order(time, A[:, 0], step)
-    slope = (later - A[:, 0]) / step  # by the delay
+    slope = (first_order(time, A[:, 0], step) - A[:, 0]) / step  # by the delay
     A = np.column_stack([A, slope])[inside]
-    solution, *_ = np.linalg.lstsq(A, y, rcond=None)
-    residual = y - A @ solution
-    covariance = np.linalg.pinv(A.T @ A) * _variance(residual, round(GROUP / step))
-    sigma = np.sqrt(np.diag(covariance))
-    level, force, more = (float(solution[i]) for i in (0, 2, 4))
-    usual = float(np.median(y[braked[inside] > 0.5]))
+    level = float(np.linalg.lstsq(A, y, rcond=None)[0][0])
     if not (level > 0.0 and usual > 0.0):
         return None
+    # rows of what is usual: the force around 0, the delay around USUAL
+    prior = np.zeros((2, 5))
+    prior[0, 2], prior[1, 4] = 1.0 / (FORCE * usual), 1.0 / (SPREAD * level)
+    aim = np.array([0.0, (USUAL - delay) / SPREAD])
+    noise = np.sqrt(_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0]))
+    A, y = np.vstack([A / noise, prior]), np.concatenate([y / noise, aim])
+    solution = np.linalg.lstsq(A, y, rcond=None)[0]
+    sigma = np.sqrt(np.diag(np.linalg.pinv(A.T @ A)))
     return BrakeResponse(
-        delay=float(delay) + more / level,
+        delay=float(delay) + float(solution[4]) / level,
         delay_sigma=float(sigma[4]) / level,
-        force=force,
+        force=float(solution[2]),
         force_sigma=float(sigma[2]),
-        share=force / usual,
+        share=float(solution[2]) / usual,
         share_sigma=float(sigma[2]) / usual,
     )
 
@@ -127,23 +133,25 @@ def _delayed(time: Array, x: Array, kind: str, delay: float) -> Array:
 
 
 def _best(columns: Columns, y: Array, inside: Mask) -> tuple[str, float]:
-    """Kind and delay [s] with the least residual; none where none is clearly better."""
+    """The most probable kind and delay [s]: the least residual, weighed with what is usual."""
     tried = [("shift", 0.0)]
     tried += [("shift", d) for d in np.arange(EARLIEST, LATEST, TRIED) if abs(d) > 0.5 * TRIED]
     tried += [("lag", d) for d in np.arange(TRIED, LATEST, TRIED)]
     rest = [_residual(columns(kind, delay)[inside], y) for kind, delay in tried]
-    best = int(np.argmin(rest))
-    return tried[best] if rest[best] < BETTER * rest[0] else tried[0]
+    best = min(rest, key=lambda r: float(r @ r))
+    cost = [float(r @ r) / _variance(best) for r in rest]
+    unusual = [((delay - USUAL) / SPREAD) ** 2 for _, delay in tried]
+    return tried[int(np.argmin(np.add(cost, unusual)))]
 
 
-def _residual(A: Array, y: Array) -> float:
-    """Mean square of what a least-squares fit leaves."""
-    solution = np.linalg.lstsq(A, y, rcond=None)[0]
-    return float(np.mean((y - A @ solution) ** 2))
+def _residual(A: Array, y: Array) -> Array:
+    """What a least-squares fit leaves."""
+    return np.asarray(y - A @ np.linalg.lstsq(A, y, rcond=None)[0])
 
 
-def _variance(residual: Array, group: int) -> float:
+def _variance(residual: Array) -> float:
     """Variance of a residual as if it were white, with its long-run correlation counted."""
+    group = round(GROUP / STEP)
     short = float(np.mean(residual**2))
     if residual.size < 4 * group:
         return short

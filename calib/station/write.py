@@ -52,7 +52,8 @@ def write_all(
     A car that failed gets no exports, so that its table reaches no ECU. ``date`` is for `DATED`.
     Raises OSError, ExchangeError.
     """
-    write_results(list(found.results), validation_dict(stored.id, list(found.results)), work)
+    results = list(found.results)
+    write_results(results, validation_dict(stored.id, results, found.table.warnings), work)
     if found.passed:
         _write_exports(stored, forms, date, work)
     write_whole(work / JUNIT, junit_xml(found, stored))

@@ -4,6 +4,7 @@ table, log -> estimate -> metrics -> judged against limits -> DIR/<stem>.parquet
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -208,6 +209,13 @@ def _geometry(vehicle: Vehicle) -> dict[str, float]:
     return flat
 
 
+def all_warnings(
+    of_table: Iterable[PlausibilityWarning], results: list[Validation]
+) -> list[PlausibilityWarning]:
+    """Warnings of the table's fit, then those of each log."""
+    return [*of_table, *(w for result in results for w in result.all_warnings)]
+
+
 def agreement(results: list[Validation]) -> Agreement | None:
     """Agreement of the stops; None for fewer than two with an estimate."""
     f = [r.figures["pad_friction_f"] for r in results]
@@ -221,13 +229,18 @@ def agreement(results: list[Validation]) -> Agreement | None:
     return Agreement(float(mean[0]), float(mean[1]), float(spread[0]), float(spread[1]))
 
 
-def to_dict(table_id: str, results: list[Validation]) -> dict[str, object]:
-    """`summary.json`: every metric, judgement and baseline of every log, and the verdict."""
+def to_dict(
+    table_id: str, results: list[Validation], of_table: Iterable[PlausibilityWarning] = ()
+) -> dict[str, object]:
+    """`summary.json`: every metric, judgement and baseline of every log, and the verdict.
+
+    ``of_table`` warnings of its fit, which speak against every estimate with it.
+    """
     together = agreement(results)
     return {
         "schema": 1,
         "table": table_id,
-        "warnings": [warning_dict(w) for r in results for w in r.all_warnings],
+        "warnings": [warning_dict(w) for w in all_warnings(of_table, results)],
         "verdict": PASSED if all(r.passed for r in results) else FAILED,
         "logs": [
             {
