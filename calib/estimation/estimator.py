@@ -26,6 +26,7 @@ from calib.estimation.pads import estimate_axles
 from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch, with_pads
 from calib.estimation.priors import Priors
 from calib.estimation.split_filter import filter_pad_ratio
+from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.sensors import judge_accelerometer
 from calib.logs.log import Log
@@ -215,10 +216,11 @@ def estimate(
     level = level_of(plan, s, forces)
     answer = split_of(plan, s, b, level)
     front, rear = estimate_axles(plan, s, sigma_z, forces, level, answer, b)
-    zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
+    driven = drive_slips(used, forces.balance)
+    zero = zero_of_eta(s, driven)
     eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
     others = baselines(used, plan.nominal, s, forces, eta, level, plan.priors, laws=with_laws)
-    slips = _slips(s)
+    slips = zeroed_slips(s, driven)
     greatest = float(table.tyre.force[-1])
     return Estimate(
         time=s.time,
@@ -287,6 +289,8 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
         level=now,
         moment_f=forces.moment_f,
         moment_r=forces.moment_r,
+        drive_f=forces.drive_f,
+        drive_r=forces.drive_r,
         load_f=forces.load_f,
         load_r=forces.load_r,
         tyre_sum=forces.tyre_sum,
@@ -294,14 +298,3 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
         pitch_deficit=late[ends],
     )
     return filter_pad_ratio(car, b, demand, plan.noise, plan.table.posterior, plan.priors)
-
-
-def _slips(s: Signals) -> tuple[Array, Array] | None:
-    """Slips (19), (20) of the axles [1] with the rolling radii of the lead-in; None without v."""
-    if s.v is None:
-        return None
-    out = []
-    for omega in (s.omega_f, s.omega_r):
-        radius = np.mean(s.v[s.lead_in]) / np.mean(omega[s.lead_in])
-        out.append(1.0 - radius * omega / np.maximum(s.v, 0.5))
-    return out[0], out[1]

@@ -404,3 +404,12 @@ def test_rise_of_eta_does_not_follow_a_wheel_that_locks_at_times(clean):
     hit, _ = eta_rise(replace(b, omega_r=b.omega_r * locking), use)
     assert 0.5 * rise < hit < rise
     assert math.isnan(eta_rise(b, np.zeros(b.end.size, bool))[0])
+
+
+def test_rise_of_eta_says_nothing_where_a_motor_comes_in(clean):
+    b = blocks(signals(clean, CAR))
+    use = (b.z > 0.1) & (b.z < 0.4)
+    motor = np.where(use, -80.0, 0.0)
+    assert math.isnan(eta_rise(replace(b, drive_r=motor), use)[0])
+    steady = eta_rise(replace(b, drive_r=np.full(b.end.size, -80.0)), use)
+    assert steady == eta_rise(b, use)

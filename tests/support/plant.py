@@ -82,6 +82,8 @@ class Plant:
     surface : stiffness and peak factors [1] of the road at a distance [m]; None if all alike.
     pitch_frequency : eigenfrequency [Hz] of the load transfer; 0 if it follows at once.
     pitch_damping : its damping ratio [1].
+    motor : torque of a motor at both wheels of the front and of the rear axle together [N m],
+        negative where it slows, at a time [s]; None for a car that rolls freely.
     """
 
     vehicle: Vehicle
@@ -96,6 +98,7 @@ class Plant:
     surface: Callable[[float], tuple[float, float]] | None = None
     pitch_frequency: float = 0.0
     pitch_damping: float = 0.3
+    motor: Callable[[float], tuple[float, float]] | None = None
 
 
 @dataclass(frozen=True)
@@ -145,8 +148,10 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
         mu[i] * axles[i].friction_faces * axles[i].piston_area * axles[i].effective_radius * q
         for i, q in zip(SIDES, p, strict=True)
     ]
+    driven = plant.motor(t) if plant.motor else (0.0, 0.0)
     spin = [
-        (radius[i] * (f - plant.rolling_resistance * half[i]) - b) / axles[i].wheel_inertia
+        (radius[i] * (f - plant.rolling_resistance * half[i]) - b + 0.5 * driven[i])
+        / axles[i].wheel_inertia
         for i, f, b in zip(SIDES, forces, torque, strict=True)
     ]
     return Moment(z, tuple(half[i] for i in SIDES), tuple(forces), tuple(torque), tuple(spin))
@@ -244,6 +249,8 @@ def _channels(
         if w in own:
             run[f"p_{w}"] = np.array([p[i] for p in pressures])
     for k, side in enumerate("fr"):
+        if plant.motor:
+            run[f"T_drive_{side}"] = np.array([plant.motor(t)[k] for t in time.tolist()])
         run[f"true_mu_pad_{side}"] = np.array([mu(t)[k] for t in time.tolist()])
     return run
 
