@@ -171,6 +171,7 @@ def estimate(
     priors: Priors | None = None,
     gates: Gates | None = None,
     *,
+    mass: float | None = None,
     with_laws: bool = True,
 ) -> Estimate:
     """Run the estimator with a table on a log.
@@ -184,6 +185,7 @@ def estimate(
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
         the table's.
     priors, gates : of the split filter, and of ``valid``; by default those that were tried.
+    mass : of the car in this log [kg], if it is not that of the table's vehicle.
     with_laws : without, the baselines are only nominal pads and the mean gain.
 
     Raises LogError when the log has no unbraked lead-in to zero eta on.
@@ -199,7 +201,7 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
-    car = with_effects(table, vehicle)
+    car = with_effects(table, vehicle, mass)
     ran = remove_known_effects(car, log)
     used = replace(table, vehicle=ran.vehicle)
     nominal = None if vehicle is None else with_pads(ran.vehicle, vehicle)
@@ -207,6 +209,7 @@ def estimate(
     _require_lead_in(log, s)
     known = with_known_pitch(priors or Priors(), car)
     plan = plan_for(used, ran.log, s, nominal, known, gates)
+    plan = replace(plan, mass_stated=mass is not None)
     read = blocks(s)
     sensor = judge_accelerometer(plan.nominal, plan.known, read, plan.noise)
     felt = sensor.at(read.last_complete(s.time))
