@@ -29,5 +29,7 @@ def test_without_wheels_there_is_nothing_to_say():
 
 def test_a_logged_drive_is_said_to_be_taken_out():
     run = made_run(stop())
-    assert "drive" not in said(run)
-    assert "T_drive_f is taken out" in said(changed(run, T_drive_f=np.zeros(run.time.size)))
+    assert "motor" not in said(run)
+    assert "less the torque of engine or motor: T_drive_f" in said(
+        changed(run, T_drive_f=np.zeros(run.time.size))
+    )
