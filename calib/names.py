@@ -59,6 +59,16 @@ CHANNELS: dict[str, Quantity] = {
         Quantity("T_disc_f", "T_f", "degC", "degC", "front disc temperature"),
         Quantity("T_disc_r", "T_r", "degC", "degC", "rear disc temperature"),
         Quantity("steering", "delta", "rad", "rad", "steering-wheel angle, left positive"),
+        *[
+            Quantity(
+                f"T_drive_{axle}",
+                f"T_d{axle}",
+                "N*m",
+                "N*m",
+                f"torque of engine or motor at both {side} wheels together, negative slows",
+            )
+            for axle, side in zip(AXLES, ("front", "rear"), strict=True)
+        ],
     ]
 }
 """The canonical channels, in the order in which a log is written."""

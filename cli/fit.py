@@ -7,10 +7,11 @@ import typer
 
 import calib
 from cli.console import emit, emit_json, say, warn
-from cli.inputs import channel_map_of
-from cli.options import STORE, Json, KnownModel, Map, Store, VehicleFile, example
+from cli.inputs import channel_map_of, mass_of
+from cli.options import STORE, Json, KnownModel, Map, Mass, Store, VehicleFile, example
 
 if TYPE_CHECKING:
+    from calib.physics.mass import MassUsed
     from calib.table.version import Stored
 
 EPILOG = example(
@@ -24,6 +25,7 @@ def fit(
     *,
     vehicle: VehicleFile,
     model: KnownModel = None,
+    mass: Mass = None,
     store: Store = STORE,
     channel_map: Map = None,
     json: Json = False,
@@ -36,25 +38,27 @@ def fit(
     """
     from calib.fitting.fit import fit as fit_table
     from calib.logs.read import read_log
+    from calib.physics.mass import mass_used
     from calib.physics.model import with_model
     from calib.physics.model_file import read_model
     from calib.physics.vehicle_file import read_vehicle
 
-    car = read_vehicle(vehicle)
+    weight, car = mass_of(mass), read_vehicle(vehicle)
     mapping = channel_map_of(channel_map)
     say(f"fitting {car.name} from {len(logs)} log{'s' * (len(logs) > 1)}")
     known = read_model(model, car) if model else None
     given = with_model(car, known) if known else car
     runs = [read_log(path, mapping) for path in logs]
-    stored = calib.Store(store).save(fit_table(given, runs))
+    stored = calib.Store(store).save(fit_table(given, runs, weight))
+    told = mass_used(given, weight)
     warn(stored.table.warnings)
     if json:
-        emit_json(_document(stored))
+        emit_json(_document(stored, told))
     else:
-        _report(stored)
+        _report(stored, told)
 
 
-def _document(stored: "Stored") -> dict[str, object]:
+def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
     from calib.warning import to_dict
 
     table = stored.table
@@ -63,6 +67,7 @@ def _document(stored: "Stored") -> dict[str, object]:
         "table": stored.id,
         "digest": stored.digest,
         "path": stored.path,
+        "mass": mass,
         "calibration": table.calibration,
         "effects": table.effect_values,
         "quality": table.quality,
@@ -71,7 +76,7 @@ def _document(stored: "Stored") -> dict[str, object]:
     }
 
 
-def _report(stored: "Stored") -> None:
+def _report(stored: "Stored", mass: "MassUsed") -> None:
     table, q = stored.table, stored.table.quality
     cal = table.calibration
     emit(f"table      {stored.id}  ({stored.path})")
@@ -86,6 +91,7 @@ def _report(stored: "Stored") -> None:
         for name, value in parameters.items():
             low, high = value.ci95
             emit(f"{effect} {name} {value.value:.4f}  (95 % {max(low, 0.0):.4f} to {high:.4f})")
+    emit(f"mass       {mass}")
     emit(
         f"ramp       up to {q['deceleration_max']:.2f} g; eta - 1 up to "
         f"{100 * (q['eta_peak'] - 1):.2f} % at {q['eta_peak_deceleration']:.2f} g; "

@@ -26,6 +26,31 @@ def vehicle_of(path: Path | None) -> "Vehicle | None":
     return read_vehicle(path) if path else None
 
 
+def quantity_of(written: str, si: str, option: str) -> float:
+    """A quantity of an option in SI, written as in a vehicle file; else a usage error."""
+    from calib.errors import InputError
+    from calib.toml import quantity
+
+    try:
+        return quantity(written, si, option, InputError)
+    except InputError as error:
+        raise typer.BadParameter(str(error), param_hint=option) from None
+
+
+def mass_of(written: str | None) -> float | None:
+    """The mass [kg] of an optional ``--mass``, within what a vehicle file may say."""
+    if written is None:
+        return None
+    from calib.physics.mass import LEAST, MOST
+
+    mass = quantity_of(written, "kg", "--mass")
+    if not LEAST <= mass <= MOST:
+        raise typer.BadParameter(
+            f"{mass:g} kg is not believable; expected {LEAST:g} to {MOST:g} kg", param_hint="--mass"
+        )
+    return mass
+
+
 def limits_of_stops(path: Path | None) -> "tuple[Limit, ...]":
     """The limits of a file for single stops; the default limits without a file."""
     from calib.errors import LimitsError

@@ -24,6 +24,14 @@ KnownModel = Annotated[
         "--model", metavar="M.toml", help="Model of `diagnose`, whose effects are then known."
     ),
 ]
+Mass = Annotated[
+    str | None,
+    typer.Option(
+        "--mass",
+        metavar="MASS",
+        help='Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.',
+    ),
+]
 TableVersion = Annotated[
     str, typer.Argument(metavar="TABLE", help="name, name@version or path of a version")
 ]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, say
+from cli.inputs import quantity_of
 from cli.options import Json, Map, VehicleFile, example, out_file
 from cli.outputs import refuse_folder, refuse_overwriting
 
@@ -114,24 +115,14 @@ def _drive(
     from calib.simulation.manoeuvre import manoeuvre
     from calib.simulation.simulate import simulate
 
-    v0 = _quantity(speed or SPEED, "m/s", "--speed")
-    p = None if pressure is None else _quantity(pressure, "Pa", "--pressure")
+    v0 = quantity_of(speed or SPEED, "m/s", "--speed")
+    p = None if pressure is None else quantity_of(pressure, "Pa", "--pressure")
     try:
         plan = manoeuvre(name, v0, p, rate)
     except ModelError as error:
         raise typer.BadParameter(str(error), param_hint="--manoeuvre") from None
     say(f"driving a {name} with {model.vehicle.name} from {v0:.1f} m/s")
     return simulate(model, plan.time, plan.pressure, v0, name=name)
-
-
-def _quantity(written: str, si: str, option: str) -> float:
-    from calib.errors import ModelError
-    from calib.toml import quantity
-
-    try:
-        return quantity(written, si, option, ModelError)
-    except ModelError as error:
-        raise typer.BadParameter(str(error), param_hint=option) from None
 
 
 def _write(log: "Log", out: Path) -> None:

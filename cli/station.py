@@ -10,11 +10,12 @@ import typer
 import calib
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
-from cli.inputs import channel_map_of, limits_of_car, unknown_format
+from cli.inputs import channel_map_of, limits_of_car, mass_of, unknown_format
 from cli.options import (
     STORE,
     Json,
     Map,
+    Mass,
     Store,
     VehicleFile,
     example,
@@ -129,6 +130,7 @@ def station(
         str | None, typer.Option(metavar="TABLE@N", help="Golden table of the model.")
     ] = None,
     line: IdentityOptions,
+    mass: Mass = None,
     ecu: ExportOptions,
     store: Store = STORE,
     channel_map: Map = None,
@@ -151,7 +153,7 @@ def station(
     from calib.validation.validate import require_same_vehicle
 
     ramps, coasts = [ramp, *(more.ramps or [])], more.coasts or []
-    identity, forms = line.identity(), ecu.forms()
+    identity, forms, weight = line.identity(), ecu.forms(), mass_of(mass)
     _check_golden(golden)
     outputs = _outputs(holdouts, forms, out)
     refuse_overwriting(outputs, [*ramps, *coasts, *holdouts], [vehicle, limits, channel_map])
@@ -163,12 +165,12 @@ def station(
     with progress(f"fitting {car.name}, validating on {len(holdouts)}", len(holdouts) + 1) as done:
         ramp_logs = [read_log(path, mapping) for path in ramps]
         coast_logs = [read_log(path, mapping) for path in coasts]
-        table = table_of(car, ramp_logs, coast_logs, identity)
+        table = table_of(car, ramp_logs, coast_logs, identity, weight)
         done()
         stops, results = [read_log(path, mapping) for path in holdouts], []
         refuse_twice(stops)
         for log in stops:
-            results.append(validated(table, log, held))
+            results.append(validated(table, log, held, weight))
             done()
     judged = Car(table, ramp_logs, stops, results, reference.table if reference else None)
     found = outcome(judged, coast_logs, held, identity, reference.id if reference else "")
@@ -212,6 +214,7 @@ def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None
     from calib.station.words import HEADINGS, sentence, summary
 
     emit(_grid(found))
+    emit(f"mass {found.results[0].mass}")
     for check in found.with_verdict("failed") + found.with_verdict("warning"):
         emit(f"{check.verdict}: {sentence(check)}. {action(check.figure)}")
     if forms and not found.passed:

@@ -8,12 +8,13 @@ import typer
 import calib
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
-from cli.inputs import channel_map_of, limits_of_stops, vehicle_of
+from cli.inputs import channel_map_of, limits_of_stops, mass_of, vehicle_of
 from cli.options import (
     STORE,
     Json,
     KnownModel,
     Map,
+    Mass,
     Store,
     example,
     limits_file,
@@ -44,6 +45,7 @@ def validate(
         Path | None, vehicle_file("Vehicle with other nominal pads than the table's.")
     ] = None,
     model: KnownModel = None,
+    mass: Mass = None,
     limits: Annotated[Path | None, limits_file("Limits that decide pass or fail.")] = None,
     out: Annotated[Path | None, out_folder("Write LOG.parquet and summary.json here.")] = None,
     channel_map: Map = None,
@@ -63,9 +65,10 @@ def validate(
     )
 
     _check_out(logs, out)
+    weight = mass_of(mass)
     stored = calib.Store(store).load(table)
     car = vehicle_of(vehicle)
-    require_same_vehicle(stored.table, car, vehicle)
+    require_same_vehicle(stored.table, car, vehicle, weight)
     used = _with_known(stored.table, model) if model else stored.table
     held = limits_of_stops(limits)
     mapping = channel_map_of(channel_map)
@@ -73,7 +76,7 @@ def validate(
     plural = "s" * (len(logs) > 1)
     with progress(f"validating {stored.id} on {len(logs)} log{plural}", len(logs)) as done:
         for path in logs:
-            results.append(validate_one(used, read_log(path, mapping), car, held))
+            results.append(validate_one(used, read_log(path, mapping), car, held, mass=weight))
             done()
     summary = to_dict(stored.id, results, used.warnings)
     warn(all_warnings(used.warnings, results))
@@ -119,6 +122,7 @@ def _report(results: "list[Validation]") -> None:
     from calib.validation.validate import NO_HOLDOUT, agreement
 
     emit(_grid(results))
+    emit(f"mass {results[0].mass}")
     for result in results:
         for j in result.judgements:
             if j.passed is False and j.value is not None:

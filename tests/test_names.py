@@ -28,7 +28,8 @@ def test_channels_and_units_are_those_of_the_contract_in_its_order():
     rows = [tuple(line.split()) for line in CONTRACT.strip().splitlines()]
     have = [(name, q.unit) for name, q in CHANNELS.items()]
     assert have[: len(rows)] == rows
-    assert have[len(rows) :] == [("steering", "rad")]  # what a gate may read
+    # what a gate may read, and what the balance takes out
+    assert have[len(rows) :] == [("steering", "rad"), ("T_drive_f", "N*m"), ("T_drive_r", "N*m")]
 
 
 def test_what_every_log_must_have():
@@ -47,6 +48,7 @@ def test_a_channel_is_named_once_and_its_units_are_of_one_quantity(name):
 def test_signs_are_said():
     assert "forward positive" in CHANNELS["a_x"].meaning
     assert "left positive" in CHANNELS["steering"].meaning
+    assert "negative slows" in CHANNELS["T_drive_f"].meaning
 
 
 def test_truth_channels():

@@ -14,6 +14,9 @@ from calib.signals.driving_record import SETTLE
 RADIUS_TOLERANCE = 0.03
 """Largest deviation of v/(R omega) from 1 without braking: tyre wear and pressure cause 2 %."""
 
+STEADY_DRIVE = 20.0
+"""Change of the drive's torque [N m per axle] that moves eta by 0.03 %, a tenth of its rise."""
+
 
 def refuse_twice(logs: list[Log]) -> None:
     """Raise LogError for a run that is given twice: it would count twice."""
@@ -50,8 +53,13 @@ def eta_rise(b: Blocks, use: NDArray[np.bool_]) -> tuple[float, float]:
     """Median of eta over ``use`` minus that of the lead-in, and its standard error, both [1].
 
     The median is robust against wheels that lock for a short time. NaN with fewer than four blocks
-    in one of the two parts.
+    in one of the two parts, and where engine or motor changes between them: it moves eta too.
     """
+    for drive in (b.drive_f, b.drive_r):
+        if b.lead_in.any() and use.any():
+            change = float(np.median(drive[use]) - np.median(drive[b.lead_in]))
+            if abs(change) > STEADY_DRIVE:
+                return np.nan, np.nan
     sides = [b.eta[b.lead_in], b.eta[use]]
     if min(side.size for side in sides) < 4:
         return np.nan, np.nan

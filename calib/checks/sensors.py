@@ -19,6 +19,9 @@ HELD = 0.1
 HIGH_PASS = 0.2
 """Variations faster than this are noise [s]: a braking builds up more slowly."""
 
+RESTING = ("T_drive_f", "T_drive_r")
+"""Channels whose highest value may be that of rest: a motor that only slows returns to zero."""
+
 UNKNOWN = (float("nan"),) * 3
 
 
@@ -36,7 +39,8 @@ class Sensor:
     autocorrelation : of the noise, from one sample to the next [1].
     flat : share of the unbraked samples that have their most frequent value [1].
     stuck : (from, to) where it is constant while others change [s].
-    saturated : time for which it stays at its highest (``a_x``: lowest) value, if unusual [s].
+    saturated : time for which it stays at its highest (``a_x``: lowest) value, if unusual [s]; 0
+        for the channels of `RESTING`.
     """
 
     channel: str
@@ -76,7 +80,7 @@ def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: 
         autocorrelation=colour,
         flat=flatness(x[quiet]) if full else UNKNOWN[0],
         stuck=() if driving is None else _stuck(name, x, log, driving),
-        saturated=saturation(-x if name == "a_x" else x, step),
+        saturated=0.0 if name in RESTING else saturation(-x if name == "a_x" else x, step),
     )
 
 

@@ -22,5 +22,8 @@ def uses(seen: Observation) -> Iterator[str]:
         )
     if axles.slope is not None and axles.slope > 0:
         yield f"sign and size of a_x: with the wheels it makes a radius of {axles.slope:.2f} m"
+    logged = [name for name in ("T_drive_f", "T_drive_r") if name in seen.present]
+    if logged:
+        yield f"brake forces less the torque of engine or motor: {', '.join(logged)}"
     if seen.events and "p_mc" in seen.missing:
         yield f"deceleration and slip of {len(seen.events)} braking(s); without pressure no torque"

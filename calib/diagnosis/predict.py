@@ -64,7 +64,8 @@ class ObservedRun:
     """A log on the grid: means over its steps, shapes (n,), SI.
 
     ``omega`` (4, n) in the order of `WHEELS`; ``v_smooth`` the speed without sensor noise, for
-    forces; ``temperature_f``, ``temperature_r`` smoothed, or None; ``angle`` of the front wheels.
+    forces; ``temperature_f``, ``temperature_r`` smoothed, or None; ``angle_f``, ``angle_r`` of the
+    wheels; ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero if not logged.
     """
 
     name: str
@@ -79,6 +80,8 @@ class ObservedRun:
     temperature_r: Array | None
     angle_f: Array
     angle_r: Array
+    drive_f: Array
+    drive_r: Array
 
 
 @dataclass(frozen=True)
@@ -108,6 +111,10 @@ def run_of(log: Log) -> ObservedRun:
         centred_mean(block_mean(log[name], n), slow, held_ends=True) if name in log else None
         for name in ("T_disc_f", "T_disc_r")
     ]
+    drive = [
+        block_mean(log[name] if name in log else np.zeros_like(log.time), n)
+        for name in ("T_drive_f", "T_drive_r")
+    ]
     return ObservedRun(
         name=log.name,
         time=block_mean(log.time, n),
@@ -121,6 +128,8 @@ def run_of(log: Log) -> ObservedRun:
         temperature_r=heat[1],
         angle_f=np.cumsum(0.5 * (omega[0] + omega[1])) * step,
         angle_r=np.cumsum(0.5 * (omega[2] + omega[3])) * step,
+        drive_f=drive[0],
+        drive_r=drive[1],
     )
 
 
@@ -135,7 +144,8 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
         history = _history(run, z, energy)
         torques = _torques(car, base, effects, history, clamps)
         energy = _energy(run, torques)
-        forces, loads, z = _balance(car, base, effects, history, torques)
+        drive = (run.drive_f, run.drive_r)
+        forces, loads, z = _balance(car, base, effects, history, torques, drive)
     slips: list[Array] = []
     for i, force in enumerate(forces):
         twin = i % 2 == 1 and force is forces[i - 1]
@@ -195,7 +205,12 @@ def _torques(
 
 
 def _balance(
-    car: Vehicle, base: Base, effects: Effects, history: RunHistory, torques: list[Array]
+    car: Vehicle,
+    base: Base,
+    effects: Effects,
+    history: RunHistory,
+    torques: list[Array],
+    drive: Pair,
 ) -> tuple[list[Array], list[Array], Array]:
     """Tyre forces and loads of every wheel [N], and z [1], from z of the last iteration."""
     late = car.weight * total_load_shift(car, effects, history)
@@ -212,7 +227,7 @@ def _balance(
         side = i // 2
         axle = (car.front, car.rear)[side]
         spin = -G * history.z / axle.rolling_radius
-        steady = tyre_force(axle, torque, spin, 0.5 * moments[side])
+        steady = tyre_force(axle, torque, spin, 0.5 * (moments[side] - drive[side]))
         lag = axle.wheel_inertia * history.v / axle.rolling_radius**2 / base.stiffness
         forces.append(follow(steady, lag / halves[side], step))
     loads = [halves[0], halves[0], halves[1], halves[1]]

@@ -54,6 +54,21 @@ def manoeuvres(problem: Problem) -> list[tuple[str, ObservedRun]]:
         radius = problem.vehicle.front.rolling_radius
         omega = np.tile(v / radius, (4, 1))
         angle = np.cumsum(v / radius) * 0.01
-        run = ObservedRun(name, time, 0.01, p, -p / 70e5 * G, v, omega, v, heat, heat, angle, angle)
+        run = ObservedRun(
+            name=name,
+            time=time,
+            step=0.01,
+            p_mc=p,
+            a_x=-p / 70e5 * G,
+            v=v,
+            omega=omega,
+            v_smooth=v,
+            temperature_f=heat,
+            temperature_r=heat,
+            angle_f=angle,
+            angle_r=angle,
+            drive_f=np.zeros_like(time),
+            drive_r=np.zeros_like(time),
+        )
         out.append((name, run))
     return out

@@ -25,6 +25,7 @@ from calib.estimation.pads import estimate_axles
 from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch, with_pads
 from calib.estimation.priors import Priors
 from calib.estimation.split_filter import filter_pad_ratio
+from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.sensors import judge_accelerometer
 from calib.logs.log import Log
@@ -173,6 +174,7 @@ def estimate(
     priors: Priors | None = None,
     gates: Gates | None = None,
     *,
+    mass: float | None = None,
     with_laws: bool = True,
 ) -> Estimate:
     """Run the estimator with a table on a log.
@@ -186,6 +188,7 @@ def estimate(
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
         the table's.
     priors, gates : of the split filter, and of ``valid``; by default those that were tried.
+    mass : of the car in this log [kg], if it is not that of the table's vehicle.
     with_laws : without, the baselines are only nominal pads and the mean gain.
 
     Raises LogError when the log has no unbraked lead-in to zero eta on.
@@ -201,7 +204,7 @@ def estimate(
     >>> frame.attrs["units"]["brake_torque_fl"]
     'N*m'
     """
-    car = with_effects(table, vehicle)
+    car = with_effects(table, vehicle, mass)
     ran = remove_known_effects(car, log)
     used = replace(table, vehicle=ran.vehicle)
     nominal = None if vehicle is None else with_pads(ran.vehicle, vehicle)
@@ -209,6 +212,7 @@ def estimate(
     _require_lead_in(log, read)
     known = with_known_pitch(priors or Priors(), car)
     plan = plan_for(used, ran.log, read, nominal, known, gates)
+    plan = replace(plan, mass_stated=mass is not None)
     as_read = blocks(read)
     sensor = judge_accelerometer(plan.nominal, plan.known, as_read, plan.noise)
     felt = sensor.at(as_read.last_complete(read.time))
@@ -218,10 +222,11 @@ def estimate(
     level = level_of(plan, s, forces)
     answer = split_of(plan, s, b, level)
     front, rear = estimate_axles(plan, s, sigma_z, forces, level, answer, b)
-    zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
+    driven = drive_slips(used, forces.balance)
+    zero = zero_of_eta(s, driven)
     eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
     others = baselines(used, plan.nominal, s, forces, eta, level, plan.priors, laws=with_laws)
-    slips = _slips(s)
+    slips = zeroed_slips(s, driven)
     greatest = float(table.tyre.force[-1])
     return Estimate(
         plan=plan,
@@ -292,6 +297,8 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
         level=now,
         moment_f=forces.moment_f,
         moment_r=forces.moment_r,
+        drive_f=forces.drive_f,
+        drive_r=forces.drive_r,
         load_f=forces.load_f,
         load_r=forces.load_r,
         # the lead-in zeroes the slip: its force must not hang on an accelerometer not yet judged
@@ -300,14 +307,3 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
         pitch_deficit=late[ends],
     )
     return filter_pad_ratio(car, b, demand, plan.noise, plan.table.posterior, plan.priors)
-
-
-def _slips(s: Signals) -> tuple[Array, Array] | None:
-    """Slips (19), (20) of the axles [1] with the rolling radii of the lead-in; None without v."""
-    if s.v is None:
-        return None
-    out = []
-    for omega in (s.omega_f, s.omega_r):
-        radius = np.mean(s.v[s.lead_in]) / np.mean(omega[s.lead_in])
-        out.append(1.0 - radius * omega / np.maximum(s.v, 0.5))
-    return out[0], out[1]

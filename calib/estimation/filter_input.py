@@ -26,8 +26,9 @@ class SplitInput:
     """What the filter is given of each block besides the sensors, shapes (k,).
 
     ``nominal_f``, ``nominal_r`` brake forces of nominal pads [N]; ``level`` common factor on them
-    (NaN: not braked); ``moment_f``, ``moment_r`` other forces at the road [N]; ``load_f``,
-    ``load_r`` [N]; ``tyre_sum`` all tyre forces [N]; ``slip`` measured mean slip [1] or None;
+    (NaN: not braked); ``moment_f``, ``moment_r`` other forces at the road [N], of which
+    ``drive_f``, ``drive_r`` are those of engine or motor; ``load_f``, ``load_r`` [N];
+    ``tyre_sum`` all tyre forces [N]; ``slip`` measured mean slip [1] or None;
     ``pitch_deficit`` load that the pitch mode has not yet moved, over the weight [1].
     """
 
@@ -36,6 +37,8 @@ class SplitInput:
     level: Array
     moment_f: Array
     moment_r: Array
+    drive_f: Array
+    drive_r: Array
     load_f: Array
     load_r: Array
     tyre_sum: Array
@@ -61,7 +64,11 @@ class Measured(NamedTuple):
 
 
 def given(vehicle: Vehicle, b: Blocks, d: SplitInput) -> list[list[float]]:
-    """Inputs of the measurement equations, for each block in the order of `Given`."""
+    """Inputs of the measurement equations, for each block in the order of `Given`.
+
+    What slows a coasting car besides its drive is shared by all tyres as the weight is.
+    """
+    shared = (d.tyre_sum - d.drive_f - d.drive_r) / vehicle.weight
     columns = Given[Array](
         brake_f=d.nominal_f,
         brake_r=d.nominal_r,
@@ -70,7 +77,8 @@ def given(vehicle: Vehicle, b: Blocks, d: SplitInput) -> list[list[float]]:
         moment_r=d.moment_r,
         load_f=d.load_f,
         load_r=d.load_r,
-        coasting_force=d.tyre_sum / vehicle.weight,
+        coasting_f=shared + d.drive_f / d.load_f,
+        coasting_r=shared + d.drive_r / d.load_r,
         weight=np.full(b.end.size, vehicle.weight),
         pitch_deficit=d.pitch_deficit,
         lag_gain=G * b.z / np.maximum(b.speed, 1.0),

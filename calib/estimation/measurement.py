@@ -12,7 +12,7 @@
 
 B_f, B_r are the brake forces of nominal pads, B = level (B_f + B_r), M other moments as a force at
 the road. Where the brakes do not act, the normalised force is that of the coasting car, on both
-axles. Symbols are those of `calib.estimation.states`.
+axles, and that of the drive on its own. Symbols are those of `calib.estimation.states`.
 """
 
 from collections.abc import Callable, Sequence
@@ -30,7 +30,7 @@ class Given(NamedTuple, Generic[T]):
 
     ``brake_f``, ``brake_r`` brake forces of nominal pads [N]; ``level`` common factor on them, 0 if
     not braked [1]; ``moment_f``, ``moment_r`` what slows the wheels otherwise, as a force at the
-    road [N]; ``load_f``, ``load_r`` [N]; ``coasting_force`` tyre forces over the weight [1], read
+    road [N]; ``load_f``, ``load_r`` [N]; ``coasting_f``, ``coasting_r`` normalised force [1], read
     where not braked; ``weight`` [N]; ``pitch_deficit`` load over W that the pitch mode has not yet
     moved [1]; ``lag_gain`` g z/V, slip per second of clock offset [1/s]; ``static_f``, ``static_r``
     axle loads at rest [N].
@@ -43,7 +43,8 @@ class Given(NamedTuple, Generic[T]):
     moment_r: T
     load_f: T
     load_r: T
-    coasting_force: T
+    coasting_f: T
+    coasting_r: T
     weight: T
     pitch_deficit: T
     lag_gain: T
@@ -68,7 +69,7 @@ def braked(x: States[Expression], g: Given[Expression]) -> Pair:
 
 def coasting(x: States[Expression], g: Given[Expression]) -> Pair:
     """Return eta and the mean slip [1] of a block in which the brakes do not act."""
-    return sensed(x, g, *slips(x, g, (g.coasting_force, g.coasting_force), loads(x, g)))
+    return sensed(x, g, *slips(x, g, (g.coasting_f, g.coasting_r), loads(x, g)))
 
 
 def loads(x: States[Expression], g: Given[Expression]) -> Pair:

@@ -86,7 +86,8 @@ def _changes(
 
     ``total`` brake force of both axles [N] (n,). The tyres, the radii under load and the pads'
     ratio of the ramp are those of today and fall out; the error of the mass does not, since the
-    load may be another one.
+    load may be another one. It counts once where both masses are that of the file, and once more
+    where that of today was stated: then they were found apart.
     """
     cal, car = plan.table.calibration, plan.table.vehicle
     p_f, p_r = np.maximum(s.p_f, 1.0), np.maximum(s.p_r, 1.0)
@@ -94,7 +95,8 @@ def _changes(
     x, y = brake_forces(car, p_f, p_r, rho + change)
     share = x / (x + y)
     ramp = cal.pad_scale.sigma / cal.pad_scale.value
-    level = np.sqrt(sigma_level**2 + max(ramp**2 - car.mass_tolerance**2, 0.0))
+    common = 0.0 if plan.mass_stated else car.mass_tolerance
+    level = np.sqrt(sigma_level**2 + max(ramp**2 - common**2, 0.0))
     sigma = answer.change_sigma[at]
     then_f, then_r = (cal.pad_scale.value * B for B in brake_forces(car, p_f, p_r, rho))
     return (

@@ -12,6 +12,7 @@ from calib.physics.balance import brake_forces
 from calib.physics.effects import pitch_coupling
 from calib.physics.effects.combined import as_driven
 from calib.physics.effects.effects import Effects
+from calib.physics.mass import weighed
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals
 from calib.signals.noise import SensorNoise, lead_in_noise, worst_noise
@@ -23,7 +24,7 @@ class Plan:
     """What stays the same over a log.
 
     ``nominal`` the car with the pads that the estimate starts from; ``known`` the resistance;
-    ``noise`` of the sensors.
+    ``noise`` of the sensors; ``mass_stated`` whether the mass was stated for this log.
     """
 
     table: Table
@@ -32,6 +33,7 @@ class Plan:
     noise: SensorNoise
     priors: Priors
     gates: Gates
+    mass_stated: bool = False
 
 
 def plan_for(
@@ -89,16 +91,19 @@ def calibrated(table: Table) -> Vehicle:
     )
 
 
-def as_used(table: Table, vehicle: Vehicle | None) -> Vehicle:
+def as_used(table: Table, vehicle: Vehicle | None, mass: float | None = None) -> Vehicle:
     """The car of an estimate as it is driven: mass, radii and inertias with their known errors."""
-    car = with_effects(table, vehicle)
+    car = with_effects(table, vehicle, mass)
     return with_pads(as_driven(car, car.effects), vehicle or table.vehicle)
 
 
-def with_effects(table: Table, vehicle: Vehicle | None) -> Vehicle:
-    """The table's car with its known effects and those of ``vehicle``, which go before."""
+def with_effects(table: Table, vehicle: Vehicle | None, mass: float | None = None) -> Vehicle:
+    """The table's car with its known effects and those of ``vehicle``, which go before.
+
+    With a stated ``mass`` [kg] it is as heavy as that, see `calib.physics.mass.weighed`.
+    """
     own = vehicle.effects if vehicle else Effects()
-    return replace(table.vehicle, effects=table.vehicle.effects.with_(own))
+    return weighed(replace(table.vehicle, effects=table.vehicle.effects.with_(own)), mass)
 
 
 def with_pads(car: Vehicle, pads: Vehicle) -> Vehicle:

@@ -16,7 +16,7 @@ from calib.fitting.metrics import metrics
 from calib.fitting.path import find_peak, readable_up_to, require_tyre
 from calib.fitting.provenance import provenance
 from calib.fitting.ramp import prepare
-from calib.fitting.remarks import remarks, taken_out
+from calib.fitting.remarks import remarks, stated, taken_out
 from calib.fitting.resistance import RESISTANCE
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sensors import correct_accelerometer
@@ -24,13 +24,14 @@ from calib.fitting.sort_logs import sort_logs
 from calib.fitting.warnings import fit_warnings
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
+from calib.physics.mass import mass_used, weighed
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.pads import require_possible_pads
 from calib.signals.noise import worst_noise
 from calib.table.table import Table
 
 
-def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
+def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
     """Fit one table from ramped brakings.
 
     Parameters
@@ -38,6 +39,8 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     vehicle : names the table. The effects that it knows are taken out of the logs first, see
         `calib.fitting.known_effects`.
     logs : one ramp or more; logs without braking serve as coast logs.
+    mass : of the car in these logs [kg], if it is not that of ``vehicle``. The table keeps the
+        vehicle as it is: what was weighed once need not be the load of the next run.
 
     Raises LogError when no log is a ramp that will do, with the reason and what to drive instead,
     and for a pad friction that no pad has;
@@ -54,8 +57,9 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     0.4 is what the simulation had [1].
     """
     notes = {(log.name, log.digest): log.notes for log in logs}
-    corrected = [remove_known_effects(vehicle, log) for log in logs]
-    car = corrected[0].vehicle if corrected else vehicle
+    driven = weighed(vehicle, mass)
+    corrected = [remove_known_effects(driven, log) for log in logs]
+    car = corrected[0].vehicle if corrected else driven
     read = sort_logs(car, [run.log for run in corrected])
     ramps, coasts = ([correct_accelerometer(car, *run) for run in group] for group in read)
     known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
@@ -89,7 +93,8 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=metrics(car, found, runs, peak, z_max),
         remarks=(
-            *taken_out(vehicle),
+            *taken_out(driven),
+            *stated(mass_used(vehicle, mass)),
             *remarks(car, found, runs, known, peak, len(coasts)),
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, notes),

@@ -6,8 +6,10 @@
     mass, radii, inertias as driven                              into the vehicle
 
 What slows the body or the wheels beside the brakes (drag, grade, engine) stays an effect: it takes
-its part of the balance of forces. The load transfer that pitch delays is left to the estimator,
-which carries it as a state of its own, with the car's pitch mode where that is known.
+its part of the balance of forces, and so does a logged torque of engine or motor: with
+``engine_drag`` among the known effects both are counted. The load transfer that pitch delays is
+left to the estimator, which carries it as a state of its own, with the car's pitch mode where that
+is known.
 """
 
 from dataclasses import dataclass, replace

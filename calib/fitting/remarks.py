@@ -7,6 +7,7 @@ from calib.fitting.metrics import outliers
 from calib.fitting.path import Peak
 from calib.fitting.ramp import RampRun
 from calib.fitting.resistance import Resistance
+from calib.physics.mass import MassUsed
 from calib.physics.vehicle import Vehicle
 from calib.statistics.intervals import Z95
 
@@ -56,3 +57,8 @@ def taken_out(vehicle: Vehicle) -> tuple[str, ...]:
     """What was known of the car and is not in the table's pads."""
     names = vehicle.effects.described
     return (f"known effects taken out of the logs: {', '.join(names)}",) if names else ()
+
+
+def stated(mass: MassUsed) -> tuple[str, ...]:
+    """The mass of the calibration, where it is not that of the table's vehicle."""
+    return (f"mass in the logs: {mass}",) if mass.stated else ()

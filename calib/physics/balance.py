@@ -2,6 +2,9 @@
 
 W z = tyre forces + body forces          tyre forces = brakes + other moments on the wheels
 
+A moment on the wheels besides the brake comes from the known effects, from the inertia of the
+wheels, and from the drive: the torque of engine or motor where it is logged.
+
 Quasi-static loads, straight line. All rooms take loads, resistances and the demanded brake force
 from here; the simulation adds the same effects by the same functions.
 """
@@ -26,14 +29,17 @@ class ForceBalance:
     """Forces of a run [N], shapes (n,).
 
     ``load_f``, ``load_r`` axle loads (6), (7); ``moment_f``, ``moment_r`` moments on the wheels
-    besides the brake, inertia included, as a force at the road; ``body`` forces that slow the body
-    directly; ``tyre_sum`` sum of all tyre forces (5), (17).
+    besides the brake, inertia and drive included, as a force at the road; ``drive_f``, ``drive_r``
+    the drive's part of them; ``body`` forces that slow the body directly; ``tyre_sum`` sum of all
+    tyre forces (5), (17).
     """
 
     load_f: Array
     load_r: Array
     moment_f: Array
     moment_r: Array
+    drive_f: Array
+    drive_r: Array
     body: Array
     tyre_sum: Array
 
@@ -50,12 +56,14 @@ def force_balance(
     speed: Array,
     z: Array,
     pressure: Array,
+    drive: tuple[Array, Array] | None = None,
     spin: tuple[Array, Array] | None = None,
 ) -> ForceBalance:
     """Balance at ``time`` [s], ``speed`` [m/s], ``z`` [1] and ``pressure`` [Pa], shapes (n,).
 
-    ``spin`` d omega/dt of the front and the rear wheels [rad/s^2]; without it -g z/R, which
-    neglects the change of slip.
+    ``drive`` torque of engine or motor at the front and the rear wheels [N m per axle], negative
+    where it slows, None for none; ``spin`` d omega/dt of the front and the rear wheels [rad/s^2];
+    without it -g z/R, which neglects the change of slip.
     """
     load_f, load_r = axle_loads(vehicle, z)
     history = replace(at_rest(time, pressure, 0.0), v=speed, z=z)
@@ -64,12 +72,26 @@ def force_balance(
     axles = (vehicle.front, vehicle.rear)
     if spin is None:
         spin = (-G * z / vehicle.front.rolling_radius, -G * z / vehicle.rear.rolling_radius)
+    if drive is None:
+        drive = (np.zeros_like(z), np.zeros_like(z))
+    drive_f, drive_r = (
+        -torque / axle.rolling_radius for axle, torque in zip(axles, drive, strict=True)
+    )
     moment_f, moment_r = (
         moment_at_road(axle, moment, rate)
         for axle, moment, rate in zip(axles, moments, spin, strict=True)
     )
     body = total_body_force(vehicle, effects, motion)
-    return ForceBalance(load_f, load_r, moment_f, moment_r, body, braking_sum(vehicle, z, body))
+    return ForceBalance(
+        load_f=load_f,
+        load_r=load_r,
+        moment_f=moment_f + drive_f,
+        moment_r=moment_r + drive_r,
+        drive_f=drive_f,
+        drive_r=drive_r,
+        body=body,
+        tyre_sum=braking_sum(vehicle, z, body),
+    )
 
 
 def moment_at_road(axle: Axle, moment: Array | float, spin: Array) -> Array:

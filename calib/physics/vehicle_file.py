@@ -14,6 +14,7 @@ from pydantic import AfterValidator, Field, model_validator
 from calib.errors import VehicleError
 from calib.files import write_whole
 from calib.physics.effects.effects import Effects
+from calib.physics.mass import LEAST, MOST
 from calib.physics.vehicle import Axle, Vehicle
 from calib.schema import FileSchema, QuantityMark, Section, quantities, read_toml, validated
 from calib.schema_errors import wrong
@@ -42,7 +43,7 @@ def _whole(number: float) -> int:
 class ChassisSection(Section):
     """Masses and lengths, as in `Vehicle`."""
 
-    mass: Annotated[float, QuantityMark("kg", 300, 60_000)]
+    mass: Annotated[float, QuantityMark("kg", LEAST, MOST)]
     cg_to_front_axle: Annotated[float, QuantityMark("m", 0.2, 10)]
     cg_to_rear_axle: Annotated[float, QuantityMark("m", 0.2, 10)]
     cg_height: Annotated[float, QuantityMark("m", 0.1, 3)]

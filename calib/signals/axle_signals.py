@@ -28,14 +28,17 @@ Mask = NDArray[np.bool_]
 class Signals:
     """Axle signals at the log's own rate, shapes (n,), SI.
 
-    ``p_f``, ``p_r`` axle pressures (wheel pressures where logged, else master cylinder); ``z`` (5);
-    ``omega_f``, ``omega_r`` axle means; ``v`` reference speed or None; ``speed`` v, else the rear
-    wheels'. ``lead_in`` is true before the first braking; ``sample_time`` [s].
+    ``p_f``, ``p_r`` axle pressures (wheel pressures where logged, else master cylinder);
+    ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero where not logged;
+    ``z`` (5); ``omega_f``, ``omega_r`` axle means; ``v`` reference speed or None; ``speed`` v, else
+    the rear wheels'. ``lead_in`` is true before the first braking; ``sample_time`` [s].
     """
 
     time: Array
     p_f: Array
     p_r: Array
+    drive_f: Array
+    drive_r: Array
     z: Array
     omega_f: Array
     omega_r: Array
@@ -68,6 +71,8 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
         time=log.time,
         p_f=p_f,
         p_r=p_r,
+        drive_f=_drive_torque(log, "f"),
+        drive_r=_drive_torque(log, "r"),
         z=z,
         omega_f=omega_f,
         omega_r=omega_r,
@@ -84,6 +89,12 @@ def _axle_pressure(log: Log, axle: str) -> Array:
     if left in log and right in log:
         return 0.5 * (log[left] + log[right])
     return log["p_mc"]
+
+
+def _drive_torque(log: Log, axle: str) -> Array:
+    """Torque of engine or motor at both wheels of an axle [N m]; zero where it is not logged."""
+    name = f"T_drive_{axle}"
+    return log[name] if name in log else np.zeros_like(log.time)
 
 
 def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -> Mask:

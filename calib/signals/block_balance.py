@@ -8,5 +8,5 @@ from calib.signals.blocks import Blocks
 
 def block_balance(vehicle: Vehicle, effects: Effects, b: Blocks) -> ForceBalance:
     """`force_balance` of each block, with the spin of the wheels as it was measured, (k,)."""
-    spin = (b.spin_f, b.spin_r)
-    return force_balance(vehicle, effects, b.end, b.speed, b.z, b.p_f, spin)
+    drive, spin = (b.drive_f, b.drive_r), (b.spin_f, b.spin_r)
+    return force_balance(vehicle, effects, b.end, b.speed, b.z, b.p_f, drive, spin)

@@ -26,6 +26,8 @@ class Blocks:
     end: Array
     p_f: Array
     p_r: Array
+    drive_f: Array
+    drive_r: Array
     z: Array
     omega_f: Array
     omega_r: Array
@@ -58,6 +60,8 @@ def blocks(s: Signals, length: float = BLOCK) -> Blocks:
         end=end,
         p_f=block_mean(s.p_f, n),
         p_r=block_mean(s.p_r, n),
+        drive_f=block_mean(s.drive_f, n),
+        drive_r=block_mean(s.drive_r, n),
         z=block_mean(s.z, n),
         omega_f=omega_f,
         omega_r=omega_r,

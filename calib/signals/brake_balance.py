@@ -32,10 +32,11 @@ class BrakeBalance:
 def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
     """Balance of a run with the nominal pads of ``car`` and the known effects."""
     nominal_f, nominal_r = brake_forces(car, s.p_f, s.p_r)
+    drive = (s.drive_f, s.drive_r)
     return BrakeBalance(
         nominal_f=nominal_f,
         nominal_r=nominal_r,
-        balance=force_balance(car, effects, s.time, s.speed, s.z, s.p_f),
+        balance=force_balance(car, effects, s.time, s.speed, s.z, s.p_f, drive),
         active=_began(s) & (np.maximum(s.p_f, s.p_r) > BITE),
     )
 

@@ -24,9 +24,10 @@ COAST_SECONDS = 1.5
 def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
     """Simulate the model with the pressures of a log from its first speed, open loop.
 
-    Wheel pressures [Pa] and disc temperatures are used if they are logged, else ``p_mc``. Ends like
-    `simulate`, at ``stop_speed`` [m/s] at the latest. Raises LogError
-    if the log has no first speed, ModelError if there is nothing to simulate.
+    Wheel pressures [Pa] are used if they are logged, else ``p_mc``; disc temperatures and the
+    torque of engine or motor if they are logged. Ends like `simulate`, at ``stop_speed`` [m/s] at
+    the latest. Raises LogError if the log has no first speed, ModelError if there is nothing to
+    simulate.
     """
     step = log.sample_time
     return simulate(
@@ -36,6 +37,7 @@ def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
         first_speed(log, as_driven(model.vehicle, model.effects)),
         wheel_pressure={w: as_pressed(log[f"p_{w}"], step) for w in WHEELS if f"p_{w}" in log},
         temperature={a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log},
+        drive_torque={a: log[f"T_drive_{a}"] for a in AXLES if f"T_drive_{a}" in log},
         stop_speed=stop_speed,
         name=log.name,
     )

@@ -33,6 +33,7 @@ def simulate(
     *,
     wheel_pressure: Mapping[str, Array] | None = None,
     temperature: Mapping[str, Array] | None = None,
+    drive_torque: Mapping[str, Array] | None = None,
     stop_speed: float = 1.0,
     name: str = "simulation",
 ) -> Log:
@@ -48,6 +49,8 @@ def simulate(
     wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
     temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; thermal fade
         has no effect on an axle without one.
+    drive_torque : of engine or motor at both wheels of an axle together [N m], (n,) each, by axle
+        name, negative where it slows; an axle without one rolls freely. It adds to ``engine_drag``.
     stop_speed : speed at which the simulation ends [m/s].
     name : of the log.
 
@@ -74,18 +77,23 @@ def simulate(
     True
     """
     own, heat = dict(wheel_pressure or {}), dict(temperature or {})
+    engine = dict(drive_torque or {})
     _check_drive(time, v0, stop_speed)
     _check_inputs(time, {"pressure": pressure}, ("pressure",))
     _check_inputs(time, own, WHEELS, "wheel")
     _check_inputs(time, heat, AXLES, "axle")
+    _check_inputs(time, engine, AXLES, "axle")
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
     rest = at_rest(time, pressure, v0, heat, source=name)
-    run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed)
+    none = np.zeros_like(time)
+    torque = (engine.get("f", none), engine.get("r", none))
+    run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque)
     state = solve(run)
     end, note = end_of(run, state)
     history = history_of(run, state)
     logged = {f"p_{w}": own[w] for w in WHEELS if w in own}
     logged |= {f"T_disc_{a}": heat[a] for a in AXLES if a in heat}
+    logged |= {f"T_drive_{a}": engine[a] for a in AXLES if a in engine}
     channels = _first(_channels(run, state, history) | logged, end)
     truth = _first(_truth(run, state, history), end)
     return Log(

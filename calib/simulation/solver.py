@@ -42,13 +42,15 @@ class Drive:
     """Inputs that do not change between iterations.
 
     ``brakes`` with the model; ``rest`` clock, pressure and temperatures; ``v0``, ``stop_speed``
-    first and last speed [m/s].
+    first and last speed [m/s]; ``drive_torque`` of engine or motor at the front and the rear wheels
+    [N m per axle] (n,), negative where it slows.
     """
 
     brakes: Brakes
     rest: RunHistory
     v0: float
     stop_speed: float
+    drive_torque: Pair
 
     @property
     def time(self) -> Array:
@@ -173,7 +175,12 @@ def _iterate(run: Drive, old: SolverState) -> SolverState:
     travel = wheel.Travel(run.time, run.moving(old.v), old.z)
     loads = [np.maximum(load, LEAST_LOAD * vehicle.weight) for load in _loads(run, old.z, history)]
     motion = Motion(travel.v, loads[0], loads[1], history)
-    moments = total_axle_moment(vehicle, model.effects, motion)
+    moments = [
+        moment - torque
+        for moment, torque in zip(
+            total_axle_moment(vehicle, model.effects, motion), run.drive_torque, strict=True
+        )
+    ]
     tyres = tyres_along(model, run.time, travel.v)
     slip, demand, force, used = {}, {}, {}, {}
     for w, torque in run.brakes.torques(history).items():

@@ -102,13 +102,18 @@ class StationOutcome:
 
 
 def table_of(
-    vehicle: Vehicle, ramps: Sequence[Log], coasts: Sequence[Log], identity: Identity
+    vehicle: Vehicle,
+    ramps: Sequence[Log],
+    coasts: Sequence[Log],
+    identity: Identity,
+    mass: float | None = None,
 ) -> Table:
     """Fit the table of the car; its provenance holds the ``identity`` of the car.
 
+    ``mass`` [kg] of the car in these logs, if it is not that of ``vehicle``.
     Raises LogError for a ramp without braking and for a coast with braking.
     """
-    table = fit(vehicle, [*ramps, *coasts])
+    table = fit(vehicle, [*ramps, *coasts], mass)
     roles = {log.digest: log.role for log in table.provenance.logs}
     for role, logs in (("ramp", ramps), ("coast", coasts)):
         for log in logs:
@@ -121,9 +126,15 @@ def table_of(
     return replace(table, provenance=replace(table.provenance, identity=identity.given()))
 
 
-def validated(table: Table, log: Log, limits: Sequence[Limit]) -> Validation:
-    """Validate one hold-out. Raises LogError where the table was fitted on it."""
-    result = validate_one(table, log, None, tuple(x for x in limits if x.figure in OF_STOPS))
+def validated(
+    table: Table, log: Log, limits: Sequence[Limit], mass: float | None = None
+) -> Validation:
+    """Validate one hold-out, of a car of a stated ``mass`` [kg] or that of the table.
+
+    Raises LogError where the table was fitted on it.
+    """
+    of_stops = tuple(x for x in limits if x.figure in OF_STOPS)
+    result = validate_one(table, log, None, of_stops, mass=mass)
     if result.role == CALIBRATION:
         raise LogError(
             "the table is fitted on this log, which proves nothing as a hold-out",

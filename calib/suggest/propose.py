@@ -23,7 +23,16 @@ from calib.suggest.physics import ColumnClock, moving, rate_of
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal, Suggestion
 from calib.suggest.series import Series, read_series
 from calib.suggest.wheels import find_wheels, groups
-from calib.suggest.words import DISC, NO_STEERING, STEERING, axle, score
+from calib.suggest.words import (
+    DISC,
+    DRIVE,
+    NO_DRIVE,
+    NO_STEERING,
+    STEERING,
+    TORQUE,
+    axle,
+    score,
+)
 from calib.units import UnknownUnit, from_si, to_si, unit_of
 
 Array = NDArray[np.float64]
@@ -201,6 +210,8 @@ class _Work:
             "T_disc_r": lambda s: (
                 s.si == "degC" and score(s.name, DISC, set()) > 0 and axle(s.name) == "r"
             ),
+            "T_drive_f": lambda s: _is_drive(s) and axle(s.name) == "f",
+            "T_drive_r": lambda s: _is_drive(s) and axle(s.name) == "r",
         }
         for channel, fits in wanted.items():
             found = [s for s in self._free() if s.name == channel or fits(s)]
@@ -212,7 +223,11 @@ class _Work:
                 names = tuple(s.name for s in found)
                 self.doubts.append(Doubt(channel, names, "several columns fit by name", do))
                 continue
-            reasons = ("name", f"unit {found[0].column.unit}", "not tested")
+            reasons = (
+                "name",
+                f"unit {found[0].column.unit}",
+                NOT_TESTED.get(channel, "not tested"),
+            )
             self.proposals[channel] = Proposal(channel, Mapping(found[0].name), LIKELY, reasons)
 
     def suggestion(self, where: str) -> Suggestion:
@@ -232,6 +247,19 @@ class _Work:
 
     def _wheel_doubt(self, name: str) -> bool:
         return name.startswith("omega") and any(d.channel.startswith("omega") for d in self.doubts)
+
+
+def _is_drive(item: Series) -> bool:
+    """Whether a column is the torque of an engine or motor, by name and unit."""
+    named = score(item.name, TORQUE, NO_DRIVE) > 0 and score(item.name, DRIVE, set()) > 0
+    return item.si == "N*m" and named
+
+
+NOT_TESTED = dict.fromkeys(
+    ("T_drive_f", "T_drive_r"),
+    "not tested: it must be that at the wheels (scale by the gear), negative when it slows",
+)
+"""What the user must look at, by channel."""
 
 
 def _why_missing(name: str) -> str:

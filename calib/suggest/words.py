@@ -61,6 +61,17 @@ NO_SPEED = {
 }
 STEERING = {"steering", "steer", "swa", "lenk", "lenkwinkel", "lenkrad", "delta"}
 NO_STEERING = {"yaw", "heading", "slip", "pitch", "roll", "rate", "road", "rear"}
+TORQUE = {"torque", "trq", "moment", "drehmoment", "radmoment"}
+DRIVE = {
+    *("drive", "drv", "motor", "mot", "engine", "eng", "emotor", "antrieb", "antriebsmoment"),
+    *("regen", "rekuperation", "powertrain"),
+}
+NO_DRIVE = {
+    *("brake", "brk", "brakes", "bremse", "bremsmoment", "steering", "steer", "lenk", "yaw"),
+    *("target", "set", "setpoint", "soll", "request", "req", "requested", "max", "min", "limit"),
+    *("lim", "available", "avail", "driver", "fahrer", "hand"),
+}
+"""Words for another torque, or one that is only asked for or possible."""
 WHOLE = 5
 """Fewest letters of a word that is also searched within compounds: ``Fahrzeuggeschwindigkeit``."""
 DISC = {"disc", "disk", "rotor", "scheibe", "bremsscheibe"}

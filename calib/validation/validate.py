@@ -15,6 +15,7 @@ from calib.errors import LogError, VehicleError
 from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.plan import as_used
 from calib.logs.log import Log
+from calib.physics.mass import MassUsed, mass_used
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
@@ -36,7 +37,8 @@ class Validation:
     """One log: its estimate, its metrics, its judgements, the baselines' errors if truth is known.
 
     ``role`` is `HOLDOUT`, or `CALIBRATION` for a log on which the table was fitted: it is reported,
-    but validates nothing, so it does not pass. ``warnings`` what speaks against the result.
+    but validates nothing, so it does not pass. ``mass`` is what the estimate rests on; ``warnings``
+    what speaks against the result.
     """
 
     log: str
@@ -46,6 +48,7 @@ class Validation:
     figures: dict[str, float | None]
     judgements: tuple[Judgement, ...]
     baselines: dict[str, tuple[float, float]]
+    mass: MassUsed
     warnings: tuple[PlausibilityWarning, ...] = ()
 
     def __repr__(self) -> str:
@@ -88,6 +91,7 @@ def validate(
     logs: list[Log],
     vehicle: Vehicle | None = None,
     limits: tuple[Limit, ...] = DEFAULTS,
+    mass: float | None = None,
 ) -> list[Validation]:
     """Run, score and judge the estimator on every log.
 
@@ -97,6 +101,7 @@ def validate(
     logs : hold-outs; a log on which the table was fitted is marked and validates nothing.
     vehicle : nominal pads other than the table's; must be the same car in all else.
     limits : of the metrics, for pass or fail.
+    mass : of the car in these logs [kg], if it is not that of the table's vehicle.
 
     Returns
     -------
@@ -115,7 +120,7 @@ def validate(
     >>> abs(result.figures["torque_error_f"]) < 0.02  # against the truth in the log
     True
     """
-    return [validate_one(table, log, vehicle, limits) for log in logs]
+    return [validate_one(table, log, vehicle, limits, mass=mass) for log in logs]
 
 
 def validate_one(
@@ -124,6 +129,7 @@ def validate_one(
     vehicle: Vehicle | None,
     limits: tuple[Limit, ...],
     *,
+    mass: float | None = None,
     baselines: bool = True,
 ) -> Validation:
     """Run, score and judge one log; without ``baselines`` the other methods are left out."""
@@ -134,10 +140,10 @@ def validate_one(
             where=log.source,
             do="see `brake-cal check`",
         )
-    car = as_used(table, vehicle)
-    require_same_vehicle(table, vehicle)
+    car = as_used(table, vehicle, mass)
+    require_same_vehicle(table, vehicle, mass=mass)
     require_same_car(table, log)
-    result = estimate(table, log, vehicle, with_laws=baselines)
+    result = estimate(table, log, vehicle, mass=mass, with_laws=baselines)
     figures = score(log, car, result)
     compared = baselines and bool(result.valid.any())
     truth = truth_of(log, car, result) if compared else None
@@ -150,6 +156,7 @@ def validate_one(
         figures=figures,
         judgements=judge(limits, figures),
         baselines={} if truth is None else baseline_errors(car, result, truth),
+        mass=mass_used(table.vehicle, mass),
         warnings=warnings_of(log, result),
     )
 
@@ -159,14 +166,18 @@ SWAPPED = 0.5
 pads that lost 30 % against the rear make it fall too, but by less."""
 
 
-def require_same_vehicle(table: Table, vehicle: Vehicle | None, where: object = None) -> None:
+def require_same_vehicle(
+    table: Table, vehicle: Vehicle | None, where: object = None, mass: float | None = None
+) -> None:
     """Raise VehicleError if ``vehicle`` differs from the table's in more than pads and effects.
 
-    ``where`` names its file.
+    ``where`` names its file. With a stated ``mass`` that of the files may differ.
     """
     if vehicle is None:
         return
     ours, theirs = _geometry(table.vehicle), _geometry(vehicle)
+    if mass is not None:
+        ours.pop("mass")
     differ = [f"{k} {theirs[k]:.6g} for {ours[k]:.6g}" for k in ours if theirs[k] != ours[k]]
     if differ:
         raise VehicleError(
@@ -240,6 +251,7 @@ def to_dict(
     return {
         "schema": 1,
         "table": table_id,
+        "mass": asdict(results[0].mass) if results else None,
         "warnings": [warning_dict(w) for w in all_warnings(of_table, results)],
         "verdict": PASSED if all(r.passed for r in results) else FAILED,
         "logs": [

@@ -21,7 +21,7 @@ import numpy as np
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from tests import recordings_made as made  # noqa: E402
+from tests.support import recordings as made  # noqa: E402
 
 READ = """
 import json, os, sys, threading, time

@@ -99,3 +99,14 @@ def test_hanging_for_less_than_a_second_is_let_pass():
     values = log["omega_fl"].copy()
     values[400:590] = values[400]
     assert stuck(changed(log, omega_fl=values)) == {}
+
+
+def test_a_motor_back_at_rest_is_not_saturation():
+    log = made_run(stop())
+    share = np.clip((log.time - 1.0) / log.time[-1], 0.0, 0.3)
+    regenerating = -200.0 * share * (0.3 - share) + np.sin(40.0 * share) * (share - 0.3)
+    torque = np.minimum(regenerating, 0.0)
+    assert saturation(torque, log.sample_time) > 1.0
+    log = changed(log, T_drive_r=torque)
+    found = {s.channel: s.saturated for s in sensors_of(log, driving_record(log))}
+    assert found["T_drive_r"] == 0.0

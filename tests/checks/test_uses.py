@@ -1,5 +1,7 @@
 """What a log is good for although it lacks something."""
 
+import numpy as np
+
 from calib.checks.observation import observe
 from calib.checks.uses import uses
 from tests.support.made_runs import changed, made_run, stop
@@ -23,3 +25,11 @@ def test_coarse_wheels_are_called_so():
 
 def test_without_wheels_there_is_nothing_to_say():
     assert said(changed(made_run(), omega_fl=None)) == ""
+
+
+def test_a_logged_drive_is_said_to_be_taken_out():
+    run = made_run(stop())
+    assert "motor" not in said(run)
+    assert "less the torque of engine or motor: T_drive_f" in said(
+        changed(run, T_drive_f=np.zeros(run.time.size))
+    )

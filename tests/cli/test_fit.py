@@ -2,6 +2,7 @@
 
 import json
 import shlex
+from dataclasses import replace
 
 import pytest
 
@@ -176,3 +177,17 @@ def test_a_temperature_that_the_log_lacks_is_bad_input(brake_cal, model, tmp_pat
         assert log.stem in ran.err
     assert not sim.exists()
     assert not (tmp_path / "other").exists()
+
+
+def test_a_stated_mass_gives_the_pads_of_a_loaded_car(brake_cal, store, tmp_path):
+    loaded = tmp_path / "loaded.csv"
+    write_csv(noisy(ramp(replace(REAL, mass_scale=1.2)), 1), loaded)
+    words = ("fit", loaded, "--vehicle", VEHICLE, "--store", store)
+    told = json.loads(brake_cal(*words, "--mass", "2093 kg", "--json").out)
+    assert told["mass"] == {"value": 2093.0, "tolerance": 0.005, "stated": True}
+    assert told["calibration"]["pad_friction_f"]["value"] == pytest.approx(0.38, rel=0.02)
+    assert any("2093 kg" in remark for remark in told["remarks"])
+    untold = brake_cal(*words)
+    assert "mass       1744 kg, known to 3 %: nobody wrote down the load" in untold.out
+    pads = Store(store).load(CAR.name).table.calibration.pad_friction_f.value
+    assert pads == pytest.approx(0.38 / 1.2, rel=0.02)

@@ -205,3 +205,18 @@ def test_a_damaged_store_is_told(station, tmp_path):
     curve = tmp_path / "tables/sedan-2up/v0001/tyre.parquet"
     curve.write_bytes(b"x" + curve.read_bytes()[1:])
     assert station().code == 4
+
+
+def test_a_stated_mass_counts_in_the_ramp_and_in_the_stops(station, tmp_path):
+    ran = station("--mass", "1800 kg", "--json")
+    assert ran.code in (0, 1), ran.err
+    mass = {"value": 1800.0, "tolerance": 0.005, "stated": True}
+    assert json.loads(ran.out)["validation"]["mass"] == mass
+    record = json.loads((tmp_path / "tables/sedan-2up/v0001/record.json").read_text())["record"]
+    assert record["vehicle"]["mass"] == 1744.0
+    heavy = record["calibration"]["pad_scale"]["value"]
+    assert station("--mass", "1744 kg").code == 0
+    record = json.loads((tmp_path / "tables/sedan-2up/v0002/record.json").read_text())["record"]
+    assert heavy / record["calibration"]["pad_scale"]["value"] == pytest.approx(
+        1800 / 1744, abs=2e-3
+    )

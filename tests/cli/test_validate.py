@@ -238,3 +238,58 @@ def test_a_damaged_table_ends_with_4_and_names_the_file(brake_cal, bench, tmp_pa
     assert (ran.code, ran.out) == (4, "")
     assert file in ran.err
     assert "Traceback" not in ran.err
+
+
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory):
+    """A stop of the car with a fifth of its mass more on board."""
+    path = tmp_path_factory.mktemp("loaded") / "loaded.csv"
+    write_csv(noisy(stop(replace(WET, mass_scale=1.2)), 3), path)
+    return path
+
+
+def pads(ran):
+    return json.loads(ran.out)["logs"][0]["figures"]["pad_friction_f"]
+
+
+def test_a_stated_mass_is_used_and_told(run, loaded):
+    told, untold = (run(loaded, "--json", *words) for words in (("--mass", "2093 kg"), ()))
+    assert pads(told) == pytest.approx(0.31, rel=0.03)
+    assert pads(untold) == pytest.approx(0.31 / 1.2, rel=0.03)
+    assert json.loads(told.out)["mass"] == {"value": 2093.0, "tolerance": 0.005, "stated": True}
+    assert json.loads(untold.out)["mass"] == {"value": 1744.0, "tolerance": 0.005, "stated": False}
+    assert pads(run(loaded, "--json", "--mass", "2.093 t")) == pads(told)
+    assert (
+        "mass 2093 kg, known to 0.5 %, as stated for these logs"
+        in run(loaded, "--mass", "2093 kg").out
+    )
+
+
+def test_a_load_that_nobody_wrote_down_is_told(brake_cal, bench, fitted, tmp_path):
+    unknown = replace(fitted, vehicle=replace(fitted.vehicle, mass_tolerance=0.03))
+    Store(tmp_path / "tables").save(unknown)
+    words = ("validate", CAR.name, bench / "wet.csv", "--store", tmp_path / "tables")
+    assert "mass 1744 kg, known to 3 %: nobody wrote down the load" in brake_cal(*words).out
+    told = json.loads(brake_cal(*words, "--json").out)["mass"]
+    assert told == {"value": 1744.0, "tolerance": 0.03, "stated": False}
+
+
+def test_a_vehicle_of_another_mass_is_refused_unless_the_mass_is_stated(run, loaded, tmp_path):
+    other = tmp_path / "other.toml"
+    other.write_text((SEDAN / "vehicle.toml").read_text().replace('"1744 kg"', '"1900 kg"'))
+    refused = run(loaded, "--vehicle", other)
+    assert refused.code == 3
+    assert "mass 1900 for 1744" in refused.err
+    ran = run(loaded, "--vehicle", other, "--mass", "2093 kg", "--json")
+    assert ran.code == 0, ran.err
+    assert pads(ran) == pytest.approx(0.31, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("mass", "says"),
+    [("2093", "has no unit"), ("heavy", "is not a quantity"), ("2 m", "kg"), ("20 kg", "300 to")],
+)
+def test_a_mass_that_is_none_is_a_wrong_use(run, mass, says):
+    ran = run("wet.csv", "--mass", mass)
+    assert (ran.code, ran.out) == (2, "")
+    assert says in ran.err

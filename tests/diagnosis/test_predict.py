@@ -8,6 +8,7 @@ from calib.diagnosis.predict import Base, follow, predict, run_of
 from calib.physics.effects.effects import Effects
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import CAR as SEDAN
+from tests.support.reference_car import without
 
 
 def pressure(t: float) -> float:
@@ -28,6 +29,19 @@ def test_a_plant_with_the_same_physics_is_predicted(run):
     # half of what a speed's noise is, after 16 m/s of braking
     assert told.gained[held] == pytest.approx((run.v - run.v[0])[held], abs=1e-2)
     assert told.omega[:, held] == pytest.approx(run.omega[:, held], abs=2e-2)
+
+
+def test_a_logged_motor_is_predicted_and_one_that_is_not_is_missed():
+    plant = Plant(SEDAN, tyre=magic(25.0, 0.95), motor=lambda t: (-80.0, -160.0 * min(t, 1.0)))
+    log = as_log(drive(plant, pressure, 28.0, duration=6.0))
+    base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, 25.0, 0.95)
+    run, held = run_of(log), slice(200, -10)
+    told = predict(SEDAN, base, Effects(), run)
+    assert told.a_x[held] == pytest.approx(run.a_x[held], abs=2e-3)
+    assert told.omega[:, held] == pytest.approx(run.omega[:, held], abs=2e-2)
+    blind = predict(SEDAN, base, Effects(), run_of(without(log, "T_drive_f", "T_drive_r")))
+    # 240 N m at 0.3 m on 1744 kg
+    assert np.mean((blind.a_x - run.a_x)[held]) == pytest.approx(0.44, abs=0.03)
 
 
 def test_pads_that_are_five_percent_better_brake_five_percent_harder(run):

@@ -33,7 +33,8 @@ def block(z=0.3, level=0.9, pitch_deficit=0.02, rear=1.0):
         moment_r=40.0,
         load_f=share * (L_R + z * H),
         load_r=share * (L_F - z * H),
-        coasting_force=0.012,
+        coasting_f=0.012,
+        coasting_r=0.012,
         weight=WEIGHT,
         pitch_deficit=pitch_deficit,
         lag_gain=G * z / 20.0,
@@ -127,6 +128,14 @@ def test_a_coasting_car_has_one_force_on_both_axles():
     (eta, slip), _ = measurement(coasting)(list(STRAIGHT), list(block(pitch_deficit=0.0)))
     assert eta == pytest.approx(1.0, abs=1e-12)
     assert slip == pytest.approx(0.04 * 0.012)
+
+
+def test_a_motor_slips_its_own_axle_of_a_coasting_car():
+    g = block(pitch_deficit=0.0)._replace(coasting_f=0.05)
+    (eta, slip), _ = measurement(coasting)(list(STRAIGHT), list(g))
+    assert eta == pytest.approx((1.0 - 0.04 * 0.012) / (1.0 - 0.04 * 0.05))
+    share = g.load_f / WEIGHT
+    assert slip == pytest.approx(0.04 * (0.05 * share + 0.012 * (1.0 - share)))
 
 
 def test_load_that_pitch_moves_late_lowers_the_front():

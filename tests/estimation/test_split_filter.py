@@ -59,7 +59,7 @@ def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, l
     pressure = 70e5 * z
     still = np.zeros(z.size)
     blocks = Blocks(
-        end, pressure, pressure, z, omega_f, omega_r, speed if v else None, speed,
+        end, pressure, pressure, still, still, z, omega_f, omega_r, speed if v else None, speed,
         still, still, ~braked, 10, length,
     )  # fmt: skip
     mean = load_f / WEIGHT * slip_f + load_r / WEIGHT * slip_r + slip_zero
@@ -69,6 +69,8 @@ def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, l
         level=np.where(braked, 1.0, np.nan),
         moment_f=still,
         moment_r=still,
+        drive_f=still,
+        drive_r=still,
         load_f=load_f,
         load_r=load_r,
         tyre_sum=total,
@@ -208,6 +210,8 @@ def random_stop(seed, v, older=False):
         level=np.where(pressed, 0.9 + 0.02 * rng.normal(size=z.size), np.nan),
         moment_f=60.0 + 10.0 * rng.normal(size=z.size),
         moment_r=40.0 + 10.0 * rng.normal(size=z.size),
+        drive_f=np.full(z.size, 50.0),
+        drive_r=np.full(z.size, -30.0),
         pitch_deficit=0.01 * rng.normal(size=z.size),
         slip=mixed(demand.slip, there.slip, 5e-3) if v else None,
     )

@@ -425,3 +425,12 @@ def test_noise_widens_and_does_not_refuse(seed):
         low, high = one.ci95
         assert low < 0.38 < high
         assert one.sigma > other.sigma
+
+
+def test_rise_of_eta_says_nothing_where_a_motor_comes_in(clean):
+    b = blocks(signals(clean, CAR))
+    use = (b.z > 0.1) & (b.z < 0.4)
+    motor = np.where(use, -80.0, 0.0)
+    assert math.isnan(eta_rise(replace(b, drive_r=motor), use)[0])
+    steady = eta_rise(replace(b, drive_r=np.full(b.end.size, -80.0)), use)
+    assert steady == eta_rise(b, use)

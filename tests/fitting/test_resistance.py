@@ -64,6 +64,18 @@ def test_the_parameters_that_were_not_usual_are_found(coast):
     assert identify(CAR, [seen(coast)]).mean == pytest.approx(TRUE, rel=0.03)
 
 
+def test_an_engine_that_drags_and_is_logged_is_no_resistance(coast):
+    """150 N m at the front wheels, as an engine in gear: as much as half of the rolling."""
+    plant = Plant(VEHICLE, drag_area=TRUE[0], rolling_resistance=TRUE[1])
+    engine = replace(plant, motor=lambda t: (-150.0, 0.0))
+    run = drive(engine, lambda t: 0.0, 38.0, duration=60.0)
+    logged = identify(CAR, [seen(run)]).mean
+    assert logged == pytest.approx(TRUE, rel=0.03)
+    assert logged == pytest.approx(identify(CAR, [seen(coast)]).mean, rel=0.03)
+    silent = {k: x for k, x in run.items() if k != "T_drive_f"}
+    assert identify(CAR, [seen(silent)]).mean[1] > 1.3 * TRUE[1]
+
+
 def test_a_lead_in_gives_the_sum_and_leaves_the_parts(ramp):
     b, density = seen(ramp)
     found = identify(CAR, [(b, density)])

@@ -51,3 +51,16 @@ def test_drag_slows_the_body_and_rolling_the_wheels():
     assert balance.moment_f + balance.moment_r == pytest.approx(0.01 * CAR.weight * one)
     assert balance.tyre_sum == pytest.approx(-balance.body)
     assert balance.demanded == pytest.approx(-balance.body - 0.01 * CAR.weight)
+
+
+def test_a_motor_takes_its_part_from_the_brakes_of_its_axle():
+    z, one = np.array([0.3, 0.3]), np.ones(2)
+    motion = (np.array([0.0, 0.1]), 20.0 * one, z, 0.0 * one)
+    free = force_balance(CAR, Effects(), *motion)
+    driven = force_balance(CAR, Effects(), *motion, drive=(-300.0 * one, 80.0 * one))
+    # 300 N m slow at the front, 80 N m drive at the rear, both at 0.322 m
+    assert driven.drive_f == pytest.approx(300.0 / 0.322 * one)
+    assert driven.moment_f - free.moment_f == pytest.approx(300.0 / 0.322 * one)
+    assert driven.moment_r - free.moment_r == pytest.approx(-80.0 / 0.322 * one)
+    assert free.demanded - driven.demanded == pytest.approx(220.0 / 0.322 * one)
+    assert driven.tyre_sum == pytest.approx(free.tyre_sum)

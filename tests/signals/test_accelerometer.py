@@ -34,6 +34,8 @@ def run(seed=0, *, scale=0.0, bias=0.0, grade=0.0, drag=0.0, lag=0.0, noisy=True
         end=TIME,
         p_f=zero,
         p_r=zero,
+        drive_f=zero,
+        drive_r=zero,
         z=z,
         omega_f=v / 0.3,
         omega_r=v / 0.3,

@@ -27,7 +27,8 @@ def run(demanded, *, seed=0, noise=0.005, speed=20.0):
     nominal = pedal(TIME)
     one = np.ones_like(TIME)
     s = Signals(
-        time=TIME, p_f=nominal * 1e3, p_r=nominal * 1e3, z=one, omega_f=one, omega_r=one, v=None,
+        time=TIME, p_f=nominal * 1e3, p_r=nominal * 1e3, drive_f=0.0 * one, drive_r=0.0 * one,
+        z=one, omega_f=one, omega_r=one, v=None,
         speed=speed * one, lead_in=TIME < 1.2, sample_time=0.005,
     )  # fmt: skip
     forces = BrakeBalance(

@@ -11,12 +11,15 @@ from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.names import WHEELS
 from calib.physics.effects.effects import Effects
+from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import default_model
 from calib.physics.vehicle_file import read_vehicle
 from calib.simulation.manoeuvre import ramp
 from calib.simulation.replay import COAST_SECONDS, first_speed, replay
 from calib.simulation.sensor_noise import add_noise
 from calib.simulation.simulate import simulate
+from tests.support.plant import as_log, drive
+from tests.support.reference_car import CAR, REAL
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs/sedan"
 SEDAN = read_vehicle(SAMPLES / "vehicle.toml")
@@ -72,6 +75,39 @@ def test_disc_temperatures_are_used(driven):
     n = again.time.size
     assert again.truth["true_Tb_fl"] == pytest.approx(0.8 * driven.truth["true_Tb_fl"][:n])
     assert np.array_equal(again["T_disc_f"], hot["T_disc_f"][:n])
+
+
+def test_a_logged_motor_is_no_gap():
+    """A plant of its own brakes with 200 N m at the front wheels; without the channel it slows."""
+    plant = replace(REAL, motor=lambda t: (-200.0 * min(t, 1.0), 60.0))
+    log = as_log(drive(plant, lambda t: 25e5 * min(max(t - 1.5, 0.0), 1.0), 27.0, stop_speed=3.0))
+    model = replace(default_model(CAR), effects=MODEL.effects, tyre=MagicFormula(25.0, 0.9, 1.65))
+    again = replay(model, log)
+    n = again.time.size
+    assert again["v"] == pytest.approx(log["v"][:n], abs=0.1)
+    assert again["omega_fl"] == pytest.approx(log["omega_fl"][:n], abs=0.3)
+    assert np.array_equal(again["T_drive_f"], log["T_drive_f"][:n])
+    assert again.truth["true_Tb_fl"] == pytest.approx(
+        log.truth["true_Tb_fl"][:n], rel=0.01, abs=2.0
+    )
+    alone = replay(model, without(log, "T_drive_f", "T_drive_r"))
+    m = min(n, alone.time.size)
+    assert np.max(alone["v"][:m] - log["v"][:m]) > 0.5
+
+
+def test_a_logged_motor_and_engine_drag_are_both_counted(driven):
+    drag = replace(
+        MODEL, effects=MODEL.effects.with_(Effects({"engine_drag": {"drag_torque": 90.0}}))
+    )
+    log = replace(
+        driven, channels={**driven.channels, "T_drive_f": np.full(driven.time.size, -60.0)}
+    )
+    whole = replace(
+        MODEL, effects=MODEL.effects.with_(Effects({"engine_drag": {"drag_torque": 150.0}}))
+    )
+    both, once = replay(drag, log), replay(whole, driven)
+    n = min(both.time.size, once.time.size)
+    assert both["v"][:n] == pytest.approx(once["v"][:n], abs=1e-9)
 
 
 def test_without_v_the_radii_of_the_model_count(driven):

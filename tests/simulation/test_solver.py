@@ -15,13 +15,14 @@ from calib.simulation.solver import ITERATIONS, Drive, end_of, history_of, solve
 from tests.support.effect_runs import SEDAN
 
 TIME = np.arange(801) / 200.0
+NO_DRIVE = (np.zeros(TIME.size), np.zeros(TIME.size))
 DRAG = {"aerodynamic_drag": {"drag_area": 0.66}}
 
 
 def run_with(effects, pressure=25e5, **own):
     model = replace(default_model(SEDAN), effects=Effects(effects))
     rest = at_rest(TIME, np.full(TIME.size, pressure), 30.0)
-    return Drive(brakes_of(model, rest, own), rest, 30.0, 1.0)
+    return Drive(brakes_of(model, rest, own), rest, 30.0, 1.0, NO_DRIVE)
 
 
 def test_a_wheel_without_its_twin_counts_twice():
@@ -69,7 +70,7 @@ def test_an_axle_lifts_when_its_load_has_left_and_not_before():
             default_model(tall), effects=Effects(effects), tyre=grip, pad_friction_r=0.0
         )
         rest = at_rest(TIME, np.clip(TIME - 0.5, 0.0, None) * 60e5, 40.0)
-        run = Drive(brakes_of(model, rest, {}), rest, 40.0, 1.0)
+        run = Drive(brakes_of(model, rest, {}), rest, 40.0, 1.0, NO_DRIVE)
         state = solve(run)
         end, why = end_of(run, state)
         assert "the rear axle would lift" in why

@@ -172,7 +172,8 @@ def motor_torque(rng: Rng) -> Hidden:
 
         def motor(t: float) -> tuple[float, float]:
             on = min(max(pressure(t) / (3.0 * BAR), 0.0), 1.0) if pedal else 1.0
-            return (-most * on, 0.0) if front else (0.0, -most * on)
+            both = -2.0 * most * on
+            return (both, 0.0) if front else (0.0, both)
 
         return replace(p, motor=motor)
 

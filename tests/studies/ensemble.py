@@ -15,6 +15,7 @@ from calib.physics.vehicle import Axle, Vehicle
 from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
 from tests.studies.causes import COAST, RAMP, STOP, Hidden
 from tests.support.plant import Plant, Pressure, as_log, brush, drive, magic
+from tests.support.reference_car import without
 
 SURFACES = {
     # name: stiffness factors, peak factors, deceleration aimed at, common pad level
@@ -56,7 +57,7 @@ class Track:
     ) -> Log:
         """One run as the sensors give it; ``how`` as `drive` has it."""
         real = self.hidden.car(role, plant, pressure, v0)
-        log = as_log(drive(real, pressure, v0, **how), name)
+        log = without(as_log(drive(real, pressure, v0, **how), name), "T_drive_f", "T_drive_r")
         return add_noise(self.hidden.sense(role, log), seed, self.levels)
 
 

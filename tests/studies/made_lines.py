@@ -172,7 +172,8 @@ def recorded(name: str, run: Run, sensors: Sensors) -> Log:
     """The log of a run as its sensors give it; the truth stays beside it."""
     how = {"duration": run.duration, "stop_speed": run.stop_speed, "rate": RATE, "rtol": 1e-6}
     log = as_log(drive(run.plant, run.pressure, run.speed, wheel_pressure=run.wheels, **how), name)
-    channels = {k: x for k, x in log.channels.items() if k not in {f"p_{w}" for w in WHEELS}}
+    hidden = {*(f"p_{w}" for w in WHEELS), "T_drive_f", "T_drive_r"}
+    channels = {k: x for k, x in log.channels.items() if k not in hidden}
     for channel, gain in sensors.gains.items():
         channels[channel] = gain * channels[channel]
     for channel, zero in sensors.zeros.items():

@@ -82,7 +82,7 @@ def heavier(rng: Rng) -> Mistake:
 def engine(runs: tuple[str, ...]) -> Make:
     def make(rng: Rng) -> Mistake:
         torque, front = float(rng.uniform(60.0, 200.0)), bool(rng.random() < 0.7)
-        pair = (-torque, 0.0) if front else (0.0, -torque)
+        pair = (-2.0 * torque, 0.0) if front else (0.0, -2.0 * torque)
         change = in_car(runs, lambda p: replace(p, motor=lambda t: pair))
         return Mistake(f"{'front' if front else 'rear'} {torque:.0f} N m", line=change)
 
@@ -94,7 +94,7 @@ def regeneration(rng: Rng) -> Mistake:
 
     def change(run: Run) -> Run:
         def motor(t: float) -> tuple[float, float]:
-            now = -torque * min(max(run.pressure(t) / (3.0 * BAR), 0.0), 1.0)
+            now = -2.0 * torque * min(max(run.pressure(t) / (3.0 * BAR), 0.0), 1.0)
             return (now, 0.0) if front else (0.0, now)
 
         return replace(run, plant=replace(run.plant, motor=motor))

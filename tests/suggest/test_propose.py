@@ -123,6 +123,28 @@ def test_a_torque_is_no_pressure():
     assert "p_mc" in result.missing
 
 
+@pytest.mark.parametrize(
+    ("name", "channel"),
+    [
+        ("Mot_Trq_Front", "T_drive_f"),
+        ("Antriebsmoment HA", "T_drive_r"),
+        ("T_drive_r", "T_drive_r"),
+        ("Motor torque", None),  # of which axle?
+        ("Drive torque request front", None),
+        ("Front brake torque", None),
+    ],
+)
+def test_a_torque_of_the_drive_is_found_by_its_name(name, channel):
+    columns = {**foreign(), (name, "Nm"): -80.0 + RNG.normal(size=N)}
+    result = suggestion(columns)
+    proposed = {p.channel: p.mapping.source for p in result.proposals if "drive" in p.channel}
+    assert proposed == ({channel: name} if channel else {})
+    assert (name in result.left) is (channel is None)
+    if channel:
+        reasons = next(p.reasons for p in result.proposals if p.channel == channel)
+        assert "at the wheels" in reasons[-1]
+
+
 def test_a_pressure_that_was_computed_from_a_torque_is_none():
     columns = without(foreign(), "Bremsdruck HZ")
     columns[("p_mc", "bar")] = np.round(RUN["p_mc"] / 1e5, 4)

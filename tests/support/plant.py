@@ -84,7 +84,8 @@ class Plant:
     pitch_damping : its damping ratio [1].
     pitch_felt : angle by which the nose dips per g [rad]; it tilts the accelerometer.
     grade : sine of the slope [1], positive uphill; the accelerometer feels it.
-    motor : torque at each front and each rear wheel [N m] at a time [s]; negative slows the car.
+    motor : torque of a motor at both wheels of the front and of the rear axle together [N m],
+        negative where it slows, at a time [s]; None for a car that rolls freely.
     hydraulic_lag : time constant [s] of the wheels' pressures behind that of the master cylinder.
     curvature : of the path [1/m] at a time [s], positive to the left; straight if None.
     """
@@ -136,7 +137,7 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     turn = STRAIGHT
     if plant.curvature:
         turn = cornering(car, plant.tyre, plant.curvature(t), v)
-    motor = plant.motor(t) if plant.motor else (0.0, 0.0)
+    motor = [0.5 * torque for torque in plant.motor(t)] if plant.motor else [0.0, 0.0]
     z = state[TRANSFER]
     for _ in range(1 if plant.pitch_frequency else 8):
         half = [
@@ -283,6 +284,8 @@ def _channels(
         if w in own:
             run[f"p_{w}"] = np.array([p[i] for p in pressures])
     for k, side in enumerate("fr"):
+        if plant.motor:
+            run[f"T_drive_{side}"] = np.array([plant.motor(t)[k] for t in time.tolist()])
         run[f"true_mu_pad_{side}"] = np.array([mu(t)[k] for t in time.tolist()])
     return run
 

@@ -27,10 +27,10 @@ def test_a_slope_slows_the_car_and_the_accelerometer_does_not_see_it():
 
 
 def test_a_motor_brakes_by_its_torque_over_the_radius():
-    torque = -80.0
+    torque = -160.0
     run = drive(replace(IDEAL, motor=lambda t: (torque, 0.0)), no_pressure, 25.0, **COASTING)
     inertia = sum(2 * a.wheel_inertia / a.rolling_radius**2 for a in (CAR.front, CAR.rear))
-    expected = 2.0 * torque / CAR.front.rolling_radius / (CAR.mass + inertia)
+    expected = torque / CAR.front.rolling_radius / (CAR.mass + inertia)
     assert np.diff(run["v"])[100] * 100.0 == pytest.approx(expected, rel=0.01)
     assert run["omega_fl"][100] < run["omega_rl"][100]  # it is in front that it brakes
 

@@ -65,7 +65,9 @@ def sensed(x, demand, block):
         F_f = (front / (front + rear) * total + demand["moment_f"]) / loads[0]
         F_r = (rear / (front + rear) * total + demand["moment_r"]) / loads[1]
     else:
-        F_f = F_r = demand["tyre_sum"] / W
+        free = (demand["tyre_sum"] - demand["drive_f"] - demand["drive_r"]) / W
+        F_f = free + demand["drive_f"] / demand["load_f"]
+        F_r = free + demand["drive_r"] / demand["load_r"]
     slips = []
     apart = 0.5 * (a["tau"] + a["dtau"])
     rests = block["rest_f"], block["rest_r"]

@@ -62,9 +62,9 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
         "baselines": {"nominal": (np.full(N, 0.38), np.full(N, 0.38))},
         "split": split,
         "blocks": Blocks(
-            end=0.05 * (1 + np.arange(blocks)), p_f=one, p_r=one, z=one, omega_f=one, omega_r=one,
-            v=None, speed=20.0 * one, spin_f=one, spin_r=one, lead_in=one < 0.0, samples=10,
-            length=0.05,
+            end=0.05 * (1 + np.arange(blocks)), p_f=one, p_r=one, drive_f=one, drive_r=one, z=one,
+            omega_f=one, omega_r=one, v=None, speed=20.0 * one, spin_f=one, spin_r=one,
+            lead_in=one < 0.0, samples=10, length=0.05,
         ),
         "level": PadLevel(np.ones(N), np.ones(N)),
         "eta_zero": -0.001,

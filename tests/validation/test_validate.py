@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from calib.errors import LogError, VehicleError
+from calib.physics.mass import MassUsed
 from calib.physics.vehicle import Axle
 from calib.validation.limits import DEFAULTS, Judgement, Limit
 from calib.validation.metrics import METRICS
@@ -58,9 +59,14 @@ def passed(table, wet):
     return validate(table, [wet])[0]
 
 
+MASS = MassUsed(1744.0, 0.03, False)
+
+
 def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), **figures):
     values = dict.fromkeys(METRICS) | {"pad_friction_f": mu_f, "pad_friction_r": mu_r} | figures
-    return Validation(name, "ab" * 32, "hold-out", made_estimate(), values, tuple(judgements), {})
+    return Validation(
+        name, "ab" * 32, "hold-out", made_estimate(), values, tuple(judgements), {}, MASS
+    )
 
 
 def refused(table, log, vehicle=None):

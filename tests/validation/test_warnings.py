@@ -78,7 +78,7 @@ def test_the_summary_holds_the_warnings_with_their_log(fitted, clean):
     assert {one["log"] for one in summary["warnings"]} == {"wrong"}
     first = next(one for one in summary["warnings"] if one["code"] == "a_x_scale")
     assert set(first) == {"code", "log", "measured", "expected", "causes", "do"}
-    assert first["expected"] == [-0.02, 0.02]
+    assert first["expected"] == [-0.025, 0.025]
 
 
 # The answer that is sharp

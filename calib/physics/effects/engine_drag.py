@@ -11,7 +11,8 @@ def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pai
     """M = M_e at the front, zero at the rear [N m per axle].
 
     Constant: valid for one gear and engine friction that does not depend on speed. Negative while
-    the engine or a torque converter still drives the car.
+    the engine or a torque converter still drives the car. A logged ``T_drive_f`` counts besides:
+    the effect is what the log does not hold.
     """
     return np.full_like(motion.v, parameters["drag_torque"]), np.zeros_like(motion.v)
 

@@ -1,0 +1,60 @@
+"""The mass of the car in a log: that of its file, or one that was stated for the log.
+
+Mass multiplies every pad friction. A car whose load nobody wrote down is known to 3 %
+(`Vehicle.mass_tolerance`); one that was weighed to `WEIGHED`.
+"""
+
+from dataclasses import dataclass, replace
+
+from calib.physics.effects.mass_error import EFFECT as MASS_ERROR
+from calib.physics.vehicle import Vehicle
+
+LEAST, MOST = 300.0, 60_000.0
+"""Bounds of a believable mass [kg]: from a microcar to a heavy coach."""
+
+WEIGHED = 0.005
+"""Standard deviation of a stated mass, relative [1]: a scale for cars and fuel burnt since."""
+
+
+@dataclass(frozen=True)
+class MassUsed:
+    """The mass that a result rests on.
+
+    ``value`` [kg]; ``tolerance`` its relative standard deviation [1]; ``stated`` for these logs,
+    instead of taken from the vehicle file.
+    """
+
+    value: float
+    tolerance: float
+    stated: bool
+
+    def __str__(self) -> str:
+        known = f"{self.value:.6g} kg, known to {100.0 * self.tolerance:.2g} %"
+        if self.stated:
+            return f"{known}, as stated for these logs"
+        if self.tolerance < Vehicle.mass_tolerance:
+            return f"{known} by the vehicle file"
+        return f"{known}: nobody wrote down the load; state it, or mass_tolerance in the file"
+
+
+def weighed(vehicle: Vehicle, mass: float | None) -> Vehicle:
+    """Return the vehicle with a stated ``mass`` [kg]; as it is where none was stated.
+
+    All loads grow with it, the centre of gravity stays: wrong for a load high up or far behind. A
+    known error of the file's mass is then meaningless and left out. The tolerance is `WEIGHED`, or
+    that of the file where it is smaller.
+    """
+    if mass is None:
+        return vehicle
+    return replace(
+        vehicle,
+        mass=mass,
+        mass_tolerance=min(vehicle.mass_tolerance, WEIGHED),
+        effects=vehicle.effects.without(MASS_ERROR.card.name),
+    )
+
+
+def mass_used(vehicle: Vehicle, mass: float | None) -> MassUsed:
+    """What `weighed` gives, for the reader of a result."""
+    car = weighed(vehicle, mass)
+    return MassUsed(car.mass, car.mass_tolerance, mass is not None)

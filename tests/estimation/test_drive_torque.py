@@ -1,0 +1,110 @@
+"""A motor that brakes along, and is logged: what remains is that of the brakes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.estimation.estimator import estimate
+from calib.fitting.fit import fit
+from tests.support.plant import as_log, drive
+from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, with_pads, without
+
+PADS = (0.31, 0.27)
+CHANNELS = ("T_drive_f", "T_drive_r")
+
+
+def regenerating(front, rear, lasting=False):
+    """The car with a motor of so many N m a wheel: with the brakes, or ``lasting`` all the time."""
+
+    def motor(t):
+        share = 1.0 if lasting else min(max((t - 1.5) / 0.5, 0.0), 1.0)
+        return -2.0 * front * share, -2.0 * rear * share
+
+    return replace(REAL, motor=motor)
+
+
+def driven(plant):
+    """Ramp, coast and a stop with wet pads."""
+    coast = drive(plant, lambda t: 0.0, 33.0, duration=12.0, stop_speed=8.0)
+    wet = stop(with_pads(plant, *PADS), 35e5)
+    logs = (ramp(plant), as_log(coast, "coast"), wet)
+    return [noisy(log, seed) for seed, log in enumerate(logs, start=100)]
+
+
+def judged(logs):
+    """Truth in the interval and rms error of both axles, over the valid samples of the stop."""
+    *runs, held_out = logs
+    e = estimate(fit(CAR, runs), held_out)
+    assert np.mean(e.valid[e.braked]) > 0.8
+    out = []
+    for axle, mu in zip((e.front, e.rear), PADS, strict=True):
+        inside = (axle.lower <= mu) & (mu <= axle.upper)
+        error = axle.pad_friction / mu - 1.0
+        out.append((float(np.mean(inside[e.valid])), float(np.sqrt(np.mean(error[e.valid] ** 2)))))
+    return out
+
+
+@pytest.fixture(scope="module")
+def free():
+    return driven(REAL)
+
+
+@pytest.fixture(scope="module")
+def control(free):
+    return judged(free)
+
+
+@pytest.mark.parametrize(
+    ("front", "rear", "lasting"),
+    [
+        (40, 0, False),
+        (40, 0, True),
+        (200, 0, False),
+        (0, 40, True),
+        (0, 100, False),
+        (60, 60, True),
+    ],
+)
+def test_a_logged_motor_costs_nothing(control, front, rear, lasting):
+    found = judged(driven(regenerating(front, rear, lasting)))
+    for (inside, rms), (_, free_rms), allowed in zip(found, control, (0.015, 0.03), strict=True):
+        assert inside > 0.95
+        assert rms < free_rms + allowed
+
+
+def test_the_same_motor_not_logged_is_taken_for_pads(free):
+    silent = without(driven(regenerating(0, 100))[2], *CHANNELS)
+    _, (inside, error) = judged([*free[:2], silent])
+    assert inside < 0.5
+    assert error > 0.15
+
+
+@pytest.mark.parametrize("logged", [CHANNELS, CHANNELS[:1], CHANNELS[1:]])
+def test_a_torque_of_zero_changes_nothing(free, logged):
+    nothing = [
+        replace(log, channels={**log.channels, **dict.fromkeys(logged, np.zeros(log.time.size))})
+        for log in free
+    ]
+    one, other = (fit(CAR, logs[:2]) for logs in (free, nothing))
+    assert other.posterior.mean == pytest.approx(one.posterior.mean, rel=1e-12, abs=1e-15)
+    assert np.ravel(other.posterior.covariance) == pytest.approx(
+        np.ravel(one.posterior.covariance), rel=1e-12, abs=1e-18
+    )
+    assert other.calibration == one.calibration
+    first, second = (estimate(one, logs[2]) for logs in (free, nothing))
+    for name, values in first.columns().items():
+        assert second.columns()[name] == pytest.approx(values, rel=1e-12, nan_ok=True), name
+    for name, pads in first.baselines.items():
+        for now, then in zip(second.baselines[name], pads, strict=True):
+            assert now == pytest.approx(then, rel=1e-12, nan_ok=True), name
+
+
+def test_a_motor_on_the_lead_in_is_not_zeroed_away(free):
+    """100 N m a wheel slip the front tyres by 0.3 %; the radii differ by 0.08 %."""
+    table = fit(CAR, free[:2])
+    log = noisy(stop(regenerating(100, 0, lasting=True)), 5)
+    found = estimate(table, log).eta_zero
+    # the front wheels turn slower by their larger share of the rolling resistance
+    assert found == pytest.approx(-0.0008, abs=2e-4)
+    assert estimate(table, without(log, *CHANNELS)).eta_zero > 0.001

@@ -1,0 +1,98 @@
+"""A car that weighs 20 % more than its file says: told, the intervals hold; untold, they do not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.estimation.estimator import estimate
+from calib.fitting.fit import fit
+from calib.statistics.intervals import Z95
+from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, with_pads
+
+LOADED = replace(REAL, mass_scale=1.2)
+KERB = replace(CAR, mass_tolerance=0.03)
+PADS = (0.34, 0.30)
+
+
+@pytest.fixture(scope="module")
+def light():
+    """From a ramp with the mass of the file."""
+    return fit(KERB, [noisy(ramp(REAL), 1)])
+
+
+@pytest.fixture(scope="module")
+def weighed_ramp():
+    return noisy(ramp(LOADED), 2)
+
+
+@pytest.fixture(scope="module")
+def heavy_stop():
+    return noisy(stop(with_pads(LOADED, *PADS), 35e5), 3)
+
+
+def shares(e, expected, of="pad_friction"):
+    """Valid samples whose interval holds the truth, of both axles."""
+    bounds = ("lower", "upper") if of == "pad_friction" else ("change_lower", "change_upper")
+    assert np.mean(e.valid[e.braked]) > 0.8
+    out = []
+    for axle, true in zip((e.front, e.rear), expected, strict=True):
+        low, high = (getattr(axle, bound)[e.valid] for bound in bounds)
+        out.append(float(np.mean((low <= true) & (true <= high))))
+    return out
+
+
+def width(e):
+    """Median half width of the intervals of the front pads and of their change, relative."""
+    f = e.front
+    halves = (0.5 * (f.upper - f.lower) / f.pad_friction,)
+    halves += (0.5 * (f.change_upper - f.change_lower) / f.change,)
+    return [float(np.median(half[e.valid])) for half in halves]
+
+
+def test_told_the_interval_holds_the_truth_and_untold_it_does_not(light, heavy_stop):
+    told, untold = estimate(light, heavy_stop, mass=1.2 * CAR.mass), estimate(light, heavy_stop)
+    assert min(shares(told, PADS)) > 0.95
+    assert max(shares(untold, PADS)) < 0.2
+
+
+def test_the_change_since_the_ramp_is_right_under_another_mass(light, heavy_stop):
+    since = [mu / CAR.front.pad_friction for mu in PADS]
+    told, untold = estimate(light, heavy_stop, mass=1.2 * CAR.mass), estimate(light, heavy_stop)
+    assert min(shares(told, since, "change")) > 0.95
+    assert max(shares(untold, since, "change")) < 0.2
+    # the pads of today rest on a scale, their change on the 3 % of the ramp's mass, too
+    pads, change = width(told)
+    assert change > 1.9 * 0.03 > pads
+
+
+def test_the_change_between_two_weighings_is_sharp(weighed_ramp, heavy_stop):
+    mass = 1.2 * CAR.mass
+    e = estimate(fit(KERB, [weighed_ramp], mass), heavy_stop, mass=mass)
+    since = [mu / CAR.front.pad_friction for mu in PADS]
+    assert min(shares(e, since, "change")) > 0.95
+    assert width(e)[1] < 1.9 * 0.03
+
+
+def test_a_second_weighing_adds_its_own_error_to_the_change():
+    """The mass of one file falls out but for the load; two that were found apart both count."""
+    table = fit(CAR, [noisy(ramp(REAL), 1)])
+    log = noisy(stop(with_pads(REAL, *PADS), 35e5), 3)
+    once, twice = estimate(table, log), estimate(table, log, mass=CAR.mass)
+    assert np.array_equal(once.front.pad_friction, twice.front.pad_friction, equal_nan=True)
+    assert np.array_equal(once.front.upper, twice.front.upper, equal_nan=True)
+    sigmas = [np.log(e.front.change_upper / e.front.change)[e.valid] / Z95 for e in (once, twice)]
+    # CAR was weighed to 0.5 %
+    assert sigmas[1] ** 2 - sigmas[0] ** 2 == pytest.approx(0.005**2, rel=1e-6)
+
+
+def test_a_ramp_with_a_stated_mass_gives_the_pads_and_keeps_the_vehicle(weighed_ramp):
+    told, untold = fit(KERB, [weighed_ramp], 1.2 * CAR.mass), fit(KERB, [weighed_ramp])
+    true = CAR.front.pad_friction
+    low, high = told.calibration.pad_friction_f.ci95
+    assert low < true < high
+    assert untold.calibration.pad_friction_f.ci95[1] < true
+    assert told.calibration.pad_scale.sigma < 0.015 < untold.calibration.pad_scale.sigma
+    assert told.vehicle == untold.vehicle == KERB
+    assert any("2092.8 kg" in remark for remark in told.remarks)
+    assert not any("kg" in remark for remark in untold.remarks)
