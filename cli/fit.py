@@ -54,6 +54,9 @@ def fit(
 
 
 def _document(stored: "Stored") -> dict[str, object]:
+    from calib.table.budget import summary
+    from calib.table.pads_budget import pads_budget
+
     table = stored.table
     return {
         "schema": 1,
@@ -61,6 +64,7 @@ def _document(stored: "Stored") -> dict[str, object]:
         "digest": stored.digest,
         "path": stored.path,
         "calibration": table.calibration,
+        "budget": summary(*pads_budget(table)),
         "effects": table.effect_values,
         "quality": table.quality,
         "remarks": table.remarks,
@@ -68,16 +72,22 @@ def _document(stored: "Stored") -> dict[str, object]:
 
 
 def _report(stored: "Stored") -> None:
+    from calib.table.budget import advice_lines
+    from calib.table.pads_budget import pads_budget
+
     table, q = stored.table, stored.table.quality
     cal = table.calibration
     emit(f"table      {stored.id}  ({stored.path})")
-    for label, value in (
-        ("front pads", cal.pad_friction_f),
-        ("rear pads", cal.pad_friction_r),
-        ("pad scale", cal.pad_scale),
+    budgets = pads_budget(table)
+    for label, value, made_of in (
+        ("front pads", cal.pad_friction_f, f": {budgets[0].words}"),
+        ("rear pads", cal.pad_friction_r, f": {budgets[1].words}"),
+        ("pad scale", cal.pad_scale, ""),
     ):
         low, high = value.ci95
-        emit(f"{label:<10} {value.value:.4f}  (95 % {low:.4f} to {high:.4f})")
+        emit(f"{label:<10} {value.value:.4f}  (95 % {low:.4f} to {high:.4f}){made_of}")
+    for line in advice_lines(budgets):
+        emit(line)
     for effect, parameters in table.effect_values.items():
         for name, value in parameters.items():
             low, high = value.ci95

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from calib.errors import LogError
 from calib.estimation.axle_estimate import AxleEstimate
-from calib.estimation.balance import BrakeBalance, brake_balance
+from calib.estimation.balance import BrakeBalance, brake_balance, smoothed
 from calib.estimation.baselines import baselines
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import Gates, valid
@@ -26,6 +26,7 @@ from calib.estimation.pads import estimate_axles
 from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch, with_pads
 from calib.estimation.priors import Priors
 from calib.estimation.split_filter import filter_pad_ratio
+from calib.estimation.weighed_level import WeighedLevel, weigh_level
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.sensors import judge_accelerometer
 from calib.logs.log import Log
@@ -75,6 +76,14 @@ COLUMNS = {
 
 
 @dataclass(frozen=True)
+class Basis:
+    """What an estimate started from, and its level with the causes of its uncertainty."""
+
+    plan: Plan
+    level: WeighedLevel
+
+
+@dataclass(frozen=True)
 class Estimate:
     """The estimator's answer on one log, at its rate.
 
@@ -83,7 +92,7 @@ class Estimate:
     filter's own record; ``eta_zero`` what was zeroed [1]; ``accelerometer`` its scale and
     offset, by block; ``factor_f``, ``factor_r`` what known
     effects did to the pad friction, which is given without them [1]; ``notes`` name the
-    baselines left out.
+    baselines left out; ``basis`` what an uncertainty budget is made from.
     """
 
     time: Array
@@ -108,6 +117,7 @@ class Estimate:
     factor_f: Array | float = 1.0
     factor_r: Array | float = 1.0
     notes: tuple[str, ...] = field(default=())
+    basis: Basis | None = None
 
     def __repr__(self) -> str:
         count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
@@ -214,7 +224,8 @@ def estimate(
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
     answer = split_of(plan, s, b, level)
-    front, rear = estimate_axles(plan, s, sigma_z, forces, level, answer, b)
+    weighed = weigh_level(plan, s.speed, smoothed(s, s.z, plan.priors), sigma_z, level)
+    front, rear = estimate_axles(plan, s, forces, weighed, answer, b)
     zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
     eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
     others = baselines(used, plan.nominal, s, forces, eta, level, plan.priors, laws=with_laws)
@@ -251,6 +262,7 @@ def estimate(
         factor_f=ran.factor_f,
         factor_r=ran.factor_r,
         notes=others.notes,
+        basis=Basis(plan, weighed),
     )
 
 

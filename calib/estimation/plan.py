@@ -15,6 +15,8 @@ from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals
 from calib.signals.noise import SensorNoise, lead_in_noise, worst_noise
+from calib.table.budget import Parts
+from calib.table.pads_budget import level_of
 from calib.table.table import Table
 
 
@@ -23,13 +25,15 @@ class Plan:
     """What stays the same over a log.
 
     ``nominal`` the car with the pads that the estimate starts from; ``known`` the resistance;
-    ``noise`` of the sensors.
+    ``noise`` of the sensors; ``ramp_level`` variance of the logarithm of the level of the nominal
+    pads [1] by part, none where the user gives these pads.
     """
 
     table: Table
     nominal: Vehicle
     known: Resistance
     noise: SensorNoise
+    ramp_level: Parts
     priors: Priors
     gates: Gates
 
@@ -48,6 +52,7 @@ def plan_for(
         nominal=vehicle or calibrated(table),
         known=known_resistance(table),
         noise=merged_noise(table, lead_in_noise(log, s)),
+        ramp_level=level_of(table) if vehicle is None else {},
         priors=priors or Priors(),
         gates=gates or Gates(),
     )

@@ -27,7 +27,7 @@ from calib.estimation.measurement import (
     coasting,
     measurement,
 )
-from calib.estimation.pad_ratio import KEPT, PadRatio, weigh
+from calib.estimation.pad_ratio import KEPT, PadRatio, Step, weigh
 from calib.estimation.priors import Priors
 from calib.estimation.states import AT, COUNT, first_state, open_surface
 from calib.physics.vehicle import Vehicle
@@ -55,6 +55,7 @@ def filter_pad_ratio(
     states, variances = np.empty((count, COUNT)), np.empty((count, len(KEPT)))
     innovation = np.full((count, 2), np.nan)
     changes: list[float] = []
+    steps: list[Step | None] = []
     # views of P, taken once: the loop changes P in place and never replaces it
     shift = AT.load_shift
     row_shift, column_shift, flat = P[shift], P[:, shift], P.reshape(-1)
@@ -74,17 +75,21 @@ def filter_pad_ratio(
             if alert:
                 before_x[:], before_P[:] = x, P
             predicted = programs[g[LEVEL] > 0.0](now, g)
-            surprise = _measure(x, P, predicted, now, reading, innovation[k])
+            surprise, step = _measure(x, P, predicted, now, reading, innovation[k])
             if alert and surprise > priors.change_gate:
                 # the road has changed: what was learnt of the pads must not take the blame
                 x[:], P[:] = before_x, before_P
                 open_surface(P, priors)
-                _measure(x, P, predicted, now, reading, innovation[k])
+                _, step = _measure(x, P, predicted, now, reading, innovation[k])
+                step = step._replace(opened=True)
                 changes.append(float(b.end[k]))
                 pause = priors.change_pause
+            steps.append(step)
+        else:
+            steps.append(None)
         states[k] = x
         variances[k] = flat[KEPT]
-    return weigh(states, variances, innovation, tuple(changes), priors)
+    return weigh(states, variances, innovation, tuple(changes), tuple(steps), priors)
 
 
 def _measure(
@@ -94,8 +99,10 @@ def _measure(
     now: list[float],
     reading: Measured,
     innovation: Array,
-) -> float:
+) -> tuple[float, Step]:
     """Take in eta and, where there is one, the slip; return the mean squared innovation.
+
+    Beside it what was taken in, for a budget of the result.
 
     ``predicted`` eta, slip and their gradients at ``now``, which is x as plain floats.
     """
@@ -114,10 +121,12 @@ def _measure(
         total_slip += var_slip + (relative * (slip - now[SLIP_ZERO])) ** 2 - both * turn
         scale = 1.0 / math.sqrt(total_slip)
         second = innovation[1] = (measured_slip - slip - turn * root * first) * scale
-    white = np.array(((1.0 / root, 0.0), (-turn * scale, scale))).dot(along)
+    whitening = np.array(((1.0 / root, 0.0), (-turn * scale, scale)))
+    white = whitening.dot(along)
     x += np.array((first, second)).dot(white)
     P -= white.T.dot(white)
-    return (first * first + second * second) / (2.0 if scale else 1.0)
+    step = Step(rows, whitening, white)
+    return (first * first + second * second) / (2.0 if scale else 1.0), step
 
 
 LEVEL = Given._fields.index("level")

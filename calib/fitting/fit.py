@@ -9,6 +9,7 @@ import numpy as np
 
 from calib.errors import LogError
 from calib.fitting import curves
+from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration
 from calib.fitting.identify import identify
 from calib.fitting.known_effects import remove_known_effects
@@ -19,7 +20,7 @@ from calib.fitting.ramp import prepare
 from calib.fitting.remarks import remarks, taken_out
 from calib.fitting.resistance import RESISTANCE
 from calib.fitting.resistance import identify as identify_resistance
-from calib.fitting.sensors import correct_accelerometer
+from calib.fitting.sensors import correct_accelerometer, of_whole_run
 from calib.fitting.sort_logs import sort_logs
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
@@ -53,12 +54,14 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
     notes = {(log.name, log.digest): log.notes for log in logs}
     corrected = [remove_known_effects(vehicle, log) for log in logs]
     car = corrected[0].vehicle if corrected else vehicle
-    ramps, coasts = (
-        [correct_accelerometer(car, *run) for run in group]
-        for group in sort_logs(car, [run.log for run in corrected])
-    )
+    as_read = sort_logs(car, [run.log for run in corrected])
+    sensors = [of_whole_run(car, b, noise) for _, b, noise in as_read[0]]
+    ramps, coasts = ([correct_accelerometer(car, *run) for run in group] for group in as_read)
     known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
-    runs = [prepare(car, log.name, b, noise, known.effects) for log, b, noise in ramps]
+    runs = [
+        prepare(car, log.name, b, noise, known.effects, sensor)
+        for (log, b, noise), sensor in zip(ramps, sensors, strict=True)
+    ]
     found, runs = identify(car, runs)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
     sources = ", ".join(log.source for log, _, _ in ramps)
@@ -74,6 +77,8 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
             f"{front_biased_up_to(car):.2f} g",
             do="check areas and radii of the brakes in the vehicle file",
         )
+    level = level_parts(car, found, runs, known)
+    pads = calibration(car, found, level)
     return Table(
         name=vehicle.name,
         vehicle=vehicle,
@@ -81,7 +86,7 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
         paper=curves.paper_table(car, found, runs, z_end),
         tyre=curves.tyre_curve(car, found, runs, z_max),
         posterior=found.posterior,
-        calibration=calibration(car, found, runs, known),
+        calibration=pads,
         effects=known.effects.only(*RESISTANCE),
         noise=asdict(worst_noise([run.noise for run in runs])),
         quality=metrics(car, found, runs, peak, z_max),
@@ -90,4 +95,5 @@ def fit(vehicle: Vehicle, logs: list[Log]) -> Table:
             *remarks(car, found, runs, known, peak, len(coasts)),
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, notes),
+        budget=table_budget(car, found, level, pads),
     )

@@ -10,6 +10,7 @@ from calib.errors import StoreError
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle import Axle, Vehicle
 from calib.schema import FileSchema, Section, validated_json
+from calib.table.budget import TableBudget
 from calib.table.curve_file import Array
 from calib.table.table import (
     Calibration,
@@ -53,6 +54,7 @@ class Record(FileSchema):
     remarks: tuple[str, ...]
     provenance: Provenance
     empirical: EmpiricalTerm | tuple[EmpiricalTerm, ...] = ()
+    budget: TableBudget | None = None
 
 
 class Parent(Section):

@@ -23,6 +23,7 @@ from calib.physics.tyre import PARAMETERS as TYRE
 from calib.physics.tyre import Tyre
 from calib.physics.vehicle import Vehicle
 from calib.statistics.intervals import Z95
+from calib.table.budget import TableBudget
 
 Array = NDArray[np.float64]
 SCHEMA = 1
@@ -186,7 +187,8 @@ class Table:
 
     ``effects`` holds drag and rolling resistance with their sigma; other known effects, empirical
     terms among them, are in the vehicle; ``noise`` the long-run noise density of each sensor
-    [unit * s^0.5]; ``quality`` metrics of the fit; ``remarks`` for the user, in words.
+    [unit * s^0.5]; ``quality`` metrics of the fit; ``remarks`` for the user, in words; ``budget``
+    what the pads rest on. A table fitted before there was one has none, nor its record the key.
     """
 
     name: str
@@ -201,6 +203,7 @@ class Table:
     quality: dict[str, float]
     remarks: tuple[str, ...]
     provenance: Provenance
+    budget: TableBudget | None = None
 
     def __repr__(self) -> str:
         eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
@@ -233,6 +236,8 @@ class Table:
                 del log["notes"]
         if not self.provenance.identity:
             del record["provenance"]["identity"]
+        if self.budget is None:
+            del record["budget"]
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
         return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
 
