@@ -79,13 +79,15 @@ def _report(stored: "Stored") -> None:
     cal = table.calibration
     emit(f"table      {stored.id}  ({stored.path})")
     budgets = pads_budget(table)
-    for label, value, made_of in (
-        ("front pads", cal.pad_friction_f, f": {budgets[0].words}"),
-        ("rear pads", cal.pad_friction_r, f": {budgets[1].words}"),
-        ("pad scale", cal.pad_scale, ""),
+    for label, value in (
+        ("front pads", cal.pad_friction_f),
+        ("rear pads", cal.pad_friction_r),
+        ("pad scale", cal.pad_scale),
     ):
         low, high = value.ci95
-        emit(f"{label:<10} {value.value:.4f}  (95 % {low:.4f} to {high:.4f}){made_of}")
+        emit(f"{label:<10} {value.value:.4f}  (95 % {low:.4f} to {high:.4f})")
+    for label, of in zip(("front pads", "rear pads"), budgets, strict=True):
+        emit(f"{label:<10} {of.words}")
     for line in advice_lines(budgets):
         emit(line)
     for effect, parameters in table.effect_values.items():
