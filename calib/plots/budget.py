@@ -39,4 +39,4 @@ def bars(ax: "Axes", axles: Pair) -> None:
     ax.grid(visible=False, axis="y")
     ax.axhline(0.5, color="#7A7A7A", linewidth=0.6)
     ax.set_xlim(right=1.1 * float(values.max()))
-    ax.set_xlabel("standard deviation of the pad friction [%]; squares add up to that of all")
+    ax.set(xlabel="standard deviation; squares add up to that of all [%]", ylabel="cause [by name]")

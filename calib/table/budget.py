@@ -28,10 +28,11 @@ ADVICE = {
     "the vehicle file",
     "resistance": "add a coast log over a wide range of speeds to the fit",
     "accelerometer": "log v, and zero a_x on level ground",
-    "tyres": "fit with a ramp of one axle only, or with a second load; log v",
+    "tyres": "log v, and fit with a ramp up to a higher deceleration",
     "zeros": "start the log earlier: 3 s of straight rolling in front of the braking",
-    "load_geometry": "fit with a ramp at a second load; give the body's pitch as a known effect",
-    "unlike_pads": "brake longer and harder, and log v: front and rear pads are then told apart",
+    "load_geometry": "log v, fit with a ramp up to a higher deceleration, and give the effect "
+    "pitch_coupling if it is known",
+    "unlike_pads": "log v, and brake longer and harder: that tells front from rear pads",
     "ramp": "fit the table again: this one does not say what its pads rest on",
     "noise": "brake longer, with finer wheel speeds",
 }
