@@ -9,18 +9,23 @@ first, what was measured counts by w kept^2 + 1 - w, where kept is the share of 
 first leaves; what is open of the ramp counts by w for the level. What the weighing itself leaves
 open, and how exactly pads keep their friction, is the part "unlike_pads".
 
-It is computed for one sample of each axle and only when asked for.
+It is computed for one sample of each axle and only when asked for: the filter runs again and says
+what each block did.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.estimation.estimator import Basis, Estimate
+from calib.estimation.estimator import Basis, Estimate, split_of
+from calib.estimation.pad_ratio import Step
 from calib.estimation.split_budget import ratio_parts
 from calib.physics.balance import brake_forces
 from calib.table.budget import PARTS, AxleBudget, Parts, axle_budget
 
 Array = NDArray[np.float64]
+Steps = Sequence[Step | None]
 
 
 def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
@@ -33,10 +38,12 @@ def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
     e = estimate
     if e.basis is None or not e.valid.any():
         return None
+    steps: list[Step | None] = []
+    split_of(e.basis.plan, e.blocks, e.basis.demand, steps)
     front, rear = _median(e, e.front.lower, e.front.upper), _median(e, e.rear.lower, e.rear.upper)
     return (
-        _at(e, e.basis, front, e.front.pad_friction, front_axle=True),
-        _at(e, e.basis, rear, e.rear.pad_friction, front_axle=False),
+        _at(e, e.basis, steps, front, e.front.pad_friction, front_axle=True),
+        _at(e, e.basis, steps, rear, e.rear.pad_friction, front_axle=False),
     )
 
 
@@ -47,13 +54,15 @@ def _median(e: Estimate, lower: Array, upper: Array) -> int:
     return int(places[order[(order.size - 1) // 2]])
 
 
-def _at(e: Estimate, basis: Basis, i: int, mu: Array, *, front_axle: bool) -> AxleBudget:
+def _at(
+    e: Estimate, basis: Basis, steps: Steps, i: int, mu: Array, *, front_axle: bool
+) -> AxleBudget:
     """Budget of one axle at one sample."""
     block = int(e.blocks.last_complete(e.time[i : i + 1])[0])
     p_f, p_r = (np.maximum(p[i], 1.0) for p in (e.pressure_f, e.pressure_r))
     front, rear = brake_forces(basis.plan.nominal, p_f, p_r, e.split.log_pad_ratio[block])
     lever = float((rear if front_axle else front) / (front + rear))
-    level, ratio = _level(basis, i), _ratio(e, basis, block)
+    level, ratio = _level(basis, i), _ratio(e, basis, steps, block)
     return axle_budget(float(mu[i]), (1.0, level), (lever**2, ratio))
 
 
@@ -75,10 +84,10 @@ def _level(basis: Basis, i: int) -> Parts:
     return out
 
 
-def _ratio(e: Estimate, basis: Basis, block: int) -> Parts:
+def _ratio(e: Estimate, basis: Basis, steps: Steps, block: int) -> Parts:
     """Variance of the logarithm of the pads' ratio after a block, by part."""
     p, weight = basis.plan.priors, float(e.split.nominal_weight[block])
-    parts = ratio_parts(basis.plan, e.blocks, e.split, block)
+    parts = ratio_parts(basis.plan, e.blocks, steps, block)
     # on a strange surface the ratio errs today, not on the ramp
     today = np.array([[1.0, 0.0], [0.0, 0.0]])
     strange = (p.foreign * float(e.split.log_stiffness[block])) ** 2

@@ -21,7 +21,7 @@ from calib.estimation.baselines import baselines
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import Gates, valid
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
-from calib.estimation.pad_ratio import PadRatio
+from calib.estimation.pad_ratio import PadRatio, Step
 from calib.estimation.pads import estimate_axles
 from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch, with_pads
 from calib.estimation.priors import Priors
@@ -77,10 +77,11 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Basis:
-    """What an estimate started from, and its level with the causes of its uncertainty."""
+    """What an estimate started from, its level with what is open of it, and the filter's input."""
 
     plan: Plan
     level: WeighedLevel
+    demand: SplitInput
 
 
 @dataclass(frozen=True)
@@ -223,7 +224,8 @@ def estimate(
     b = blocks(s)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
-    answer = split_of(plan, s, b, level)
+    demand = demand_of(plan, s, b, level)
+    answer = split_of(plan, b, demand)
     weighed = weigh_level(plan, s.speed, smoothed(s, s.z, plan.priors), sigma_z, level)
     front, rear = estimate_axles(plan, s, forces, weighed, answer, b)
     zero = float(np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])) - 1.0
@@ -262,7 +264,7 @@ def estimate(
         factor_f=ran.factor_f,
         factor_r=ran.factor_r,
         notes=others.notes,
-        basis=Basis(plan, weighed),
+        basis=Basis(plan, weighed, demand),
     )
 
 
@@ -284,8 +286,8 @@ def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:
     return estimate_pad_level(s.sample_time, demanded, nominal, forces.active, density, plan.priors)
 
 
-def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
-    """Feed the split filter: block means, and the level as known at the end of each block."""
+def demand_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> SplitInput:
+    """Input of the split filter: block means, and the level as known at the end of each block."""
     car = plan.nominal
     forces = block_balance(car, plan.known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
@@ -293,7 +295,7 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
     now = np.where(np.maximum(b.p_f, b.p_r) > BITE, level.value[ends], np.nan)
     mode = (plan.priors.pitch_frequency, plan.priors.pitch_damping)
     late = pitch_deficit(car, s.time, s.z, *mode)
-    demand = SplitInput(
+    return SplitInput(
         nominal_f=B_f,
         nominal_r=B_r,
         level=now,
@@ -305,7 +307,14 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
         slip=None if b.v is None else mean_slip(car, forces.load_f, b.omega_f, b.omega_r, b.v),
         pitch_deficit=late[ends],
     )
-    return filter_pad_ratio(car, b, demand, plan.noise, plan.table.posterior, plan.priors)
+
+
+def split_of(
+    plan: Plan, b: Blocks, demand: SplitInput, steps: list[Step | None] | None = None
+) -> PadRatio:
+    """Run the split filter as the plan has it; ``steps`` as in `filter_pad_ratio`."""
+    known = plan.table.posterior
+    return filter_pad_ratio(plan.nominal, b, demand, plan.noise, known, plan.priors, steps)
 
 
 def _slips(s: Signals) -> tuple[Array, Array] | None:

@@ -35,8 +35,7 @@ class PadRatio:
     what is common to both days falls out; ``nominal_weight`` that the pads have the table's ratio;
     ``log_stiffness`` of the surface with its sigma; ``load_shift``, ``elastic_share`` of the load
     transfer; ``innovation_eta``, ``innovation_slip`` over their sigma (NaN where not measured);
-    ``changes`` times of surface changes [s]; ``steps`` what was measured, None for a block that was
-    not.
+    ``changes`` times of surface changes [s].
     """
 
     log_pad_ratio: Array
@@ -51,7 +50,6 @@ class PadRatio:
     innovation_eta: Array
     innovation_slip: Array
     changes: tuple[float, ...]
-    steps: tuple[Step | None, ...] = ()
 
 
 KEPT = np.array(
@@ -73,13 +71,12 @@ def weigh(
     kept: Array,
     innovation: Array,
     changes: tuple[float, ...],
-    steps: tuple[Step | None, ...],
     priors: Priors,
 ) -> PadRatio:
     """Weigh the ratio against the table's and add what a strange surface leaves open.
 
     ``x`` states (k, COUNT); ``kept`` the entries `KEPT` of their covariance (k, 4); ``innovation``
-    (k, 2) of eta and slip; ``changes`` and ``steps`` are handed on. A ratio that cannot be told
+    (k, 2) of eta and slip; ``changes`` are handed on. A ratio that cannot be told
     from the table's is given back as the table's (`calib.statistics.mixture_posterior`).
     """
     today, then, between, stiffness = kept.T
@@ -106,5 +103,4 @@ def weigh(
         innovation_eta=innovation[:, 0],
         innovation_slip=innovation[:, 1],
         changes=changes,
-        steps=steps,
     )

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.filter_input import process_noise
-from calib.estimation.pad_ratio import PadRatio
+from calib.estimation.pad_ratio import Step
 from calib.estimation.plan import Plan
 from calib.estimation.priors import Priors
 from calib.estimation.states import (
@@ -63,8 +63,12 @@ PAIR = [AT.log_pad_ratio, AT.table_log_pad_ratio]
 """The ratio of the pads today, and that on the day of the ramp."""
 
 
-def ratio_parts(plan: Plan, b: Blocks, answer: PadRatio, block: int) -> dict[str, Array]:
+def ratio_parts(
+    plan: Plan, b: Blocks, steps: Sequence[Step | None], block: int
+) -> dict[str, Array]:
     """Covariance (2, 2) of `PAIR` after a block, by part; their sum is the filter's.
+
+    ``steps`` of the filter over these blocks.
 
     Noise of the sensors while the brakes do not act is what the zeros rest on, and counts as such.
     """
@@ -74,7 +78,7 @@ def ratio_parts(plan: Plan, b: Blocks, answer: PadRatio, block: int) -> dict[str
     drifted = np.zeros((2, 2, COUNT))
     a = np.eye(COUNT)[PAIR]
     for k in range(block, -1, -1):
-        step = answer.steps[k]
+        step = steps[k]
         if step is not None:
             gain, sensed = a @ step.white.T, step.whitening @ step.rows
             noise = np.eye(2) - step.white @ sensed.T

@@ -45,8 +45,12 @@ def filter_pad_ratio(
     noise: SensorNoise,
     posterior: TyrePosterior,
     priors: Priors,
+    steps: list[Step | None] | None = None,
 ) -> PadRatio:
-    """Run the filter over the blocks of a stop, from the table's ``posterior``."""
+    """Run the filter over the blocks of a stop, from the table's ``posterior``.
+
+    ``steps`` is a list to fill with what each block did, None for a block that was not measured.
+    """
     x, P = first_state(posterior, priors)
     inputs, readings = given(vehicle, b, demand), measured(b, demand, noise, priors)
     grown = process_noise(vehicle, b, priors)
@@ -55,7 +59,6 @@ def filter_pad_ratio(
     states, variances = np.empty((count, COUNT)), np.empty((count, len(KEPT)))
     innovation = np.full((count, 2), np.nan)
     changes: list[float] = []
-    steps: list[Step | None] = []
     # views of P, taken once: the loop changes P in place and never replaces it
     shift = AT.load_shift
     row_shift, column_shift, flat = P[shift], P[:, shift], P.reshape(-1)
@@ -76,20 +79,21 @@ def filter_pad_ratio(
                 before_x[:], before_P[:] = x, P
             predicted = programs[g[LEVEL] > 0.0](now, g)
             surprise, step = _measure(x, P, predicted, now, reading, innovation[k])
-            if alert and surprise > priors.change_gate:
+            opened = bool(alert and surprise > priors.change_gate)
+            if opened:
                 # the road has changed: what was learnt of the pads must not take the blame
                 x[:], P[:] = before_x, before_P
                 open_surface(P, priors)
                 _, step = _measure(x, P, predicted, now, reading, innovation[k])
-                step = step._replace(opened=True)
                 changes.append(float(b.end[k]))
                 pause = priors.change_pause
-            steps.append(step)
-        else:
+            if steps is not None:
+                steps.append(Step(*step, opened))
+        elif steps is not None:
             steps.append(None)
         states[k] = x
         variances[k] = flat[KEPT]
-    return weigh(states, variances, innovation, tuple(changes), tuple(steps), priors)
+    return weigh(states, variances, innovation, tuple(changes), priors)
 
 
 def _measure(
@@ -99,10 +103,10 @@ def _measure(
     now: list[float],
     reading: Measured,
     innovation: Array,
-) -> tuple[float, Step]:
+) -> tuple[float, tuple[Array, Array, Array]]:
     """Take in eta and, where there is one, the slip; return the mean squared innovation.
 
-    Beside it what was taken in, for a budget of the result.
+    Beside it rows, whitening and white of a `Step`.
 
     ``predicted`` eta, slip and their gradients at ``now``, which is x as plain floats.
     """
@@ -125,8 +129,7 @@ def _measure(
     white = whitening.dot(along)
     x += np.array((first, second)).dot(white)
     P -= white.T.dot(white)
-    step = Step(rows, whitening, white)
-    return (first * first + second * second) / (2.0 if scale else 1.0), step
+    return (first * first + second * second) / (2.0 if scale else 1.0), (rows, whitening, white)
 
 
 LEVEL = Given._fields.index("level")

@@ -90,7 +90,9 @@ def run(rng=None, **moved):
 
 
 def answer_of(table, blocks, demand, priors=STILL):
-    return filter_pad_ratio(CAR, blocks, demand, NOISE, table.posterior, priors)
+    """The filter's answer, and the steps that it took."""
+    steps = []
+    return filter_pad_ratio(CAR, blocks, demand, NOISE, table.posterior, priors, steps), steps
 
 
 @pytest.mark.parametrize("block", [10, 60, 129])
@@ -99,8 +101,8 @@ def test_parts_are_the_filter_s_own_covariance(block):
     sigma = dict.fromkeys(FROM_TABLE, 0.02) | {"radius_load": 2e-3, "clock_offset": 5e-3}
     table, priors = table_with(**sigma), replace(Priors(), ratio_odds=1e-9)
     blocks, demand = run(np.random.default_rng(0))
-    answer = answer_of(table, blocks, demand, priors)
-    parts = ratio_parts(plan_of(table, priors), blocks, answer, block)
+    answer, steps = answer_of(table, blocks, demand, priors)
+    parts = ratio_parts(plan_of(table, priors), blocks, steps, block)
     total = sum(parts.values())
     foreign = (priors.foreign * answer.log_stiffness[block]) ** 2
     assert total[0, 0] + foreign == pytest.approx(answer.sigma[block] ** 2, rel=1e-6)
@@ -147,10 +149,10 @@ def test_a_state_off_by_one_sigma_moves_the_ratio_by_its_part(name, sigma):
         # pads that are not what the table says are so today as on the ramp
         symbols = ("rho0", "rho") if symbol == "rho0" else (symbol,)
         blocks, demand = run(**dict.fromkeys(symbols, sign * sigma))
-        answer = answer_of(table, blocks, demand, open_ratio)
+        answer, steps = answer_of(table, blocks, demand, open_ratio)
         true = sign * sigma if "rho" in symbols else 0.0
         errors.append(float(answer.log_pad_ratio[-1]) - true)
-        parts = ratio_parts(plan_of(table, open_ratio), blocks, answer, COUNT - 1)
+        parts = ratio_parts(plan_of(table, open_ratio), blocks, steps, COUNT - 1)
     assert abs(errors[1] - errors[0]) / 2.0 == pytest.approx(
         math.sqrt(parts["ramp"][0, 0]), rel=0.05, abs=1e-9
     )
@@ -164,9 +166,9 @@ def test_drawn_noise_spreads_the_ratio_by_its_part():
     found = []
     for _ in range(300):
         blocks, demand = run(rng)
-        answer = answer_of(table, blocks, demand, priors)
+        answer, steps = answer_of(table, blocks, demand, priors)
         found.append(answer.log_pad_ratio[-1])
-    parts = ratio_parts(plan_of(table, priors), blocks, answer, COUNT - 1)
+    parts = ratio_parts(plan_of(table, priors), blocks, steps, COUNT - 1)
     expected = math.sqrt(parts["noise"][0, 0] + parts["zeros"][0, 0])
     assert np.std(found) == pytest.approx(expected, rel=0.12)
     assert parts["zeros"][0, 0] > 0.0
