@@ -59,6 +59,8 @@ def fit(
 
 
 def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
+    from calib.table.budget import summary
+    from calib.table.pads_budget import pads_budget
     from calib.warning import to_dict
 
     table = stored.table
@@ -69,6 +71,7 @@ def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
         "path": stored.path,
         "mass": mass,
         "calibration": table.calibration,
+        "budget": summary(*pads_budget(table)),
         "effects": table.effect_values,
         "quality": table.quality,
         "remarks": table.remarks,
@@ -77,9 +80,13 @@ def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
 
 
 def _report(stored: "Stored", mass: "MassUsed") -> None:
+    from calib.table.budget import advice_lines
+    from calib.table.pads_budget import pads_budget
+
     table, q = stored.table, stored.table.quality
     cal = table.calibration
     emit(f"table      {stored.id}  ({stored.path})")
+    budgets = pads_budget(table)
     for label, value in (
         ("front pads", cal.pad_friction_f),
         ("rear pads", cal.pad_friction_r),
@@ -87,6 +94,10 @@ def _report(stored: "Stored", mass: "MassUsed") -> None:
     ):
         low, high = value.ci95
         emit(f"{label:<10} {value.value:.4f}  (95 % {low:.4f} to {high:.4f})")
+    for label, of in zip(("front pads", "rear pads"), budgets, strict=True):
+        emit(f"{label:<10} {of.words}")
+    for line in advice_lines(budgets):
+        emit(line)
     for effect, parameters in table.effect_values.items():
         for name, value in parameters.items():
             low, high = value.ci95

@@ -119,6 +119,7 @@ def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -
 
 
 def _report(results: "list[Validation]") -> None:
+    from calib.table.budget import advice_lines
     from calib.validation.validate import NO_HOLDOUT, agreement
 
     emit(_grid(results))
@@ -133,8 +134,13 @@ def _report(results: "list[Validation]") -> None:
             emit(f"{result.log}: {NO_HOLDOUT}")
         for time in result.estimate.split.changes:
             emit(f"{result.log}: the surface changed at {time:.2f} s")
+        for axle, of in zip(("front", "rear"), result.budget or (), strict=False):
+            half = f"{of.pad_friction:.3f} +- {of.half_width:.3f} (95 %)"
+            emit(f"{result.log}: {axle} pads {half}: {of.words}")
         for note in result.estimate.notes:
             emit(f"{result.log}: {note}")
+    for line in advice_lines(of for result in results for of in result.budget or ()):
+        emit(line)
     together = agreement(results)
     if together is not None:
         emit(

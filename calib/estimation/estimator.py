@@ -19,12 +19,14 @@ from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.baselines import baselines
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import Gates, valid
+from calib.estimation.lookup import smoothed
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
-from calib.estimation.pad_ratio import PadRatio
+from calib.estimation.pad_ratio import PadRatio, Step
 from calib.estimation.pads import estimate_axles
 from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch, with_pads
 from calib.estimation.priors import Priors
 from calib.estimation.split_filter import filter_pad_ratio
+from calib.estimation.weighed_level import WeighedLevel, weigh_level
 from calib.estimation.zeros import drive_slips, zero_of_eta, zeroed_slips
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.sensors import judge_accelerometer
@@ -76,6 +78,15 @@ COLUMNS = {
 
 
 @dataclass(frozen=True)
+class Basis:
+    """What an estimate started from, its level with what is open of it, and the filter's input."""
+
+    plan: Plan
+    level: WeighedLevel
+    demand: SplitInput
+
+
+@dataclass(frozen=True)
 class Estimate:
     """The estimator's answer on one log, at its rate.
 
@@ -85,7 +96,7 @@ class Estimate:
     filter's own record; ``eta_zero`` what was zeroed [1]; ``accelerometer`` its scale and
     offset, by block; ``factor_f``, ``factor_r`` what known
     effects did to the pad friction, which is given without them [1]; ``notes`` name the
-    baselines left out.
+    baselines left out; ``basis`` what an uncertainty budget is made from.
     """
 
     plan: Plan
@@ -112,6 +123,7 @@ class Estimate:
     factor_f: Array | float = 1.0
     factor_r: Array | float = 1.0
     notes: tuple[str, ...] = field(default=())
+    basis: Basis | None = None
 
     def __repr__(self) -> str:
         count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
@@ -220,8 +232,10 @@ def estimate(
     b = blocks(s)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
-    answer = split_of(plan, s, b, level)
-    front, rear = estimate_axles(plan, s, sigma_z, forces, level, answer, b)
+    demand = demand_of(plan, s, b, level)
+    answer = split_of(plan, b, demand)
+    weighed = weigh_level(plan, s.speed, smoothed(s, s.z, plan.priors), sigma_z, level)
+    front, rear = estimate_axles(plan, s, forces, weighed, answer, b)
     driven = drive_slips(used, forces.balance)
     zero = zero_of_eta(s, driven)
     eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
@@ -261,6 +275,7 @@ def estimate(
         factor_f=ran.factor_f,
         factor_r=ran.factor_r,
         notes=others.notes,
+        basis=Basis(plan, weighed, demand),
     )
 
 
@@ -282,8 +297,8 @@ def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:
     return estimate_pad_level(s.sample_time, demanded, nominal, forces.active, density, plan.priors)
 
 
-def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
-    """Feed the split filter: block means, and the level as known at the end of each block."""
+def demand_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> SplitInput:
+    """Input of the split filter: block means, and the level as known at the end of each block."""
     car = plan.nominal
     forces = block_balance(car, plan.known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
@@ -291,7 +306,7 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
     now = np.where(np.maximum(b.p_f, b.p_r) > BITE, level.value[ends], np.nan)
     mode = (plan.priors.pitch_frequency, plan.priors.pitch_damping)
     late = pitch_deficit(car, s.time, s.z, *mode)
-    demand = SplitInput(
+    return SplitInput(
         nominal_f=B_f,
         nominal_r=B_r,
         level=now,
@@ -306,4 +321,11 @@ def split_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> PadRatio:
         slip=None if b.v is None else mean_slip(car, forces.load_f, b.omega_f, b.omega_r, b.v),
         pitch_deficit=late[ends],
     )
-    return filter_pad_ratio(car, b, demand, plan.noise, plan.table.posterior, plan.priors)
+
+
+def split_of(
+    plan: Plan, b: Blocks, demand: SplitInput, steps: list[Step | None] | None = None
+) -> PadRatio:
+    """Run the split filter as the plan has it; ``steps`` as in `filter_pad_ratio`."""
+    known = plan.table.posterior
+    return filter_pad_ratio(plan.nominal, b, demand, plan.noise, known, plan.priors, steps)

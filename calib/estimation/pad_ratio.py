@@ -1,6 +1,7 @@
 """The answer of the split filter: the pads' ratio, weighed against that of the table."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,20 @@ from calib.estimation.states import AT, COUNT
 from calib.statistics.mixture_posterior import mixture_posterior
 
 Array = NDArray[np.float64]
+
+
+class Step(NamedTuple):
+    """What one block did to the filter's covariance P, so that it can be taken apart afterwards.
+
+    ``rows`` gradients of eta and slip, (2, COUNT); ``whitening`` of their innovations, (2, 2), its
+    second row zero without slip; ``white`` = whitening rows P, (2, COUNT), with the P of before;
+    ``opened`` whether the surface was opened in front of it.
+    """
+
+    rows: Array
+    whitening: Array
+    white: Array
+    opened: bool = False
 
 
 @dataclass(frozen=True)
@@ -52,13 +67,17 @@ KEPT = np.array(
 
 
 def weigh(
-    x: Array, kept: Array, innovation: Array, changes: tuple[float, ...], priors: Priors
+    x: Array,
+    kept: Array,
+    innovation: Array,
+    changes: tuple[float, ...],
+    priors: Priors,
 ) -> PadRatio:
     """Weigh the ratio against the table's and add what a strange surface leaves open.
 
     ``x`` states (k, COUNT); ``kept`` the entries `KEPT` of their covariance (k, 4); ``innovation``
-    (k, 2) of eta and slip. A ratio that cannot be told from the table's is given back as the
-    table's (`calib.statistics.mixture_posterior`).
+    (k, 2) of eta and slip; ``changes`` are handed on. A ratio that cannot be told
+    from the table's is given back as the table's (`calib.statistics.mixture_posterior`).
     """
     today, then, between, stiffness = kept.T
     log_ratio, log_stiffness = x[:, AT.log_pad_ratio], x[:, AT.log_stiffness]

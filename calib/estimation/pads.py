@@ -5,15 +5,14 @@ from numpy.typing import NDArray
 
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.lookup import smoothed
-from calib.estimation.pad_level import PadLevel
 from calib.estimation.pad_ratio import PadRatio
 from calib.estimation.plan import Plan
+from calib.estimation.weighed_level import WeighedLevel
 from calib.physics.balance import brake_forces
 from calib.signals.axle_signals import Signals
 from calib.signals.blocks import Blocks
 from calib.signals.brake_balance import BrakeBalance
 from calib.statistics.intervals import Z95
-from calib.statistics.mixture_posterior import mixture_posterior
 
 Array = NDArray[np.float64]
 
@@ -21,26 +20,22 @@ Array = NDArray[np.float64]
 def estimate_axles(
     plan: Plan,
     s: Signals,
-    sigma_z: Array,
     forces: BrakeBalance,
-    level: PadLevel,
+    level: WeighedLevel,
     answer: PadRatio,
     b: Blocks,
 ) -> tuple[AxleEstimate, AxleEstimate]:
-    """Level and ratio to pad friction, torque and normalised force of each axle.
-
-    ``sigma_z`` of the deceleration that the accelerometer leaves open [1], (n,).
-    """
+    """Level and ratio to pad friction, torque and normalised force of each axle."""
     car = plan.nominal
     at = b.last_complete(s.time)
     rho, sigma = answer.log_pad_ratio[at], answer.sigma[at]
-    theta, sigma_level = _level_weighed(plan, s, sigma_z, level)
+    theta = level.value
     B_f, B_r = brake_forces(car, np.maximum(s.p_f, 1.0), np.maximum(s.p_r, 1.0))
     phi_0 = B_f / (B_f + B_r)
     half = np.exp(0.5 * rho)
     phi = B_f * half / (B_f * half + B_r / half)
     total = theta * (B_f + B_r)
-    changes = _changes(plan, s, total, sigma_level, answer, at)
+    changes = _changes(plan, s, total, level.sigma, answer, at)
     out = []
     road = forces.balance
     for axle, p, share, share_0, lever, moment, load, (change, change_sigma) in (
@@ -49,7 +44,7 @@ def estimate_axles(
     ):
         mu = axle.pad_friction * theta * share / share_0
         # d ln(share)/d rho is the other axle's share
-        spread = _half_width(np.hypot(sigma_level, lever * sigma))
+        spread = _half_width(np.hypot(level.absolute, lever * sigma))
         apart = _half_width(change_sigma)
         torque = mu * axle.torque_gain * np.maximum(p, 0.0)
         brake = 2.0 * torque / axle.rolling_radius
@@ -103,25 +98,3 @@ def _changes(
         (total * share / then_f, np.hypot(level, (1.0 - share) * sigma)),
         (total * (1.0 - share) / then_r, np.hypot(level, share * sigma)),
     )
-
-
-def _level_weighed(plan: Plan, s: Signals, sigma_z: Array, level: PadLevel) -> tuple[Array, Array]:
-    """Level and its relative sigma with mass and resistance counted, weighed against nominal.
-
-    On a dry road the level is nominal within its error and stays there: compensation does no harm.
-    Before the pads first bite nothing is known of them: nominal, as uncertain as pads are. Between
-    brakings the last level stands, as uncertain again.
-    """
-    p = plan.priors
-    with np.errstate(divide="ignore", invalid="ignore"):
-        z = np.maximum(smoothed(s, s.z, p), 0.02)
-        resist = np.hypot(plan.known.sigma_z(plan.nominal, s.speed), sigma_z) / z
-        # a level of zero is as good as unknown: ten times everything
-        noise = np.minimum(np.abs(level.sigma / level.value), 10.0)
-        sigma = np.sqrt(noise**2 + resist**2 + plan.nominal.mass_tolerance**2)
-        free = np.log(np.where(level.value > 0.0, level.value, np.nan))
-    posterior = mixture_posterior(free, sigma, p.level_free, p.level_odds, p.level_alike)
-    known = np.isfinite(posterior.mean)
-    last = np.maximum.accumulate(np.where(known, np.arange(known.size), -1))
-    held = np.where(last >= 0, posterior.mean[np.maximum(last, 0)], 0.0)
-    return np.exp(held), np.where(known, posterior.sigma, p.level_free)

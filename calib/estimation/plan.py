@@ -16,6 +16,8 @@ from calib.physics.mass import weighed
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals
 from calib.signals.noise import SensorNoise, lead_in_noise, worst_noise
+from calib.table.budget import Parts
+from calib.table.pads_budget import level_of
 from calib.table.table import Table
 
 
@@ -24,13 +26,16 @@ class Plan:
     """What stays the same over a log.
 
     ``nominal`` the car with the pads that the estimate starts from; ``known`` the resistance;
-    ``noise`` of the sensors; ``mass_stated`` whether the mass was stated for this log.
+    ``noise`` of the sensors; ``ramp_level`` variance of the logarithm of the level of the nominal
+    pads [1] by part, none where the user gives these pads; ``mass_stated`` whether the mass was
+    stated for this log.
     """
 
     table: Table
     nominal: Vehicle
     known: Resistance
     noise: SensorNoise
+    ramp_level: Parts
     priors: Priors
     gates: Gates
     mass_stated: bool = False
@@ -50,6 +55,7 @@ def plan_for(
         nominal=vehicle or calibrated(table),
         known=known_resistance(table),
         noise=merged_noise(table, lead_in_noise(log, s)),
+        ramp_level=level_of(table) if vehicle is None else {},
         priors=priors or Priors(),
         gates=gates or Gates(),
     )

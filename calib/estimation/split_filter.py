@@ -27,7 +27,7 @@ from calib.estimation.measurement import (
     coasting,
     measurement,
 )
-from calib.estimation.pad_ratio import KEPT, PadRatio, weigh
+from calib.estimation.pad_ratio import KEPT, PadRatio, Step, weigh
 from calib.estimation.priors import Priors
 from calib.estimation.states import AT, COUNT, first_state, open_surface
 from calib.physics.vehicle import Vehicle
@@ -45,8 +45,12 @@ def filter_pad_ratio(
     noise: SensorNoise,
     posterior: TyrePosterior,
     priors: Priors,
+    steps: list[Step | None] | None = None,
 ) -> PadRatio:
-    """Run the filter over the blocks of a stop, from the table's ``posterior``."""
+    """Run the filter over the blocks of a stop, from the table's ``posterior``.
+
+    ``steps`` is a list to fill with what each block did, None for a block that was not measured.
+    """
     x, P = first_state(posterior, priors)
     inputs, readings = given(vehicle, b, demand), measured(b, demand, noise, priors)
     grown = process_noise(vehicle, b, priors)
@@ -74,14 +78,19 @@ def filter_pad_ratio(
             if alert:
                 before_x[:], before_P[:] = x, P
             predicted = programs[g[LEVEL] > 0.0](now, g)
-            surprise = _measure(x, P, predicted, now, reading, innovation[k])
-            if alert and surprise > priors.change_gate:
+            surprise, step = _measure(x, P, predicted, now, reading, innovation[k])
+            opened = bool(alert and surprise > priors.change_gate)
+            if opened:
                 # the road has changed: what was learnt of the pads must not take the blame
                 x[:], P[:] = before_x, before_P
                 open_surface(P, priors)
-                _measure(x, P, predicted, now, reading, innovation[k])
+                _, step = _measure(x, P, predicted, now, reading, innovation[k])
                 changes.append(float(b.end[k]))
                 pause = priors.change_pause
+            if steps is not None:
+                steps.append(Step(*step, opened))
+        elif steps is not None:
+            steps.append(None)
         states[k] = x
         variances[k] = flat[KEPT]
     return weigh(states, variances, innovation, tuple(changes), priors)
@@ -94,8 +103,10 @@ def _measure(
     now: list[float],
     reading: Measured,
     innovation: Array,
-) -> float:
+) -> tuple[float, tuple[Array, Array, Array]]:
     """Take in eta and, where there is one, the slip; return the mean squared innovation.
+
+    Beside it rows, whitening and white of a `Step`.
 
     ``predicted`` eta, slip and their gradients at ``now``, which is x as plain floats.
     """
@@ -114,10 +125,11 @@ def _measure(
         total_slip += var_slip + (relative * (slip - now[SLIP_ZERO])) ** 2 - both * turn
         scale = 1.0 / math.sqrt(total_slip)
         second = innovation[1] = (measured_slip - slip - turn * root * first) * scale
-    white = np.array(((1.0 / root, 0.0), (-turn * scale, scale))).dot(along)
+    whitening = np.array(((1.0 / root, 0.0), (-turn * scale, scale)))
+    white = whitening.dot(along)
     x += np.array((first, second)).dot(white)
     P -= white.T.dot(white)
-    return (first * first + second * second) / (2.0 if scale else 1.0)
+    return (first * first + second * second) / (2.0 if scale else 1.0), (rows, whitening, white)
 
 
 LEVEL = Given._fields.index("level")

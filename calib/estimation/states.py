@@ -110,14 +110,19 @@ def first_state(posterior: TyrePosterior, priors: Priors) -> tuple[Array, Array]
             place = States._fields.index(name)
             x[place], P[place, place] = prior.mean, prior.sigma**2
     # the pads of today: the table's ratio, and free around it
-    today, then = AT.log_pad_ratio, AT.table_log_pad_ratio
-    x[today] = x[then]
-    P[today, :] = P[then, :]
-    P[:, today] = P[:, then]
-    P[today, today] = P[then, then]
+    x[AT.log_pad_ratio] = x[AT.table_log_pad_ratio]
+    today_as_then(P)
     P[np.diag_indices(COUNT)] += np.array([row.sigma for row in rows]) ** 2
     couple_surface(P, priors.peak_per_stiffness, priors.stiffness)
     return x, P
+
+
+def today_as_then(P: Array) -> None:
+    """Make the pads' ratio of today that of the ramp, in a covariance, in place."""
+    today, then = AT.log_pad_ratio, AT.table_log_pad_ratio
+    P[today, :] = P[then, :]
+    P[:, today] = P[:, then]
+    P[today, today] = P[then, then]
 
 
 def open_surface(P: Array, priors: Priors) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from calib.errors import LogError
 from calib.fitting import curves
+from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration
 from calib.fitting.identify import identify
 from calib.fitting.known_effects import remove_known_effects
@@ -19,7 +20,7 @@ from calib.fitting.ramp import prepare
 from calib.fitting.remarks import remarks, stated, taken_out
 from calib.fitting.resistance import RESISTANCE
 from calib.fitting.resistance import identify as identify_resistance
-from calib.fitting.sensors import correct_accelerometer
+from calib.fitting.sensors import correct_accelerometer, of_whole_run
 from calib.fitting.sort_logs import sort_logs
 from calib.fitting.warnings import fit_warnings
 from calib.logs.log import Log
@@ -60,10 +61,14 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
     driven = weighed(vehicle, mass)
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
-    read = sort_logs(car, [run.log for run in corrected])
-    ramps, coasts = ([correct_accelerometer(car, *run) for run in group] for group in read)
+    as_read = sort_logs(car, [run.log for run in corrected])
+    sensors = [of_whole_run(car, b, noise) for _, b, noise in as_read[0]]
+    ramps, coasts = ([correct_accelerometer(car, *run) for run in group] for group in as_read)
     known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
-    runs = [prepare(car, log.name, b, noise, known.effects) for log, b, noise in ramps]
+    runs = [
+        prepare(car, log.name, b, noise, known.effects, sensor)
+        for (log, b, noise), sensor in zip(ramps, sensors, strict=True)
+    ]
     found, runs = identify(car, runs)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
     sources = ", ".join(log.source for log, _, _ in ramps)
@@ -79,7 +84,8 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
             f"{front_biased_up_to(car):.2f} g",
             do="check areas and radii of the brakes in the vehicle file",
         )
-    pads = calibration(car, found, runs, known)
+    level = level_parts(car, found, runs, known)
+    pads = calibration(car, found, level)
     require_possible_pads(car, pads, sources)
     return Table(
         name=vehicle.name,
@@ -98,5 +104,6 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
             *remarks(car, found, runs, known, peak, len(coasts)),
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, notes),
-        warnings=fit_warnings(car, *read, known, found, pads),
+        warnings=fit_warnings(car, *as_read, known, found, pads),
+        budget=table_budget(car, found, level, pads),
     )

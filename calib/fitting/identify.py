@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.fitting.covariance_parts import Parts, information_parts, posterior_parts
 from calib.fitting.parameters import AT, COUNT, PRIORS, RampParameters, parameters_of
 from calib.fitting.ramp import (
     RampRun,
@@ -36,7 +37,8 @@ class Identified:
     ``posterior`` over the names of `RampParameters`; ``eta_zero``, ``slip_zero`` per run [1];
     ``pad_scale`` common factor on nominal pads at the identified ratio, per run [1]; ``residuals``
     of eta and of slip over their noise, per run, over the blocks used, (k,); ``chi2`` mean square
-    of them; ``nominal_weight`` of the file's pad ratio.
+    of them; ``nominal_weight`` of the file's pad ratio; ``parts`` of the posterior's covariance by
+    what each comes from, (k, k).
     """
 
     posterior: TyrePosterior
@@ -46,6 +48,7 @@ class Identified:
     residuals: tuple[tuple[Array, Array], ...]
     chi2: float
     nominal_weight: float
+    parts: Parts
 
     @property
     def mean(self) -> RampParameters[float]:
@@ -82,7 +85,8 @@ def identify_once(vehicle: Vehicle, runs: list[RampRun]) -> Identified:
     Huber weights past ``huber`` sigma. Pads and tyres that are as declared are then weighed
     against such that are not (`_weigh_ratio`).
     """
-    x, covariance, weight = _weigh_ratio(*_least_squares(vehicle, runs))
+    best, jacobian = _least_squares(vehicle, runs)
+    x, covariance, weight, parts = _weigh_ratio(best, information_parts(runs, jacobian))
     parameters, zeros = _parts(x)
     rest = _residuals(vehicle, runs, x)
     flat = np.concatenate([part for pair in rest for part in pair])
@@ -100,6 +104,7 @@ def identify_once(vehicle: Vehicle, runs: list[RampRun]) -> Identified:
         residuals=tuple(rest),
         chi2=float(np.mean(flat**2)),
         nominal_weight=weight,
+        parts={part: share[:COUNT, :COUNT] for part, share in parts.items()},
     )
 
 
@@ -109,7 +114,9 @@ def _parts(x: Array) -> tuple[RampParameters[float], Array]:
 
 
 def _least_squares(vehicle: Vehicle, runs: list[RampRun]) -> tuple[Array, Array]:
-    """Most probable parameters and zeros, and their covariance.
+    """Most probable parameters and zeros, and the Jacobian of all residuals there.
+
+    Its rows: the priors of the parameters and of the zeros, then the data run by run.
 
     First with equal tyres on both axles, then from there with all parameters: far from it, unlike
     pads and unlike tyres can imitate each other.
@@ -141,7 +148,7 @@ def _least_squares(vehicle: Vehicle, runs: list[RampRun]) -> tuple[Array, Array]
             args=(free,),
         )
         x[free] = fit.x
-    return fit.x, np.linalg.inv(fit.jac.T @ fit.jac)
+    return fit.x, np.asarray(fit.jac)
 
 
 def _residuals(vehicle: Vehicle, runs: list[RampRun], x: Array) -> list[tuple[Array, Array]]:
@@ -160,14 +167,16 @@ def _residuals(vehicle: Vehicle, runs: list[RampRun], x: Array) -> list[tuple[Ar
     return out
 
 
-def _weigh_ratio(x: Array, covariance: Array) -> tuple[Array, Array, float]:
+def _weigh_ratio(x: Array, information: Parts) -> tuple[Array, Array, float, Parts]:
     """Weigh pads, tyres and radii that are as declared against such that are not.
 
     The fit sees the force share of each axle over its tyres' stiffness only: pads 10 % apart,
     tyres 10 % apart and radii that fall under load leave much the same traces. The eight cases in
     which each of the three departs or does not are weighed; the other parameters follow along their
-    correlation with the three.
+    correlation with the three. Returns mean, covariance, weight of the declared pads, and the parts
+    of the covariance.
     """
+    covariance = np.linalg.inv(sum(information.values(), np.zeros((x.size, x.size))))
     at = [AT.log_pad_ratio, AT.log_tyre_ratio, AT.radius_load]
     wide = np.array([PRIORS[i].sigma for i in at])
     narrow = np.array([SETTINGS.pad_tolerance, SETTINGS.tyre_tolerance, SETTINGS.radius_tolerance])
@@ -175,13 +184,15 @@ def _weigh_ratio(x: Array, covariance: Array) -> tuple[Array, Array, float]:
     chance = np.array([SETTINGS.pads_differ, SETTINGS.tyres_differ, SETTINGS.radii_fall])
     own = covariance[np.ix_(at, at)]
     precision = np.asarray(np.linalg.inv(own))
+    sigma = np.where(free, wide, narrow)
     weighed = weigh_hypotheses(
         precision - np.diag(wide**-2.0),
         precision @ x[at],
-        np.where(free, wide, narrow),
+        sigma,
         np.where(free, chance, 1.0 - chance).prod(axis=1),
     )
     along = covariance[:, at] @ precision
     moved = x + along @ (weighed.mean - x[at])
     spread = covariance + along @ (weighed.covariance - own) @ along.T
-    return moved, spread, float(weighed.weights[~free[:, 0]].sum())
+    sure = float(weighed.weights[~free[:, 0]].sum())
+    return moved, spread, sure, posterior_parts(information, weighed, along, at, sigma, free)

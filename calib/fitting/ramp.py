@@ -21,6 +21,7 @@ from calib.physics.braking import BITE
 from calib.physics.effects.effects import Effects
 from calib.physics.forces import mean_slip, speed_ratio
 from calib.physics.vehicle import Vehicle
+from calib.signals.accelerometer import Accelerometer
 from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks
 from calib.signals.noise import SensorNoise
@@ -35,7 +36,8 @@ class RampRun:
     ``load_f``, ``load_r`` axle loads [N]; ``moment_f``, ``moment_r`` what slows the wheels besides
     the brake, inertia included, as a force at the road [N]; ``brake_sum`` brake force of both axles
     that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
-    blocks that take part.
+    blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
+    is exact.
     """
 
     name: str
@@ -48,10 +50,16 @@ class RampRun:
     brake_sum: Array
     slip: Array | None
     use: NDArray[np.bool_]
+    accelerometer: Accelerometer | None = None
 
 
 def prepare(
-    vehicle: Vehicle, name: str, b: Blocks, noise: SensorNoise, effects: Effects
+    vehicle: Vehicle,
+    name: str,
+    b: Blocks,
+    noise: SensorNoise,
+    effects: Effects,
+    accelerometer: Accelerometer | None = None,
 ) -> RampRun:
     """Loads, resistances and the demanded brake force of each block.
 
@@ -73,6 +81,7 @@ def prepare(
         brake_sum=forces.demanded,
         slip=None if b.v is None else mean_slip(vehicle, load_f, b.omega_f, b.omega_r, b.v),
         use=np.asarray(use),
+        accelerometer=accelerometer,
     )
 
 

@@ -14,13 +14,17 @@ from calib.signals.noise import SensorNoise
 
 
 def correct_accelerometer(vehicle: Vehicle, log: Log, b: Blocks, noise: SensorNoise) -> Prepared:
-    """Blocks with the z that the tyres feel, by what the whole calibration run says.
+    """Blocks with the z that the tyres feel, by what the whole calibration run says."""
+    return log, replace(b, z=of_whole_run(vehicle, b, noise).corrected(b.z)), noise
+
+
+def of_whole_run(vehicle: Vehicle, b: Blocks, noise: SensorNoise) -> Accelerometer:
+    """Scale and offset of the accelerometer of a calibration run by all of its blocks.
 
     The resistance is not known yet: usual values with their spread stand for it.
     """
     usual = identify_resistance(vehicle, [])
-    whole = judge_accelerometer(vehicle, usual, b, noise).at(-1)
-    return log, replace(b, z=whole.corrected(b.z)), noise
+    return judge_accelerometer(vehicle, usual, b, noise).at(-1)
 
 
 def judge_accelerometer(

@@ -13,15 +13,17 @@ from calib.validation.validate import Validation
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+TAKEN = ("f1-f2", "difference", "budget")
+"""Panels of the table's own sheet."""
+
 MOST = 5
 """Samples between two points of a drawn line: 25 ms at 200 Hz, less than the window of its mean."""
 
 
 def sheet(table: Table, results: tuple[Validation, ...]) -> Sheet:
-    """Panels `f1-f2`, `difference`, `pads`, and `stop-1`, `stop-2` ... for the hold-outs."""
-    curves = tuple(
-        panel for panel in table_sheet(table, "").panels if panel.name in ("f1-f2", "difference")
-    )
+    """Panels of the table, `pads`, and `stop-1`, `stop-2` ... for the hold-outs."""
+    of_table = table_sheet(table, "").panels
+    curves = tuple(panel for panel in of_table if panel.name in TAKEN)
     pads = Panel("pads", "Pads by stop", lambda ax: pads_by_stop(ax, table, results), 2)
     stops = tuple(
         Panel(f"stop-{i}", _plain(r.log), lambda ax, r=r: pads_over_time(ax, r), 2)  # type: ignore[misc]

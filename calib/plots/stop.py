@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.plots.budget import bars
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import (
     BODY,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+BUDGET = "What the pads' uncertainty is made of, at their median interval"
 SHADED = "Grey: the sample is not valid."
 CHANGED = "Dotted vertical line: a change of surface was detected."
 WHEEL_STROKES: dict[str, Stroke] = {
@@ -78,6 +80,7 @@ def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
     front, rear = trace.front, trace.rear
     speeds = Panel("wheel-speeds", "Wheel speeds", lambda ax: wheel_speeds(ax, trace), 5)
     total = Panel("force-sum", "Sum of forces", lambda ax: force_sum(ax, trace))
+    made_of = trace.budget
     known_slip = front.slip is not None
     return (
         *((speeds,) if trace.wheels else ()),
@@ -97,6 +100,7 @@ def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
         Panel("pad-rear", "Rear pad friction", lambda ax: pad(ax, trace, rear, REAR), 2),
         Panel("axle-torques", "Axle brake torques", lambda ax: axle_torques(ax, trace), 2),
         *((total,) if trace.force_sum is not None else ()),
+        *((Panel("budget", BUDGET, lambda ax: bars(ax, made_of)),) if made_of else ()),
     )
 
 

@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from calib.fitting.settings import SETTINGS
 from calib.plots import ramp as ramp_figures
+from calib.plots.budget import bars
 from calib.plots.distribution import distribution
 from calib.plots.measured import MeasuredRamp, grouped
 from calib.plots.ramp import points
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DASHED, DOTTED, FRONT, IDENTIFIED, NOMINAL, REAR, Stroke, band
+from calib.table.pads_budget import pads_budget
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ FLAGS = {
 }
 """Word, line style and width of each flag of a cell."""
 
+BUDGET = "What the pads' uncertainty is made of"
 ETA = r"$\eta - 1$ [%]"
 DRIVEN: Stroke = {"color": BODY["color"], "linestyle": DOTTED, "linewidth": 0.9}
 P = 0.3
@@ -41,7 +44,8 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
     suffixes = [""] if len(ramps) == 1 else [f"-{i + 1}" for i in range(len(ramps))]
     of_ramps = [ramp_figures.panels(r, s) for r, s in zip(ramps, suffixes, strict=False)]
     rows = [("torque-distribution", "tyre"), ("f1-f2", "difference"), ("f1-f2", "coverage")]
-    heights = [1.25, 1.0, 0.7]
+    rows += [("budget", "budget")]
+    heights = [1.25, 1.0, 0.7, 0.9]
     return Sheet(
         kind="table",
         name=name,
@@ -67,6 +71,7 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
                 lambda ax: difference(ax, table, ramps),
             ),
             Panel("coverage", "Coverage", lambda ax: coverage(ax, table)),
+            Panel("budget", BUDGET, lambda ax: bars(ax, pads_budget(table))),
             *(panel for pair in of_ramps for panel in pair),
         ),
         rows=(*rows, *(tuple(panel.name for panel in pair) for pair in of_ramps)),

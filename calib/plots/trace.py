@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.axle_estimate import AxleEstimate
+from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate
 from calib.estimation.plan import calibrated, known_resistance
 from calib.logs.log import Log
@@ -18,6 +19,7 @@ from calib.physics.balance import force_balance
 from calib.physics.braking import BITE
 from calib.physics.vehicle import Axle, Vehicle
 from calib.plots.result import StoredResult
+from calib.table.budget import AxleBudget
 from calib.table.table import Table
 
 Array = NDArray[np.float64]
@@ -72,6 +74,7 @@ class StopTrace:
     inertia: Array | None = None
     changes: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
+    budget: tuple[AxleBudget, AxleBudget] | None = None
 
     @property
     def has_truth(self) -> bool:
@@ -103,6 +106,7 @@ def from_estimate(
         force_sum_nominal=total + _nominal_excess(car, front, rear),
         inertia=car.weight * estimate.z,
         changes=estimate.split.changes,
+        budget=budget(estimate),
         notes=(f"Estimator with table {name}, digest {table.digest[:16]}.", *estimate.notes),
     )
 

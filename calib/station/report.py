@@ -8,6 +8,8 @@ from calib.station.advice import action, reason
 from calib.station.identity import TITLES
 from calib.station.station import Check, StationOutcome
 from calib.station.words import HEADINGS, bounds, in_full, summary, value_of
+from calib.table.budget import advice_lines
+from calib.table.pads_budget import pads_budget
 from calib.table.table import Table
 from calib.table.version import Stored
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING
@@ -28,6 +30,7 @@ def report_html(found: StationOutcome, stored: Stored) -> str:
     sources += [(log.name, "coast", log.digest) for log in found.coasts]
     sources += [(r.log, r.role, r.digest) for r in results]
     pictures = sheet(table, results)
+    budgets = pads_budget(table)
     return page(
         "station",
         title=f"{HEADINGS[found.verdict]}: {identity.vin or identity.serial or table.vehicle.name}",
@@ -45,6 +48,11 @@ def report_html(found: StationOutcome, stored: Stored) -> str:
         reasons=[(name, f"{text}: {reason(name)}.") for name, text in meant.items()],
         ramp_pads=[f"{v.value:.3f} ({v.ci95[0]:.3f} to {v.ci95[1]:.3f})" for v in pads],
         pads=drawn(pictures, ("pads",)),
+        budget=drawn(pictures, ("budget",)),
+        budget_words=[
+            f"{axle} {of.words}" for axle, of in zip(("front", "rear"), budgets, strict=True)
+        ],
+        budget_advice=advice_lines(budgets),
         stops=[f"{i}: {r.log}" for i, r in enumerate(results, 1)],
         pad_rows=[
             (f"{i}: {r.log}", *_pad(r, "f"), *_pad(r, "r")) for i, r in enumerate(results, 1)

@@ -9,11 +9,15 @@ Array = NDArray[np.float64]
 
 
 class Mixture(NamedTuple):
-    """Mean (..., n) and covariance (..., n, n) of the mixture, and the ``weights`` (..., k)."""
+    """Mean (..., n) and covariance (..., n, n) of the mixture.
+
+    ``weights`` (..., k) of the explanations and ``means`` (..., k, n) under each.
+    """
 
     mean: Array
     covariance: Array
     weights: Array
+    means: Array
 
 
 def weigh_hypotheses(information: Array, side: Array, sigma: Array, odds: Array) -> Mixture:
@@ -35,4 +39,4 @@ def weigh_hypotheses(information: Array, side: Array, sigma: Array, odds: Array)
     mean = np.einsum("...k,...ki->...i", weights, means)
     apart = means - mean[..., None, :]
     spread = covariance + apart[..., :, None] * apart[..., None, :]
-    return Mixture(mean, np.einsum("...k,...kij->...ij", weights, spread), weights)
+    return Mixture(mean, np.einsum("...k,...kij->...ij", weights, spread), weights, means)

@@ -10,6 +10,7 @@ from calib.errors import StoreError
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle import Axle, Vehicle
 from calib.schema import FileSchema, Section, validated_json
+from calib.table.budget import TableBudget
 from calib.table.curve_file import Array
 from calib.table.table import (
     Calibration,
@@ -55,6 +56,7 @@ class Record(FileSchema):
     provenance: Provenance
     empirical: EmpiricalTerm | tuple[EmpiricalTerm, ...] = ()
     warnings: tuple[PlausibilityWarning, ...] = ()
+    budget: TableBudget | None = None
 
 
 class Parent(Section):

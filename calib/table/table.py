@@ -23,6 +23,7 @@ from calib.physics.tyre import PARAMETERS as TYRE
 from calib.physics.tyre import Tyre
 from calib.physics.vehicle import Vehicle
 from calib.statistics.intervals import Z95
+from calib.table.budget import TableBudget
 from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
@@ -188,7 +189,8 @@ class Table:
     ``effects`` holds drag and rolling resistance with their sigma; other known effects, empirical
     terms among them, are in the vehicle; ``noise`` the long-run noise density of each sensor
     [unit * s^0.5]; ``quality`` metrics of the fit; ``remarks`` for the user, in words;
-    ``warnings`` what speaks against it.
+    ``warnings`` what speaks against it; ``budget`` what the pads rest on. The record of a table
+    without warnings or a budget, as older ones are, does not have the key.
     """
 
     name: str
@@ -204,6 +206,7 @@ class Table:
     remarks: tuple[str, ...]
     provenance: Provenance
     warnings: tuple[PlausibilityWarning, ...] = ()
+    budget: TableBudget | None = None
 
     def __repr__(self) -> str:
         eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
@@ -238,6 +241,8 @@ class Table:
             del record["warnings"]
         if not self.provenance.identity:
             del record["provenance"]["identity"]
+        if self.budget is None:
+            del record["budget"]
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
         return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
 

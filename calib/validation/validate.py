@@ -6,12 +6,14 @@ table, log -> estimate -> metrics -> judged against limits -> DIR/<stem>.parquet
 import math
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from functools import cached_property
 
 import numpy as np
 
 from calib.checks.check import problems_for
 from calib.checks.gates import bitten, eta_rise, require_same_wheels
 from calib.errors import LogError, VehicleError
+from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.plan import as_used
 from calib.logs.log import Log
@@ -19,6 +21,7 @@ from calib.physics.mass import MassUsed, mass_used
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
+from calib.table.budget import AxleBudget, summary
 from calib.table.table import Table
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
@@ -71,6 +74,14 @@ class Validation:
     def verdict(self) -> str:
         """`passed` or `failed`."""
         return PASSED if self.passed else FAILED
+
+    @cached_property
+    def budget(self) -> tuple[AxleBudget, AxleBudget] | None:
+        """What the intervals of front and rear pads are made of; None without a valid sample.
+
+        It is made when it is first asked for, and takes about as long as the estimate.
+        """
+        return budget(self.estimate)
 
 
 @dataclass(frozen=True)
@@ -273,6 +284,7 @@ def to_dict(
                     }
                     for j in r.judgements
                 ],
+                "budget": None if r.budget is None else summary(*r.budget),
                 "surface_changes": list(r.estimate.split.changes),
                 "rms_error_by_method": {
                     name: {"front": _finite(f), "rear": _finite(b)}

@@ -121,7 +121,8 @@ def filter_each_sample(table: Table, path: Path) -> None:
     each = blocks(s, s.sample_time)
     plan = plan_for(table, log, s)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
-    estimator.split_of(plan, s, each, estimator.level_of(plan, s, forces))
+    level = estimator.level_of(plan, s, forces)
+    estimator.split_of(plan, each, estimator.demand_of(plan, s, each, level))
 
 
 def main() -> None:

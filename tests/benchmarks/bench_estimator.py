@@ -93,6 +93,7 @@ def chain() -> None:
     plan = plan_for(table, stop, s)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = estimator.level_of(plan, s, forces)
+    demand = estimator.demand_of(plan, s, b, level)
 
     def paper_chain() -> None:
         zero = np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])
@@ -101,7 +102,7 @@ def chain() -> None:
         reading = baselines.read(table, plan.nominal, s, now, eta, "difference", plan.priors)
         baselines.adapt(plan.nominal, s, now, reading, "gradient", plan.priors)
 
-    split = best(lambda: estimator.split_of(plan, s, b, level), REPEAT)
+    split = best(lambda: estimator.split_of(plan, b, demand), REPEAT)
     parts = [
         ("signals and blocks", best(lambda: blocks(signals(stop, car)), REPEAT)),
         ("common level", best(lambda: estimator.level_of(plan, s, forces), REPEAT)),

@@ -8,6 +8,8 @@ import pytest
 
 from calib.demo.samples import sample_logs
 from calib.logs.write import write_csv
+from calib.table.budget import summary
+from calib.table.pads_budget import pads_budget
 from calib.table.store import Store
 from cli.fit import EPILOG
 from tests.support.reference_car import CAR, REAL, SEDAN, noisy, ramp, with_pads
@@ -55,6 +57,10 @@ def test_a_table_is_stored_and_told(brake_cal, log, store):
     assert front == f"front pads {pads.value:.4f}  (95 % {low:.4f} to {high:.4f})"
     for remark in stored.table.remarks:
         assert f"note: {remark}" in ran.out
+    for axle, of in zip(("front", "rear"), pads_budget(stored.table), strict=True):
+        assert f"{axle} pads".ljust(11) + of.words in ran.out.splitlines()
+        assert of.words.startswith("one sigma of mass 3.0 %")
+    assert "to shrink mass: weigh the car" in ran.out
 
 
 def test_json_is_one_document(brake_cal, log, store):
@@ -69,6 +75,7 @@ def test_json_is_one_document(brake_cal, log, store):
     assert document["calibration"]["pad_scale"]["value"] == stored.table.calibration.pad_scale.value
     assert set(document["effects"]) == {"aerodynamic_drag", "rolling_resistance"}
     assert document["quality"]["runs"] == 1.0
+    assert document["budget"] == summary(*pads_budget(stored.table))
     assert document["remarks"] == list(stored.table.remarks)
 
 

@@ -124,14 +124,14 @@ def test_one_figure_or_all_of_them(plot):
     assert plot("sedan@1", "--figure", "f1-f2").out == "sedan@1-f1-f2.png\n"
     assert plot("sedan@1", "--figure", "coverage", "--out", "t.png").out == "t.png\n"
     assert plot("sedan@1", "--figure", "all", "--out", "t.pdf").code == 0
-    assert Path("t.pdf").read_bytes().count(b"/Type /Page ") == 5
+    assert Path("t.pdf").read_bytes().count(b"/Type /Page ") == 6
 
 
 def test_all_of_them_as_svg_are_a_file_each(plot):
     ran = plot("sedan@1", "--figure", "all", "--out", "x.svg")
     assert sorted(ran.out.splitlines()) == files()
     assert "x-f1-f2.svg" in files()
-    assert len(files()) == 5
+    assert len(files()) == 6
 
 
 def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):

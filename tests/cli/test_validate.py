@@ -72,6 +72,13 @@ def test_logs_that_pass(run):
     assert rows["wet"].rstrip().endswith("passed")
     assert rows["harder"].rstrip().endswith("passed")
     assert "between the stops: pad friction differs by up to" in ran.out
+    made_of = [line for line in ran.out.splitlines() if "(95 %): one sigma of " in line]
+    assert [line.split(" pads ")[0] for line in made_of] == [
+        f"{log}: {axle}" for log in ("wet", "harder") for axle in ("front", "rear")
+    ]
+    assert ran.out.count("to shrink ") == len(
+        {line for line in ran.out.splitlines() if line.startswith("to shrink ")}
+    )
 
 
 def test_a_log_that_fails_its_limits_ends_with_1_and_says_which(run, tmp_path):

@@ -181,7 +181,7 @@ def test_short_of_the_peak_there_is_none(gentle):
 def identified(mean, covariance):
     rows = tuple(tuple(row) for row in covariance)
     posterior = TyrePosterior(RampParameters._fields, tuple(mean), rows)
-    return Identified(posterior, (0.0,), (0.0,), (1.0,), (), 1.0, 0.9)
+    return Identified(posterior, (0.0,), (0.0,), (1.0,), (), 1.0, 0.9, {})
 
 
 def test_a_fall_within_the_noise_is_no_peak():

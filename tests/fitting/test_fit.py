@@ -12,6 +12,7 @@ import pytest
 
 from calib.checks.gates import eta_rise
 from calib.errors import LogError
+from calib.fitting.budget import level_parts
 from calib.fitting.calibration import calibration
 from calib.fitting.fit import fit
 from calib.fitting.identify import identify
@@ -388,7 +389,8 @@ def test_levels_of_the_runs_are_averaged_and_their_spread_counts(clean):
         made.append(prepare(CAR, log.name, b, sensor_noise(log, b), effects))
     found, runs = identify(CAR, made)
     sure = Resistance(effects, ((1e-12, 0.0), (0.0, 1e-12)), known=True)
-    value = calibration(replace(CAR, mass_tolerance=0.0), found, runs, sure).pad_scale
+    weighed = replace(CAR, mass_tolerance=0.0)
+    value = calibration(weighed, found, level_parts(weighed, found, runs, sure)).pad_scale
     # front share 0.73: the level moves against a ratio that is off by 0.23 of it
     off = 0.23 * abs(found.mean.log_pad_ratio)
     assert value.value == pytest.approx((1.0 + 0.40 / 0.38) / 2.0, abs=0.005 + off)

@@ -34,7 +34,7 @@ def test_a_sensor_that_is_right_is_not_warned_about():
         ({"bias": 0.03}, "a_x_offset", -0.03 * G),
         ({"bias": -0.03}, "a_x_offset", 0.03 * G),
         ({"drag": 0.03}, "unexplained_drag", 0.03 * G),
-        ({"lag": 0.1}, "a_x_late", 0.1),
+        ({"lag": 0.15}, "a_x_late", 0.15),
     ],
 )
 def test_a_wrong_sensor_is_named_with_what_was_measured(wrong, code, measured):
@@ -50,4 +50,4 @@ def test_a_wrong_sensor_is_named_with_what_was_measured(wrong, code, measured):
 def test_what_is_not_sure_is_not_warned_about():
     assert codes(sensor(scale=0.04, variance_scale=9e-4)) == []
     assert codes(sensor(bias=0.03, variance_bias=1.6e-3)) == []
-    assert codes(sensor(lag=0.1, variance_lag=2.5e-3)) == []
+    assert codes(sensor(lag=0.15, variance_lag=2.5e-3)) == []

@@ -18,6 +18,7 @@ def test_panels_in_the_order_of_the_paper(trace):
         "pad-rear",
         "axle-torques",
         "force-sum",
+        "budget",
     )
 
 
@@ -84,7 +85,9 @@ def test_the_sum_of_forces_says_that_it_proves_nothing(trace):
 def test_every_panel_marks_the_change_of_surface(trace):
     (time,) = trace.changes
     assert 8.5 < time < 9.5  # the paper's Fig. 14: at 9 s
-    for ax in stop.sheet(trace).overview().axes:
+    *over_time, made_of = stop.sheet(trace).overview().axes
+    assert made_of.get_title(loc="left").endswith(stop.BUDGET)
+    for ax in over_time:
         uprights = [one for one in ax.get_lines() if list(one.get_xdata()) == [time, time]]
         assert len(uprights) == 1
     assert stop.CHANGED in stop.sheet(trace).note
@@ -102,15 +105,15 @@ def test_samples_that_are_not_valid_are_shaded(trace):
 
 
 def test_a_trace_without_speeds_and_sum_has_no_such_panels(trace):
-    bare = replace(trace, wheels={}, force_sum=None)
+    bare = replace(trace, wheels={}, force_sum=None, budget=None)
     sheet = stop.sheet(bare)
     assert sheet.names[0] == "deceleration"
     assert "force-sum" not in sheet.names
     assert len(sheet.overview().axes) == 6
-    odd = stop.sheet(replace(trace, wheels={}))
+    odd = stop.sheet(replace(trace, wheels={}, budget=None))
     assert odd.rows[-1] == ("force-sum", "force-sum")
 
 
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(trace):
     nowhere = replace(trace, valid=np.zeros(trace.time.size, bool))
-    assert len(stop.sheet(nowhere).overview().axes) == 8
+    assert len(stop.sheet(nowhere).overview().axes) == 9

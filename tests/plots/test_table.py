@@ -118,6 +118,6 @@ def test_the_sheet_names_digest_and_parents():
 
 def test_each_ramp_has_a_row(sedan, ramp):
     run = measure(sedan, ramp)
-    assert figures.sheet(sedan, "s", (run,)).rows[3:] == (("pressure", "forces"),)
+    assert figures.sheet(sedan, "s", (run,)).rows[4:] == (("pressure", "forces"),)
     both = figures.sheet(sedan, "s", (run, run))
-    assert both.rows[3:] == (("pressure-1", "forces-1"), ("pressure-2", "forces-2"))
+    assert both.rows[4:] == (("pressure-1", "forces-1"), ("pressure-2", "forces-2"))

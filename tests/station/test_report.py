@@ -65,7 +65,7 @@ def test_markup_in_names_stays_text(html):
 def test_every_figure_has_a_text_and_every_table_a_caption(html):
     seen = read(html)
     images = [attributes for tag, attributes in seen.attributes if tag == "img"]
-    assert len(images) == 3
+    assert len(images) == 4
     assert all(len(image["alt"]) > 40 for image in images)
     assert seen.tags.count("table") == seen.tags.count("caption")
     assert dict(seen.attributes)["html"] == {"lang": "en"}
@@ -102,7 +102,7 @@ def test_opens_quietly_and_fits_the_screen(browser, page, width, dark):
     sizes = browser.ask(
         "[...document.images].map(i => [i.complete, i.naturalWidth, i.clientWidth, i.clientHeight])"
     )
-    assert len(sizes) == 3
+    assert len(sizes) == 4
     assert all(done and wide > 300 and w > 300 and h > 100 for done, wide, w, h in sizes)
 
 

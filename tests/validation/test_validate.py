@@ -10,6 +10,7 @@ import pytest
 from calib.errors import LogError, VehicleError
 from calib.physics.mass import MassUsed
 from calib.physics.vehicle import Axle
+from calib.statistics.intervals import Z95
 from calib.validation.limits import DEFAULTS, Judgement, Limit
 from calib.validation.metrics import METRICS
 from calib.validation.validate import (
@@ -261,6 +262,11 @@ def test_summary_holds_everything_and_is_json(table, wet, passed):
     assert summary["table"] == "sedan@1"
     first = summary["logs"][0]
     assert set(first["figures"]) == set(METRICS)
+    for side in ("front", "rear"):
+        parts = first["budget"][side]
+        half = Z95 * math.sqrt(sum(x**2 for x in parts.values()))
+        assert math.sinh(half) == pytest.approx(passed.figures[f"interval_{side[0]}"], rel=2e-3)
+        assert first["budget"]["largest"][side]["part"] == max(parts, key=parts.get)
     assert first["digest"] == wet.digest
     assert first["rms_error_by_method"]["kalman"]["front"] == passed.baselines["kalman"][0]
     assert first["limits"][0] == {

@@ -1,0 +1,80 @@
+"""What the covariance of a fit comes from: priors, lead-in, noise, and cases that are weighed.
+
+A least-squares fit with Jacobian J has the covariance C = (J'J)^-1. Each row j of J, a prior or a
+block of data, brings an error of its own, and
+
+    C = C (J'J) C = sum over rows of (C j')(j C)
+
+so each group of rows has its share of C. It is positive semidefinite, and the shares add up.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.fitting.parameters import PRIORS, RampParameters
+from calib.fitting.ramp import RampRun
+from calib.statistics.hypotheses import Mixture
+
+Array = NDArray[np.float64]
+Parts = Mapping[str, Array]
+"""Information or covariance, (k, k), by part (`calib.table.budget`)."""
+
+PART = RampParameters[str](
+    log_compliance="tyres",
+    curvature_2="tyres",
+    curvature_3="tyres",
+    load_exponent="tyres",
+    clock_offset="zeros",
+    log_pad_ratio="unlike_pads",
+    log_tyre_ratio="tyres",
+    radius_load="load_geometry",
+)
+"""The part of an uncertainty that the prior of each parameter belongs to."""
+
+
+def information_parts(runs: list[RampRun], jacobian: Array) -> Parts:
+    """Information J'J (k, k) by part; rows of ``jacobian`` as `identify` has them.
+
+    The lead-in says where eta and slip are zero: its noise is that of the zeros.
+    """
+    owners = [*PART, *("zeros",) * (2 * len(runs))]
+    for run in runs:
+        data = np.where(run.blocks.lead_in[run.use], "zeros", "noise").tolist()
+        owners += data if run.slip is None else 2 * data
+    of = np.array(owners)
+    return {part: jacobian[of == part].T @ jacobian[of == part] for part in dict.fromkeys(owners)}
+
+
+def posterior_parts(
+    information: Parts, weighed: Mixture, along: Array, at: list[int], sigma: Array, free: Array
+) -> Parts:
+    """Covariance (k, k) of a weighed fit by part.
+
+    The parameters ``at`` depart from what is declared or do not: ``free`` (cases, m), with a prior
+    of ``sigma`` (cases, m) around zero in place of the one in ``information``. ``along`` (k, m) is
+    how the others follow them, ``weighed`` the cases. The covariance is the mean of those of the
+    cases, and the spread between the cases
+
+        sum_i w_i (x_i - x)(x_i - x)' = sum over pairs of w_i w_j (x_i - x_j)(x_i - x_j)'
+
+    of which each pair goes in equal shares to the parameters that depart in one case only.
+    """
+    size = len(along)
+    out = {part: np.zeros((size, size)) for part in information}
+    for case, weight in enumerate(weighed.weights):
+        now = {part: own.copy() for part, own in information.items()}
+        for i, spread in zip(at, sigma[case], strict=True):
+            now[PART[i]][i, i] += spread**-2.0 - PRIORS[i].sigma ** -2.0
+        covariance = np.linalg.inv(sum(now.values(), np.zeros((size, size))))
+        for part, own in now.items():
+            out[part] += weight * covariance @ own @ covariance
+    for one in range(len(free)):
+        for other in range(one):
+            apart = along @ (weighed.means[one] - weighed.means[other])
+            differ = [i for i, a, b in zip(at, free[one], free[other], strict=True) if a != b]
+            spread = weighed.weights[one] * weighed.weights[other] * np.outer(apart, apart)
+            for i in differ:
+                out[PART[i]] += spread / len(differ)
+    return out

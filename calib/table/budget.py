@@ -1,0 +1,132 @@
+"""What an interval is made of: the variance of a pad friction, split by what is not known.
+
+    mass           of the car with its load
+    resistance     drag and rolling resistance
+    accelerometer  its scale and offset
+    tyres          stiffness, curve, load exponent, front against rear, surface
+    zeros          radii at rest, as the lead-in gives them; clock of v
+    load_geometry  radius under load, load that the body moves late
+    unlike_pads    whether they changed since the ramp, and front against rear
+    ramp           what an older table left open and does not split
+    noise          sensors, road, what no tyre curve follows
+
+Not counted: the centre of gravity, areas and radii of the brakes, which are taken as the vehicle
+file has them.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from calib.statistics.intervals import Z95
+
+Parts = Mapping[str, float]
+"""Variance of the logarithm of a pad friction [1] by the name of its cause."""
+
+ADVICE = {
+    "mass": "weigh the car with driver and load, and write mass and mass_tolerance = 0.005 into "
+    "the vehicle file",
+    "resistance": "add a coast log over a wide range of speeds to the fit",
+    "accelerometer": "log v, and zero a_x on level ground",
+    "tyres": "log v, and fit with a ramp up to a higher deceleration",
+    "zeros": "start the log earlier: 3 s of straight rolling in front of the braking",
+    "load_geometry": "log v, fit with a ramp up to a higher deceleration, and give the effect "
+    "pitch_coupling if it is known",
+    "unlike_pads": "log v, and brake longer and harder: that tells front from rear pads",
+    "ramp": "fit the table again: this one does not say what its pads rest on",
+    "noise": "brake longer, with finer wheel speeds",
+}
+"""What shrinks each part: an entry in the vehicle file, or a drive."""
+
+MOST = 3
+"""Parts that a line of words names."""
+
+PARTS = tuple(ADVICE)
+"""Names of all parts, in the order in which they are printed."""
+
+
+@dataclass(frozen=True)
+class TableBudget:
+    """What the pads and the tyre of a table rest on.
+
+    ``front``, ``rear`` standard deviation of the logarithm of each pad friction [1] by part: their
+    squares add up to that of its sigma over its value. An estimate goes on from what follows:
+    ``level`` variance of the logarithm of the pad level of the ramps [1] by part; ``posterior`` by
+    part a share of the covariance of the table's posterior, each positive semidefinite: their sum
+    is that covariance.
+    """
+
+    front: dict[str, float]
+    rear: dict[str, float]
+    level: dict[str, float]
+    posterior: dict[str, tuple[tuple[float, ...], ...]]
+
+
+@dataclass(frozen=True)
+class AxleBudget:
+    """A pad friction [1] and the variance of its logarithm by part; a part of zero is left out."""
+
+    pad_friction: float
+    parts: Parts
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of the logarithm [1]."""
+        return math.sqrt(sum(self.parts.values()))
+
+    @property
+    def relative(self) -> dict[str, float]:
+        """Standard deviation [1] of each part, the largest first: their squares add up."""
+        ordered = sorted(self.parts.items(), key=lambda item: -item[1])
+        return {part: math.sqrt(variance) for part, variance in ordered}
+
+    @property
+    def largest(self) -> str:
+        """Name of the largest part."""
+        return max(self.parts, key=lambda part: self.parts[part])
+
+    @property
+    def half_width(self) -> float:
+        """Half width of the 95 % interval of the pad friction [1], to first order."""
+        return Z95 * self.sigma * self.pad_friction
+
+    @property
+    def words(self) -> str:
+        """The three largest parts.
+
+        >>> AxleBudget(0.4, {"tyres": 1e-4, "mass": 9e-4, "load_geometry": 4e-6}).words
+        'one sigma of mass 3.0 %, tyres 1.0 %, load geometry 0.2 %'
+        """
+        named = [(part.replace("_", " "), 100 * x) for part, x in self.relative.items()][:MOST]
+        return "one sigma of " + ", ".join(f"{part} {percent:.1f} %" for part, percent in named)
+
+    @property
+    def advice(self) -> str:
+        """What would shrink the largest part."""
+        return ADVICE[self.largest]
+
+
+def axle_budget(pad_friction: float, *weighed: tuple[float, Parts]) -> AxleBudget:
+    """Budget of a pad friction from several groups of parts, each with a factor on its variance."""
+    total = {part: sum(factor * of.get(part, 0.0) for factor, of in weighed) for part in PARTS}
+    return AxleBudget(pad_friction, {part: x for part, x in total.items() if x > 0.0})
+
+
+def advice_lines(axles: Iterable[AxleBudget]) -> list[str]:
+    """One line for each part that is the largest of an axle, with what would shrink it."""
+    largest = dict.fromkeys(axle.largest for axle in axles)
+    return [f"to shrink {part.replace('_', ' ')}: {ADVICE[part]}" for part in largest]
+
+
+def summary(front: AxleBudget, rear: AxleBudget) -> dict[str, object]:
+    """Both axles for a JSON file: the parts as standard deviations, relative [1], and the advice.
+
+    The squares of the parts of an axle add up to the variance of the logarithm of its pad friction.
+    """
+    axles = {"front": front, "rear": rear}
+    return {
+        **{name: axle.relative for name, axle in axles.items()},
+        "largest": {
+            name: {"part": axle.largest, "do": axle.advice} for name, axle in axles.items()
+        },
+    }

@@ -1,0 +1,112 @@
+"""The budget of an estimate adds up, and each part is the error that its cause makes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.estimation.budget import budget
+from calib.estimation.estimator import estimate
+from calib.estimation.priors import Priors
+from calib.fitting.fit import fit
+from calib.statistics.intervals import Z95
+from tests.support.reference_car import CAR, IDEAL, REAL, WET, noisy, ramp, stop, without
+
+UNWEIGHED = replace(CAR, mass_tolerance=0.03)
+PATCHED = replace(REAL, surface=lambda x: (1.0, 1.0) if x < 85.0 else (0.95, 0.55))
+"""Onto a road of little more than half the peak: the filter opens its surface."""
+
+
+@pytest.fixture(scope="module")
+def table():
+    return fit(UNWEIGHED, [noisy(ramp(REAL), 1)])
+
+
+@pytest.fixture(scope="module")
+def logs():
+    return {
+        "dry": noisy(stop(REAL), 3),
+        "wet": noisy(stop(WET), 3),
+        "patch": noisy(stop(PATCHED, pressure=24e5), 3),
+        "without v": without(noisy(stop(WET), 3), "v"),
+    }
+
+
+def median_sigma(e, axle):
+    """Sigma of ln mu at the valid sample with the median interval."""
+    widths = np.sort((np.log(axle.upper / axle.lower) / (2.0 * Z95))[e.valid])
+    return widths[(widths.size - 1) // 2]
+
+
+def sums_agree(e):
+    for axle, made_of in zip((e.front, e.rear), budget(e), strict=True):
+        assert made_of.sigma**2 == pytest.approx(median_sigma(e, axle) ** 2, rel=1e-9)
+        assert all(variance > 0.0 for variance in made_of.parts.values())
+
+
+@pytest.mark.parametrize("name", ["dry", "wet", "patch", "without v"])
+def test_parts_add_up_to_the_interval(table, logs, name):
+    e = estimate(table, logs[name], with_laws=False)
+    assert bool(e.split.changes) == (name == "patch")
+    sums_agree(e)
+
+
+def test_they_add_up_with_an_older_table_and_with_given_pads(table, logs):
+    older = replace(table, budget=None)
+    e = estimate(older, logs["wet"], with_laws=False)
+    sums_agree(e)
+    assert all("ramp" in axle.parts for axle in budget(e))
+    given = replace(CAR, front=replace(CAR.front, pad_friction=0.4))
+    sums_agree(estimate(table, logs["wet"], given, with_laws=False))
+
+
+def test_an_older_table_has_the_same_sum(table, logs):
+    """What its record does not split is in one part; nothing is lost or won."""
+    old, new = (
+        budget(estimate(t, logs["dry"], with_laws=False))
+        for t in (replace(table, budget=None), table)
+    )
+    for one, other in zip(old, new, strict=True):
+        assert one.sigma == pytest.approx(other.sigma, rel=1e-6)
+
+
+def test_without_a_valid_sample_there_is_no_budget(table, logs):
+    e = estimate(table, logs["dry"], with_laws=False)
+    assert budget(replace(e, valid=np.zeros_like(e.valid))) is None
+
+
+def test_a_weighed_car_has_no_part_of_the_mass(logs):
+    known = fit(replace(CAR, mass_tolerance=0.0), [noisy(ramp(REAL), 1)])
+    for name in ("dry", "wet"):
+        for axle in budget(estimate(known, logs[name], with_laws=False)):
+            assert "mass" not in axle.parts
+
+
+def test_a_rigid_car_with_rigid_radii_has_no_part_of_the_load_geometry(table, logs):
+    shares = {part: x for part, x in table.budget.posterior.items() if part != "load_geometry"}
+    rigid = replace(table, budget=replace(table.budget, posterior=shares))
+    e = estimate(rigid, logs["wet"], priors=Priors(elastic_sigma=0.0, pitch=0.0), with_laws=False)
+    assert all("load_geometry" not in axle.parts for axle in budget(e))
+
+
+@pytest.mark.parametrize("scale", [0.94, 1.06])
+@pytest.mark.parametrize("plant", [IDEAL, REAL])
+def test_a_mass_wrong_on_ramp_and_stop_is_held_by_the_interval(plant, scale):
+    """Unchanged pads look unchanged, but all of them are off by the mass: two sigma of it."""
+    wrong = replace(plant, mass_scale=scale)
+    table = fit(UNWEIGHED, [noisy(ramp(wrong), 1)])
+    e = estimate(table, noisy(stop(wrong), 3), with_laws=False)
+    for axle, made_of in zip((e.front, e.rear), budget(e), strict=True):
+        error = np.log(made_of.pad_friction / 0.38)
+        assert abs(error) == pytest.approx(2.0 * made_of.relative["mass"], rel=0.25)
+        held = (axle.lower <= 0.38) & (axle.upper >= 0.38)
+        assert np.mean(held[e.valid]) > 0.9
+
+
+def test_the_ramp_counts_for_pads_that_did_not_change(table, logs):
+    """Their change is known better than the pads: what is open of the ramp is not open of it."""
+    e = estimate(table, logs["dry"], with_laws=False)
+    absolute = np.log(e.front.upper / e.front.lower)[e.valid]
+    change = np.log(e.front.change_upper / e.front.change_lower)[e.valid]
+    assert np.median(change) < 0.6 * np.median(absolute)
+    assert np.median(absolute) > 2.0 * Z95 * 0.03

@@ -1,0 +1,141 @@
+"""What a table's pads rest on: the parts add up, and each is the error that its cause makes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.fitting.budget import level_parts
+from calib.fitting.fit import fit
+from calib.fitting.identify import identify
+from calib.fitting.ramp import prepare
+from calib.fitting.resistance import Resistance
+from calib.physics.effects.effects import Effects
+from calib.signals.accelerometer import Accelerometer
+from calib.signals.axle_signals import signals
+from calib.signals.blocks import blocks
+from calib.signals.noise import sensor_noise
+from calib.table.pads_budget import pads_budget
+from tests.support.reference_car import CAR, REAL, noisy, ramp, without
+
+UNWEIGHED = replace(CAR, mass_tolerance=0.03)
+EFFECTS = Effects(
+    {"aerodynamic_drag": {"drag_area": 0.66}, "rolling_resistance": {"coefficient": 0.011}}
+)
+SURE = Resistance(EFFECTS, ((0.0, 0.0), (0.0, 0.0)), known=True)
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return ramp(REAL)
+
+
+@pytest.fixture(scope="module")
+def tables(clean):
+    """With v and without."""
+    log = noisy(clean, 1)
+    return fit(UNWEIGHED, [log]), fit(UNWEIGHED, [without(log, "v")])
+
+
+def test_parts_add_up_to_the_sigma_of_the_pads(tables):
+    for table in tables:
+        cal = table.calibration
+        pads = (cal.pad_friction_f, cal.pad_friction_r)
+        for axle, value in zip(pads_budget(table), pads, strict=True):
+            assert axle.pad_friction == value.value
+            assert axle.sigma == pytest.approx(value.sigma / value.value, rel=1e-9)
+
+
+def test_parts_of_the_posterior_are_covariances_and_add_up(tables):
+    for table in tables:
+        covariance = np.asarray(table.posterior.covariance)
+        unit = np.sqrt(np.outer(np.diag(covariance), np.diag(covariance)))
+        shares = {part: np.asarray(x) / unit for part, x in table.budget.posterior.items()}
+        assert np.allclose(sum(shares.values()), covariance / unit, atol=1e-9)
+        for part, share in shares.items():
+            assert np.min(np.linalg.eigvalsh(share)) > -1e-9, part
+
+
+def test_a_mass_that_is_known_has_no_part_and_moves_no_other(clean, tables):
+    weighed = fit(replace(CAR, mass_tolerance=0.0), [noisy(clean, 1)])
+    for known, unknown in zip(pads_budget(weighed), pads_budget(tables[0]), strict=True):
+        assert "mass" not in known.parts
+        rest = {part: x for part, x in unknown.parts.items() if part != "mass"}
+        assert known.parts == pytest.approx(rest, rel=1e-6)
+
+
+def test_a_wrong_mass_moves_the_pads_by_the_part_of_the_mass(clean):
+    """A plant 3 % heavier than its file, at one sigma of a mass that nobody wrote down.
+
+    Its drag is the same, and 6 % of what slows it: that much less moves the pads.
+    """
+    heavy = ramp(replace(REAL, mass_scale=1.03))
+    tables = [fit(UNWEIGHED, [noisy(log, 1)]) for log in (clean, heavy)]
+    for right, wrong in zip(*map(pads_budget, tables), strict=True):
+        error = np.log(wrong.pad_friction / right.pad_friction)
+        assert abs(error) == pytest.approx(right.relative["mass"], rel=0.1)
+
+
+def test_a_wrong_scale_of_the_accelerometer_moves_the_pads_by_its_part(clean, tables):
+    """Without v it shows nowhere; the rest of the part is what an offset may be.
+
+    What is read on the lead-in is scaled too, and half believed to be a resistance.
+    """
+    off = 0.02
+    log = noisy(clean, 1)
+    scaled = replace(log, channels={**log.channels, "a_x": (1.0 + off) * log["a_x"]})
+    wrong = fit(UNWEIGHED, [without(scaled, "v")])
+    for axle, moved in zip(pads_budget(tables[1]), pads_budget(wrong), strict=True):
+        error = float(np.log(moved.pad_friction / axle.pad_friction))
+        assert error == pytest.approx(off, rel=0.2)
+        assert off <= axle.relative["accelerometer"] <= 1.3 * off
+
+
+def test_v_tells_the_scale_of_the_accelerometer(tables):
+    with_v, without_v = (pads_budget(table)[0].relative["accelerometer"] for table in tables)
+    assert with_v < 0.5 * without_v
+
+
+@pytest.fixture(scope="module")
+def prepared(clean):
+    """Everything that `level_parts` reads of a ramp, the accelerometer exact."""
+    log = noisy(clean, 1)
+    b = blocks(signals(log, CAR))
+    found, runs = identify(CAR, [prepare(CAR, "ramp", b, sensor_noise(log, b), EFFECTS)])
+    return found, runs
+
+
+def sensed(scale=0.0, bias=0.0, together=0.0):
+    """An accelerometer with these variances."""
+    return Accelerometer(*map(np.asarray, (0.0, 0.0, scale, bias, together, *np.zeros(4))))
+
+
+def test_level_parts_in_closed_form(prepared):
+    found, (run,) = prepared
+    braked = run.use & ~run.blocks.lead_in
+    z = run.blocks.z[braked]
+    lever = z.sum() / (z @ z)
+    car = replace(CAR, mass_tolerance=0.02)
+
+    def parts(known=SURE, **variances):
+        return level_parts(car, found, [replace(run, accelerometer=sensed(**variances))], known)
+
+    alone = parts()
+    assert alone["mass"] == pytest.approx(4e-4)
+    assert alone["accelerometer"] == alone["resistance"] == 0.0
+    assert alone["noise"] == pytest.approx(run.noise.z**2 / (run.blocks.length * z @ z))
+    assert parts(scale=1e-4)["accelerometer"] == pytest.approx(1e-4)
+    assert parts(bias=1e-6)["accelerometer"] == pytest.approx(1e-6 * lever**2)
+    assert parts(scale=1e-4, bias=1e-6, together=-5e-6)["accelerometer"] == pytest.approx(
+        1e-4 + 1e-6 * lever**2 - 2.0 * 5e-6 * lever
+    )
+    rolling = Resistance(EFFECTS, ((0.0, 0.0), (0.0, 1e-6)), known=True)
+    assert parts(known=rolling)["resistance"] == pytest.approx(1e-6 * lever**2)
+
+
+def test_more_ramps_do_not_shrink_what_is_common_to_them(prepared):
+    found, (run,) = prepared
+    twice = replace(found, pad_scale=2 * found.pad_scale)
+    one = level_parts(CAR, found, [replace(run, accelerometer=sensed(scale=1e-4))], SURE)
+    two = level_parts(CAR, twice, 2 * [replace(run, accelerometer=sensed(scale=1e-4))], SURE)
+    assert two == pytest.approx(one)
