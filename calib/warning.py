@@ -21,6 +21,7 @@ UNITS = {
     "pad_ratio": "1",
     "pads_changed_apart": "1",
     "tyre_stiffness": "1",
+    "level_changed": "1",
 }
 """The codes that are not the name of a metric, with the unit of what they measure."""
 

@@ -47,7 +47,11 @@ def accelerometer_warnings(log: str, sensor: Accelerometer) -> Iterator[Plausibi
             log,
             drag,
             (-OFFSET, OFFSET),
-            ("an engine in gear or a motor that brakes", "a brake that drags", "wind"),
+            (
+                "an engine in gear, a motor that brakes or a brake that drags",
+                "the zero or the mounting of a_x",
+                "wind",
+            ),
             "roll in neutral before the stop, or log T_drive_f and T_drive_r",
         )
     late, sigma = float(sensor.lag[-1]), math.sqrt(float(sensor.variance_lag[-1]))

@@ -54,6 +54,7 @@ def response_warnings(log: str, response: BrakeResponse | None) -> Iterator[Plau
             (MISSING, FORCE),
             (
                 "the zero of p_mc, too high",
+                "a clock of a_x or of the brakes that is late against p_mc",
                 "a pressure below which the pads do not bite",
                 "pads that are wet at first",
             ),

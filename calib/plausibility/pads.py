@@ -15,7 +15,7 @@ POSSIBLE = (0.05, 1.0)
 OF_FILE = (0.8, 1.25)
 """Pad friction over that of the vehicle file [1]: pads of one grade scatter by 10 %."""
 
-RATIO = 0.12
+RATIO = 0.09
 """Departure of the pads' ratio from the file's [1] from which it is named."""
 
 STIFFNESS = (8.0, 60.0)
@@ -74,7 +74,7 @@ def calibration_warnings(
                 "correct what is wrong, or write the friction of these pads into the vehicle file",
             )
     rho = calibration.pad_log_ratio
-    if abs(rho.value) > RATIO and abs(rho.value) > Z95 * rho.sigma:
+    if abs(rho.value) > max(RATIO, rho.sigma):
         yield PlausibilityWarning(
             "pad_ratio",
             vehicle.name,

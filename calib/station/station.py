@@ -14,6 +14,7 @@ from calib.physics.vehicle import Vehicle
 from calib.station.identity import Identity
 from calib.station.metrics import METRICS as OF_CAR
 from calib.station.metrics import Car, metrics_of
+from calib.station.warnings import car_warnings
 from calib.table.table import Table
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.validation.metrics import METRICS as OF_STOPS
@@ -78,8 +79,9 @@ class StationOutcome:
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
-        """What speaks against the fit and the stops."""
-        return (*self.table.warnings, *(w for result in self.results for w in result.warnings))
+        """What speaks against the fit, the stops, and both together."""
+        of_stops = (w for result in self.results for w in result.warnings)
+        return (*self.table.warnings, *car_warnings(self.table, self.results), *of_stops)
 
     @property
     def verdict(self) -> str:
