@@ -22,8 +22,30 @@ UNITS = {
     "pads_changed_apart": "1",
     "tyre_stiffness": "1",
     "level_changed": "1",
+    "clock_rate": "Hz",
+    "clock_jitter": "1",
+    "clock_gaps": "s",
+    "lead_in": "s",
+    "lead_in_driven": "1",
+    "standing": "s",
+    "eta_zero": "1",
+    "eta_zero_unknown": "1",
+    "eta_zero_uncertain": "1",
+    "sides_f": "1",
+    "sides_r": "1",
+    "axles_swapped": "1",
+    "abs": "1",
+    "locked_wheels": "1",
+    "no_reference_speed": "1",
+    "v_stuck": "s",
+    "saturated": "s",
+    "coarse_wheel_speeds": "1",
+    "pressure_computed": "1",
+    "pressure_per_g": "bar",
 }
-"""The codes that are not the name of a metric, with the unit of what they measure."""
+"""The codes with the unit of what they measure, first those of a fit or an estimate, then those of
+a log by itself; 1 of a code that measures nothing else says that it is so. A metric past its limit
+has its own name as code, and is a number without unit."""
 
 
 @dataclass(frozen=True)
@@ -43,17 +65,28 @@ class PlausibilityWarning:
     do: str
 
     def __str__(self) -> str:
-        unit = UNITS.get(self.code, "1")
-        amount = f"{self.measured:.3g}" + ("" if unit == "1" else f" {unit}")
+        return f"{self.log}: {self.text}"
+
+    @property
+    def text(self) -> str:
+        """The warning as a sentence, without the log."""
         return (
-            f"{self.log}: {self.code} is {amount}, expected {self.bounds}; "
+            f"{self.code} is {self.amount}, expected {self.bounds}; "
             f"likely {', or '.join(self.causes)}; {self.do}"
         )
+
+    @property
+    def amount(self) -> str:
+        """What was measured, with its unit."""
+        unit = UNITS.get(self.code, "1")
+        return f"{self.measured:.3g}" + ("" if unit == "1" else f" {unit}")
 
     @property
     def bounds(self) -> str:
         """The expected range in words."""
         low, high = self.expected
+        if low == high:
+            return f"{low:.3g}"
         if math.isinf(low) or math.isinf(high):
             return f"at most {high:.3g}" if math.isinf(low) else f"at least {low:.3g}"
         return f"{low:.3g} to {high:.3g}"

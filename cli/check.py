@@ -83,8 +83,8 @@ def _panel(findings: "Findings") -> "Panel":
         grid.add_row(label, Text(text))
     for text in findings.notes:
         grid.add_row("read", Text(text))
-    for text in findings.warnings:
-        grid.add_row(Text("warning", style="yellow"), Text(text))
+    for warning in findings.warnings:
+        grid.add_row(Text("warning", style="yellow"), Text(warning.text))
     for verdict in findings.verdicts:
         word, colour = ("usable", "green") if verdict.usable else ("not usable", "red")
         lines = [word, *(f"- {reason}" for reason in verdict.reasons)]

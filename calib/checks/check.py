@@ -16,6 +16,7 @@ from calib.logs.log import Log, Origin
 from calib.names import CHANNELS
 from calib.signals.driving_record import BrakeEvent
 from calib.units import from_si, to_si
+from calib.warning import PlausibilityWarning
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ class Findings:
     ignored: tuple[str, ...]
     seen: Observation
     notes: tuple[str, ...]
-    warnings: tuple[str, ...]
+    warnings: tuple[PlausibilityWarning, ...]
     verdicts: tuple[LogVerdict, ...]
     taken: tuple[Taken, ...] = ()
     uses: tuple[str, ...] = ()
@@ -87,7 +88,7 @@ class Findings:
         lines = [self.source]
         lines += [f"  {label:<12} {text}" for label, text in facts(self)]
         lines += [f"  {'read':<12} {text}" for text in self.notes]
-        lines += [f"  {'warning':<12} {text}" for text in self.warnings]
+        lines += [f"  {'warning':<12} {one.text}" for one in self.warnings]
         for verdict in self.verdicts:
             lines.append(f"  {verdict.purpose:<12} {'usable' if verdict.usable else 'not usable'}")
             lines += [f"  {'':<12} - {reason}" for reason in verdict.reasons]
@@ -135,7 +136,7 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
         ignored=log.ignored,
         seen=seen,
         notes=log.notes,
-        warnings=tuple(warnings_of(seen)),
+        warnings=warnings_of(log.name, seen),
         verdicts=tuple(verdicts),
         taken=tuple(_taken(log, origin) for origin in log.origins if origin.channel in CHANNELS),
         uses=tuple(uses(seen)),

@@ -1,13 +1,16 @@
-"""Warnings on a usable log."""
+"""Warnings on a usable log, before any vehicle file is known."""
 
 import math
 from collections.abc import Iterator
 
 from calib.checks.observation import Observation
-from calib.checks.rules import LEAD_IN_GOOD, LEAD_IN_VALIDATE, hanging
+from calib.checks.rules import LEAD_IN_GOOD, LEAD_IN_VALIDATE
+from calib.warning import PlausibilityWarning
 
 SLOW = 95.0
 """Lowest rate [Hz] that resolves the build-up of the brake, 0.1 to 0.2 s."""
+JITTER = 0.1
+"""Deviation of the steps of the clock over their median [1]."""
 RADII, TYRES = 1e-3, 8e-3
 """Mismatch of the axles [1] that costs 3 to 8 % of torque if not zeroed; that wear cannot cause."""
 SIDES = 5e-3
@@ -19,80 +22,141 @@ FLAT = 0.85
 STIFF = 500e5
 """Pressure per g [Pa] that is too high for any car."""
 
+NONE = (0.0, 0.0)
+MORE = math.inf
 
-def warnings_of(seen: Observation) -> list[str]:
-    """Warnings on a log, in words."""
+
+def warnings_of(name: str, seen: Observation) -> tuple[PlausibilityWarning, ...]:
+    """Warnings on the log ``name``."""
     rules = (_clock, _lead_in, _radii, _swapped, _limits, _sensors, _pressure)
-    return [text for rule in rules for text in rule(seen)]
+    return tuple(warning for rule in rules for warning in rule(name, seen))
 
 
-def _clock(seen: Observation) -> Iterator[str]:
+def _clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     clock = seen.clock
     if clock.rate < SLOW:
-        yield f"{clock.rate:.4g} Hz is slow: 200 Hz shows the build-up of the brake"
-    if clock.jitter * clock.rate > 0.1:
-        yield f"the steps of the clock vary by {100 * clock.jitter * clock.rate:.0f} %"
+        yield PlausibilityWarning(
+            "clock_rate", log, clock.rate, (SLOW, MORE),
+            ("the rate of the logger",),
+            "log with 200 Hz: it shows the build-up of the brake",
+        )  # fmt: skip
+    if clock.jitter * clock.rate > JITTER:
+        yield PlausibilityWarning(
+            "clock_jitter", log, clock.jitter * clock.rate, (0.0, JITTER),
+            ("a logger or a bus that is too busy",), "log fewer channels, or with a faster logger",
+        )  # fmt: skip
     if clock.gaps:
         when, length = max(clock.gaps, key=lambda gap: gap[1])
-        yield f"{len(clock.gaps)} gaps in time, the longest {length:.2f} s at {when:.2f} s"
+        yield PlausibilityWarning(
+            "clock_gaps", log, length, NONE,
+            ("lost messages or samples",),
+            f"look at {when:.2f} s, the longest of {len(clock.gaps)} gaps; drive again if a "
+            "braking is cut",
+        )  # fmt: skip
 
 
-def _lead_in(seen: Observation) -> Iterator[str]:
+def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if seen.events and LEAD_IN_VALIDATE <= seen.lead_in < LEAD_IN_GOOD:
-        yield f"only {seen.lead_in:.2f} s of steady rolling at the start; 1 s zeroes eta better"
+        yield PlausibilityWarning(
+            "lead_in", log, seen.lead_in, (LEAD_IN_GOOD, MORE),
+            ("the log starts shortly before the braking",), "roll for 1 s: it zeroes eta better",
+        )  # fmt: skip
     if seen.lead_in_driven:
-        yield "the car is accelerated before the braking: let it roll, driven wheels slip"
+        yield PlausibilityWarning(
+            "lead_in_driven", log, 1.0, NONE,
+            ("the engine accelerates the car before the braking",),
+            "let the car roll: driven wheels slip",
+        )  # fmt: skip
     if seen.standing > 0.0:
-        yield f"the car stands for {seen.standing:.1f} s"
+        yield PlausibilityWarning(
+            "standing", log, seen.standing, NONE,
+            ("the car stands in a part of the log",), "nothing; that part is not used",
+        )  # fmt: skip
 
 
-def _radii(seen: Observation) -> Iterator[str]:
+def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     axles = seen.axles
     if axles is None:
         return
     eta = axles.front_rear
     if eta is None:
-        yield "eta cannot be zeroed: nothing is driven without braking"
+        yield PlausibilityWarning(
+            "eta_zero_unknown", log, 1.0, NONE,
+            ("nothing is driven without braking",), "roll for 1 s before the braking",
+        )  # fmt: skip
     else:
         if abs(eta.value) > max(RADII, eta.half):
-            why = "different tyres front and rear?" if abs(eta.value) > TYRES else "it is zeroed"
-            yield f"eta is {100 * eta.value:+.2f} % off without braking: {why}"
+            worn = abs(eta.value) <= TYRES
+            yield PlausibilityWarning(
+                "eta_zero", log, eta.value, (-RADII, RADII),
+                ("tyres that are worn or filled unlike" if worn else "other tyres front and rear",),
+                "nothing: it is zeroed" if worn else "check sizes and pressures of the tyres",
+            )  # fmt: skip
         if eta.half > ZERO:
-            yield f"the zero of eta is known to {100 * eta.half:.2f} % only; eta rises by 0.1-0.8 %"
-    for name, sides in (("front", axles.left_right_f), ("rear", axles.left_right_r)):
+            yield PlausibilityWarning(
+                "eta_zero_uncertain", log, eta.half, (0.0, ZERO),
+                ("coarse wheel speeds", "a short lead-in"),
+                "roll for longer: eta rises by 0.1 to 0.8 % only",
+            )  # fmt: skip
+    for axle, sides in (("f", axles.left_right_f), ("r", axles.left_right_r)):
         if sides is not None and abs(sides.value) > max(SIDES, sides.half):
-            yield f"the {name} wheels differ by {100 * sides.value:+.1f} %: a bend or unequal tyres"
+            yield PlausibilityWarning(
+                f"sides_{axle}", log, sides.value, (-SIDES, SIDES),
+                ("a bend", "unlike tyres left and right"), "drive straight on",
+            )  # fmt: skip
 
 
-def _swapped(seen: Observation) -> Iterator[str]:
+def _swapped(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     eta = seen.axles.eta_braked if seen.axles else None
     if eta is not None and eta.value < -max(ZERO, eta.half):
-        yield (
-            f"the front wheels slip less than the rear while braking (eta {100 * eta.value:+.2f} "
-            "%): are the axles swapped?"
-        )
+        yield PlausibilityWarning(
+            "axles_swapped", log, eta.value, (-ZERO, MORE),
+            ("front and rear wheel speeds that are swapped", "rear wheels that brake more"),
+            "check the order of the wheel speeds; the front wheels must slip more",
+        )  # fmt: skip
 
 
-def _limits(seen: Observation) -> Iterator[str]:
+def _limits(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     slips = seen.slipping
     if slips and slips.cycles:
         wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in slips.cycles))
-        yield f"ABS works on {wheels} from {slips.cycles[0][1]:.2f} s on"
+        yield PlausibilityWarning(
+            "abs", log, len(slips.cycles), NONE,
+            (f"ABS works on {wheels} from {slips.cycles[0][1]:.2f} s on",), "brake less, or on a road with more grip",
+        )  # fmt: skip
     if slips and slips.locked:
-        yield f"wheel {', '.join(slips.locked)} locks"
+        yield PlausibilityWarning(
+            "locked_wheels", log, len(slips.locked), NONE,
+            (f"wheel {', '.join(slips.locked)} locks",), "brake less, or on a road with more grip",
+        )  # fmt: skip
 
 
-def _sensors(seen: Observation) -> Iterator[str]:
+def _sensors(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if "v" not in seen.present:
-        yield "no reference speed v: slip stiffness and the ratio of the pads cannot be separated"
+        yield PlausibilityWarning(
+            "no_reference_speed", log, 1.0, NONE,
+            ("no reference speed v is logged",),
+            "log v: without it slip stiffness and the ratio of the pads cannot be told apart",
+        )  # fmt: skip
     for sensor in seen.sensors:
         if sensor.stuck and sensor.channel == "v":
-            yield hanging(sensor)
+            longest = max(end - start for start, end in sensor.stuck)
+            yield PlausibilityWarning(
+                "v_stuck", log, longest, NONE,
+                ("a sensor of v that hangs",), "repair the sensor, or leave v out of the log",
+            )  # fmt: skip
         if sensor.saturated:
-            yield f"{sensor.channel} stays at its extreme for {sensor.saturated:.2f} s: saturated?"
+            yield PlausibilityWarning(
+                "saturated", log, sensor.saturated, NONE,
+                (f"{sensor.channel} is at the end of its range",), "widen its range",
+            )  # fmt: skip
     blur = _blur(seen)
     if blur > ZERO:
-        yield f"the wheel speeds are coarse: eta has noise of {100 * blur:.2f} % over 0.2 s"
+        yield PlausibilityWarning(
+            "coarse_wheel_speeds", log, blur, (0.0, ZERO),
+            ("the resolution of the wheel speeds", "their noise"),
+            "log the wheel speeds finer and faster",
+        )  # fmt: skip
 
 
 def _blur(seen: Observation) -> float:
@@ -107,11 +171,19 @@ def _blur(seen: Observation) -> float:
     return max(noise, default=0.0) / math.sqrt(max(1.0, 0.2 * seen.clock.rate))
 
 
-def _pressure(seen: Observation) -> Iterator[str]:
+def _pressure(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     pressure, a_x = seen.sensor("p_mc"), seen.sensor("a_x")
     if pressure is None or a_x is None or not seen.events:
         return
     if pressure.flat > FLAT and pressure.low == 0.0 and a_x.noise > 0.01:
-        yield "p_mc is exactly 0 without braking, without noise: is it computed, not measured?"
+        yield PlausibilityWarning(
+            "pressure_computed", log, pressure.flat, (0.0, FLAT),
+            ("p_mc is computed, not measured: exactly 0 without braking, without noise",),
+            "log the pressure of a sensor",
+        )  # fmt: skip
     if seen.z > 0.1 and pressure.high / seen.z > STIFF:
-        yield f"p_mc takes {pressure.high / seen.z / 1e5:.0f} bar for each g: is it a pressure?"
+        yield PlausibilityWarning(
+            "pressure_per_g", log, pressure.high / seen.z / 1e5, (0.0, STIFF / 1e5),
+            ("the unit or the scale of p_mc", "another signal in the place of p_mc"),
+            "check the unit of p_mc",
+        )  # fmt: skip

@@ -39,7 +39,7 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
         + [{"log": r.log, "digest": r.digest, "role": r.role} for r in found.results],
         "validation": validation_dict(stored.id, list(found.results), found.table.warnings),
         "remarks": list(found.table.remarks),
-        "caveats": [{"log": name, "caveat": text} for name, text in found.caveats],
+        "caveats": [warning_dict(warning) for warning in found.caveats],
         "files": files,
     }
 

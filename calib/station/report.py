@@ -14,7 +14,7 @@ from calib.table.table import Table
 from calib.table.version import Stored
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING
 from calib.validation.validate import Validation
-from calib.warning import UNITS, PlausibilityWarning
+from calib.warning import PlausibilityWarning
 
 
 def report_html(found: StationOutcome, stored: Stored) -> str:
@@ -73,14 +73,12 @@ def report_html(found: StationOutcome, stored: Stored) -> str:
         ],
         logs=[(name, role, digest[:16]) for name, role, digest in sources],
         settings=[(name, f"{value:g}") for name, value in table.provenance.settings.items()],
-        remarks=[*table.remarks, *(f"{name}: {text}" for name, text in found.caveats)],
+        remarks=[*table.remarks, *map(str, found.caveats)],
     )
 
 
 def _warning(w: PlausibilityWarning) -> tuple[str, ...]:
-    unit = UNITS.get(w.code, "1")
-    measured = f"{w.measured:.3g}" + ("" if unit == "1" else f" {unit}")
-    return w.code, w.log, measured, w.bounds, ", or ".join(w.causes), w.do
+    return w.code, w.log, w.amount, w.bounds, ", or ".join(w.causes), w.do
 
 
 def _by_figure(checks: list[Check]) -> list[list[Check]]:

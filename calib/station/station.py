@@ -63,8 +63,8 @@ class StationOutcome:
     """All results of a car after its run at the station.
 
     ``logs`` of the ramps and coasts first, as given; ``results`` of the hold-outs in their order;
-    ``caveats`` remarks of `brake-cal check` on a log, by its name; ``golden`` the id of the
-    golden table, "" without one.
+    ``caveats`` warnings of `brake-cal check` on a log, which are no verdict on the car; ``golden``
+    the id of the golden table, "" without one.
     """
 
     table: Table
@@ -74,7 +74,7 @@ class StationOutcome:
     results: tuple[Validation, ...]
     figures: dict[str, float | None]
     checks: tuple[Check, ...]
-    caveats: tuple[tuple[str, str], ...] = ()
+    caveats: tuple[PlausibilityWarning, ...] = ()
     golden: str = ""
 
     @property
@@ -163,6 +163,6 @@ def outcome(
         results=tuple(car.results),
         figures=figures,
         checks=tuple(checks),
-        caveats=tuple((log.name, text) for log in logs for text in check(log).warnings),
+        caveats=tuple(warning for log in logs for warning in check(log).warnings),
         golden=golden,
     )
