@@ -122,7 +122,8 @@ def _limits(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         wheels = ", ".join(dict.fromkeys(wheel for wheel, _ in slips.cycles))
         yield PlausibilityWarning(
             "abs", log, len(slips.cycles), NONE,
-            (f"ABS works on {wheels} from {slips.cycles[0][1]:.2f} s on",), "brake less, or on a road with more grip",
+            (f"ABS works on {wheels} from {slips.cycles[0][1]:.2f} s on",),
+            "brake less, or on a road with more grip",
         )  # fmt: skip
     if slips and slips.locked:
         yield PlausibilityWarning(
