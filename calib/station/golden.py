@@ -1,9 +1,10 @@
-"""Distance of a car's table from the golden table of its model: D(eta) against D(eta).
+"""Distance of a car's table from the golden table of its model: D(eta), pads, tyres.
 
-They are compared where both are measured. D = C (eta - 1) depends on the road, so the golden table
-has to be one of the same track.
+D is compared where both are measured. D = C (eta - 1) depends on the road, so the golden table has
+to be one of the same track; so does the stiffness of the tyres, while that of the pads does not.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,4 +50,24 @@ def distance(table: Table, golden: Table) -> Distance | None:
         relative=largest / abs(theirs.peak[1]),
         bands=largest / width if width > 0.0 else np.inf if largest > 0.0 else 0.0,
         at=float(eta[worst]),
+    )
+
+
+@dataclass(frozen=True)
+class Ratios:
+    """Pad friction of the axles and slip stiffness of the tyres over the golden table's [1]."""
+
+    front: float
+    rear: float
+    stiffness: float
+
+
+def ratios_to(table: Table, golden: Table) -> Ratios:
+    """Pads and tyres of a table over those of the golden one: a D that agrees may hide both."""
+    ours, theirs = table.calibration, golden.calibration
+    compliance = [t.posterior.value("log_compliance") for t in (table, golden)]
+    return Ratios(
+        front=ours.pad_friction_f.value / theirs.pad_friction_f.value,
+        rear=ours.pad_friction_r.value / theirs.pad_friction_r.value,
+        stiffness=math.exp(compliance[1] - compliance[0]),
     )

@@ -12,7 +12,7 @@ from calib.checks.wheel_checks import axles_of
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
 from calib.signals.driving_record import driving_record
-from calib.station.golden import distance
+from calib.station.golden import distance, ratios_to
 from calib.station.sides import side_difference
 from calib.table.table import MEASURED, Table
 from calib.validation.validate import Validation, agreement
@@ -32,6 +32,9 @@ METRICS: dict[str, str] = {
     "repeatability_r": "largest departure of a stop's rear pad friction from their mean [1]",
     "golden_distance": "largest departure of D(eta) from the golden table, over its peak [1]",
     "golden_bands": "that departure over the 95 % half widths of both; above 1: significant [1]",
+    "golden_pads_f": "front pad friction over that of the golden table, less 1 [1]",
+    "golden_pads_r": "rear pad friction over that of the golden table, less 1 [1]",
+    "golden_stiffness": "slip stiffness of the tyres over that of the golden table, less 1 [1]",
 }
 """Every metric of the car, with its meaning."""
 
@@ -75,6 +78,10 @@ def metrics_of(car: Car) -> dict[str, float | None]:
     far = distance(table, car.golden) if car.golden else None
     out["golden_distance"] = far.relative if far else None
     out["golden_bands"] = far.bands if far else None
+    ratios = ratios_to(table, car.golden) if car.golden else None
+    out["golden_pads_f"] = ratios.front - 1.0 if ratios else None
+    out["golden_pads_r"] = ratios.rear - 1.0 if ratios else None
+    out["golden_stiffness"] = ratios.stiffness - 1.0 if ratios else None
     return {name: out[name] for name in METRICS}
 
 

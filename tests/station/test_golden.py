@@ -1,11 +1,12 @@
 """The distance of two tables that are a closed form: D = C (eta - 1)."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from calib.station.golden import distance
+from calib.station.golden import distance, ratios_to
 from tests.support.tables import made_table
 
 
@@ -46,3 +47,21 @@ def test_a_short_table_has_no_distance():
     short = replace(d, **{name: getattr(d, name)[:8] for name in vars(d)})
     assert distance(replace(golden, difference=short), golden) is None
     assert distance(golden, replace(golden, difference=short)) is not None
+
+
+def test_pads_and_tyres_are_compared_where_D_is_the_same():
+    golden = made_table()
+    cal, posterior = golden.calibration, golden.posterior
+    front = replace(cal.pad_friction_f, value=0.8 * cal.pad_friction_f.value)
+    at = posterior.names.index("log_compliance")
+    softer = tuple(m + math.log(1.25) * (i == at) for i, m in enumerate(posterior.mean))
+    table = replace(
+        golden,
+        calibration=replace(cal, pad_friction_f=front),
+        posterior=replace(posterior, mean=softer),
+    )
+    found = ratios_to(table, golden)
+    assert distance(table, golden).relative == 0.0
+    assert found.front == pytest.approx(0.8)
+    assert found.rear == pytest.approx(1.0)
+    assert found.stiffness == pytest.approx(1.0 / 1.25)
