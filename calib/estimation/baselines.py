@@ -1,11 +1,18 @@
 """Other ways to the pad friction, shown beside the estimate: the paper's, and what it argues with.
 
-`nominal` trusts the file. `mean_gain` puts all of the deceleration into one common factor.
-`gradient_*` is the paper's law (23)-(28) and `rls_*` recursive least squares, each on the three
-look-ups of the table. A law that is unstable on a run is left out, with a note; no baseline stops
-an estimate.
+    nominal               the pads of the file
+    mean_gain             one factor for both axles by recursive least squares, the paper's [16]
+    temperature           nominal pads that fade with a computed disc temperature, its [17]
+    gradient_as_written   the paper's law (23)-(25) as it is written
+    gradient_*, rls_*     that law and recursive least squares, on the three look-ups of the table,
+                          with smoothed inputs, known resistance and a gain for each axle
+
+A method that cannot be used on a run is left out, with a note; no baseline stops an estimate.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -13,9 +20,12 @@ from numpy.typing import NDArray
 
 from calib.errors import InputError
 from calib.estimation import adaptive
+from calib.estimation.as_written import as_written
 from calib.estimation.lookup import LOOKUPS, LookupReading, smoothed
-from calib.estimation.pad_level import PadLevel
 from calib.estimation.priors import Priors
+from calib.estimation.temperature import temperature
+from calib.logs.log import Log
+from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Axle, Vehicle
 from calib.signals.axle_signals import Signals
 from calib.signals.brake_balance import BrakeBalance
@@ -37,41 +47,69 @@ class Baselines(NamedTuple):
     notes: tuple[str, ...]
 
 
-def baselines(
-    table: Table,
-    car: Vehicle,
-    s: Signals,
-    b: BrakeBalance,
-    eta: Array,
-    level: PadLevel,
-    priors: Priors,
-    *,
-    laws: bool = True,
-) -> Baselines:
-    """All methods on one run; ``eta`` is zeroed (22) [1], ``car`` has the nominal pads.
+@dataclass(frozen=True)
+class Run:
+    """One run as the methods need it.
 
-    Without ``laws`` only those that need no look-up.
+    ``car`` has the nominal pads; ``known`` its known effects, which are taken out of ``log``;
+    ``read`` the signals as read, ``s`` with the accelerometer corrected; ``b`` the balance of
+    ``s``; ``eta`` zeroed (22) [1], (n,).
     """
-    pads: dict[str, Pair] = {
-        "nominal": (
-            np.full_like(eta, car.front.pad_friction),
-            np.full_like(eta, car.rear.pad_friction),
-        ),
-        "mean_gain": (car.front.pad_friction * level.value, car.rear.pad_friction * level.value),
-    }
-    covered = np.ones(eta.size, bool)
+
+    table: Table
+    car: Vehicle
+    known: Effects
+    log: Log
+    read: Signals
+    s: Signals
+    b: BrakeBalance
+    eta: Array
+    priors: Priors
+
+
+def baselines(run: Run, *, laws: bool = True) -> Baselines:
+    """All methods on one run. Without ``laws`` only the nominal pads."""
+    car, s, priors = run.car, run.s, run.priors
+    flat = np.ones_like(run.eta)
+    pads = {"nominal": (car.front.pad_friction * flat, car.rear.pad_friction * flat)}
+    tyre = read(run.table, car, s, run.b, run.eta, "tyre", priors)
     left_out: dict[str, list[str]] = {}
-    for name in LOOKUPS if laws else ("tyre",):
-        reading = read(table, car, s, b, eta, name, priors)
-        for law in ("gradient", "rls") if laws else ():
-            try:
-                pads[f"{law}_{name}"] = adapt(car, s, b, reading, law, priors)
-            except InputError as error:
-                left_out.setdefault(error.what, []).append(f"{law}_{name}")
-        if name == "tyre":
-            covered = reading.inside
+    for name, method in _methods(run, tyre).items() if laws else ():
+        try:
+            pads[name] = method()
+        except InputError as error:
+            left_out.setdefault(error.what, []).append(name)
     notes = tuple(f"{', '.join(names)} left out: {why}" for why, names in left_out.items())
-    return Baselines(pads, covered, notes)
+    return Baselines(pads, tyre.inside, notes)
+
+
+def _methods(run: Run, tyre: LookupReading) -> dict[str, Callable[[], Pair]]:
+    """The methods beside nominal pads by name, ready to be run; ``tyre`` is that look-up read."""
+    car, s, b, priors = run.car, run.s, run.b, run.priors
+    methods: dict[str, Callable[[], Pair]] = {
+        "mean_gain": partial(mean_gain, car, s, b, priors),
+        "temperature": partial(temperature, car, run.log, s, run.known),
+        "gradient_as_written": partial(as_written, run.table, car, run.read, run.eta, priors),
+    }
+    for name in LOOKUPS:
+        known = tyre if name == "tyre" else read(run.table, car, s, b, run.eta, name, priors)
+        for law in ("gradient", "rls"):
+            methods[f"{law}_{name}"] = partial(adapt, car, s, b, known, law, priors)
+    return methods
+
+
+def mean_gain(car: Vehicle, s: Signals, b: BrakeBalance, priors: Priors) -> Pair:
+    """Pad friction of both axles [1], (n,): nominal times one factor, the paper's [16].
+
+    Recursive least squares with forgetting over ``level_memory`` of the brake force that the
+    deceleration demands over that of nominal pads; 1 before the first braking. Of [16] the paper
+    only says that its gain is found recursively, from wheel speed and pressure, and rests on the
+    deceleration of the car alone. Here that is the accelerometer's, and known resistance is taken
+    out. It cannot see a difference between the axles.
+    """
+    u = np.where(b.active, b.nominal_f + b.nominal_r, 0.0)
+    more = adaptive.least_squares(b.balance.demanded - u, u, priors.level_memory, s.sample_time)
+    return car.front.pad_friction * (1.0 + more), car.rear.pad_friction * (1.0 + more)
 
 
 def read(

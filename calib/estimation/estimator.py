@@ -4,8 +4,9 @@ r"""The estimator on one log: causal, at the log's own rate, what an ECU would g
                   \-> blocks -> split (Kalman) ----------+--> pad friction, torque, interval
                    \-> zero of eta -> look-ups -> laws        (the baselines, shown beside it)
 
-The Kalman estimate is the product. Its baselines stand beside it: the paper's law and recursive
-least squares on any look-up, nominal pads, and one mean gain from deceleration alone.
+The Kalman estimate is the product. Its baselines stand beside it, see
+`calib.estimation.baselines`: the paper's law as written, that law and recursive least squares on
+any look-up, and what the paper argues with.
 """
 
 from dataclasses import dataclass, field, replace
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from calib.errors import LogError
 from calib.estimation.axle_estimate import AxleEstimate
-from calib.estimation.baselines import baselines
+from calib.estimation.baselines import Run, baselines
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import Gates, valid
 from calib.estimation.lookup import smoothed
@@ -201,7 +202,7 @@ def estimate(
         the table's.
     priors, gates : of the split filter, and of ``valid``; by default those that were tried.
     mass : of the car in this log [kg], if it is not that of the table's vehicle.
-    with_laws : without, the baselines are only nominal pads and the mean gain.
+    with_laws : without, the only baseline is nominal pads.
 
     Raises LogError when the log has no unbraked lead-in to zero eta on.
 
@@ -239,7 +240,8 @@ def estimate(
     driven = drive_slips(used, forces.balance)
     zero = zero_of_eta(s, driven)
     eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
-    others = baselines(used, plan.nominal, s, forces, eta, level, plan.priors, laws=with_laws)
+    run = Run(used, plan.nominal, car.effects, ran.log, read, s, forces, eta, plan.priors)
+    others = baselines(run, laws=with_laws)
     slips = zeroed_slips(s, driven)
     greatest = float(table.tyre.force[-1])
     return Estimate(

@@ -45,7 +45,7 @@ RATIO: Stroke = {"color": "#009E73", "linestyle": DASH_DOT}
 SLIP_MEAN = 0.3
 """Window of the mean of slip [s]; longer, as slip is a difference of two nearly equal speeds."""
 BASELINES: dict[str, tuple[str, Stroke]] = {
-    "mean_gain": ("one mean gain", LEVEL),
+    "mean_gain": ("one mean gain, [16]", LEVEL),
     "gradient_paper": ("gradient law, paper look-up", LAW),
     "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
 }

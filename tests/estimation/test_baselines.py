@@ -9,10 +9,13 @@ from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.validation.limits import DEFAULTS
 from calib.validation.validate import to_dict, validate_one
-from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, with_pads
+from tests.support.reference_car import CAR, IDEAL, REAL, noisy, ramp, stop, with_pads
 
 LAWS = {f"{law}_{name}" for law in ("gradient", "rls") for name in ("paper", "difference", "tyre")}
+LAWS |= {"gradient_as_written"}
 UNSTABLE = {name for name in LAWS if name.startswith("gradient")}
+PLAIN = {"nominal", "mean_gain", "temperature"}
+"""Methods without a look-up."""
 
 
 def every(log, step):
@@ -40,16 +43,18 @@ def hard(request):
 def test_a_law_that_is_unstable_is_left_out_with_a_note(table, hard):
     """gamma u^2 dt = 8/s (p/20 bar)^2 dt is 2.45 at 70 bar, 40 Hz and 2.42 at 110 bar, 100 Hz."""
     e = estimate(table, hard)
-    assert set(e.baselines) == {"nominal", "mean_gain", *LAWS - UNSTABLE}
+    assert set(e.baselines) == {*PLAIN, *LAWS - UNSTABLE}
     (note,) = e.notes
-    assert "gradient_paper, gradient_difference, gradient_tyre left out" in note
+    assert (
+        "gradient_as_written, gradient_paper, gradient_difference, gradient_tyre left out" in note
+    )
     assert "unstable" in note
     assert np.mean(e.valid[e.braked & (e.speed > 5.0)]) > 0.5
 
 
 def test_it_does_not_stop_a_validation(table, hard):
     result = validate_one(table, hard, None, DEFAULTS)
-    assert set(result.baselines) == {"kalman", "nominal", "mean_gain", *LAWS - UNSTABLE}
+    assert set(result.baselines) == {"kalman", *PLAIN, *LAWS - UNSTABLE}
     (log,) = to_dict("car@1", [result])["logs"]
     assert log["notes"] == list(result.estimate.notes)
     assert "gradient_paper" not in log["rms_error_by_method"]
@@ -57,5 +62,23 @@ def test_it_does_not_stop_a_validation(table, hard):
 
 def test_a_usual_stop_shows_all_methods_and_has_no_note(table):
     e = estimate(table, noisy(stop(), 3))
-    assert set(e.baselines) == {"nominal", "mean_gain", *LAWS}
+    assert set(e.baselines) == {*PLAIN, *LAWS}
     assert e.notes == ()
+
+
+def test_without_laws_there_are_nominal_pads_only(table):
+    """A batch asks for no more, and must not pay for it."""
+    e = estimate(table, noisy(stop(), 3), with_laws=False)
+    assert set(e.baselines) == {"nominal"}
+    assert e.notes == ()
+
+
+def test_mean_gain_is_the_mean_weighted_by_force():
+    """Pads 0.31/0.27 of nominal 0.38: one factor, with the gains A r of Table I as weights."""
+    e = estimate(fit(CAR, [ramp(IDEAL)]), stop(with_pads(IDEAL, 0.31, 0.27), 30e5), CAR)
+    front, rear = e.baselines["mean_gain"]
+    assert np.array_equal(front, rear)
+    assert front[0] == 0.38
+    weights = (28.84 * 130.9, 11.34 * 124.0)
+    mean = np.average([0.31, 0.27], weights=weights)
+    assert front[e.valid & (e.time > 3.0)] == pytest.approx(mean, rel=0.005)

@@ -22,8 +22,8 @@ from calib.logs.log import Log
 from calib.table.table import Table
 from tests.studies.ensemble import SURFACES, Case, cases
 
-METHODS = ("kalman", "nominal", "mean_gain", "gradient_paper", "rls_paper", "rls_difference")
-METHODS += ("rls_tyre",)
+METHODS = ("kalman", "nominal", "mean_gain", "temperature", "gradient_as_written", "gradient_paper")
+METHODS += ("rls_paper", "rls_difference", "rls_tyre")
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def report(rows: list[Row], seed: int) -> None:
     for name in METHODS:
         errors = np.array([r.rms[name] for r in rows if r.rms])
         f, b = 100 * np.median(errors, axis=0)
-        print(f"{name:<16} {f:6.1f} / {b:5.1f}")
+        print(f"{name:<20} {f:6.1f} / {b:5.1f}")
 
 
 def pair(values: list[tuple[float, float]]) -> str:

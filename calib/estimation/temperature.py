@@ -1,0 +1,72 @@
+"""Pads that depend on nothing but the temperature of the disc: the idea of the paper's [17].
+
+    nominal torque x omega --> temperature of the disc --> nominal pads x fade
+
+Of [17] the paper only says that all heat is absorbed and dissipated by the disc. The law of the
+pads is not told; here it is the product's own `pad_thermal_fade` at the typical values of its card:
+no change up to 150 degC, then 0.1 % less friction per kelvin. It measures no braking force: on wet
+pads it says what nominal pads would do, as the paper says of [17].
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import InputError
+from calib.logs.log import Log
+from calib.physics.disc_temperature import Disc, disc_temperature
+from calib.physics.effects import pad_thermal_fade
+from calib.physics.effects.effects import Effects
+from calib.physics.forces import brake_torque
+from calib.physics.history import at_rest
+from calib.physics.vehicle import Axle, Vehicle
+from calib.signals.axle_signals import Signals
+
+Array = NDArray[np.float64]
+Pair = tuple[Array, Array]
+
+DISCS = {"f": Disc(3700.0, 300.0), "r": Disc(2300.0, 300.0)}
+"""Discs of a medium sedan, assumed: 8 kg vented in front, 5 kg solid behind, of grey cast iron of
+460 J/(kg K). The cooling time is assumed, too: 0.13 m^2 under 60 to 100 W/(m^2 K) make 280 to 470 s
+in front. In a stop of 10 s it takes 2 % of the rise."""
+
+START = 100.0
+"""Temperature at the first sample [degC] if it is not logged: the upper end of what UN R13-H, annex
+3 calls cold brakes (65 to 100 degC)."""
+
+AIR = 20.0
+"""Temperature of the air [degC]."""
+
+FADE = {p.name: p.typical for p in pad_thermal_fade.EFFECT.card.parameters}
+"""Typical thermal fade, from the card of the effect."""
+
+
+def temperatures(car: Vehicle, log: Log, s: Signals) -> dict[str, Array]:
+    """Temperature of a disc of each axle [degC], (n,), by the power of nominal pads; causal.
+
+    A logged `T_disc` gives the first value only: what follows is the model's.
+    """
+    heat = {}
+    for side, axle, pressure, omega in _axles(car, s):
+        power = np.abs(brake_torque(axle, axle.pad_friction, pressure) * omega)
+        name = f"T_disc_{side}"
+        start = float(log[name][0]) if name in log else START
+        heat[side] = disc_temperature(s.time, power, DISCS[side], start, AIR)
+    return heat
+
+
+def temperature(car: Vehicle, log: Log, s: Signals, known: Effects) -> Pair:
+    """Pad friction of both axles [1], (n,): the nominal one of ``car`` times the fade of its discs.
+
+    Raises InputError if thermal fade is among the ``known`` effects, which are taken out already.
+    """
+    name = pad_thermal_fade.EFFECT.card.name
+    if name in known:
+        raise InputError(f"{name} of the car is already taken out of the log")
+    history = at_rest(s.time, log["p_mc"], 0.0, temperatures(car, log, s))
+    fade_f, fade_r = pad_thermal_fade.friction(FADE, history, s.p_f, s.p_r)
+    return car.front.pad_friction * fade_f, car.rear.pad_friction * fade_r
+
+
+def _axles(car: Vehicle, s: Signals) -> tuple[tuple[str, Axle, Array, Array], ...]:
+    """Name, axle, pressure [Pa] and wheel speed [rad/s] of front and rear."""
+    return ("f", car.front, s.p_f, s.omega_f), ("r", car.rear, s.p_r, s.omega_r)
