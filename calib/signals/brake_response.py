@@ -10,7 +10,6 @@ fits better. Uses the whole run, so it is no part of a causal estimate. Wrong wh
 is limited, by ABS or on the rear axle: it looks like force without pressure.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +22,6 @@ from calib.signals.filters import block_mean
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Columns = Callable[[str, float], Array]
 
 STEP = 0.02
 """Step of the means that are compared [s]."""
@@ -33,6 +31,10 @@ LATEST = 0.5
 """Longest delay that is tried [s]: a hydraulic unit in the cold has 0.2 s."""
 EARLIEST = -0.5
 """Largest advance that is tried [s]: nothing brakes before the pressure but by a wrong clock."""
+LAGS = np.arange(TRIED, LATEST, TRIED)
+KINDS = ("shift", "lag")
+REFINED = 2
+"""Times that the slope by the delay is followed."""
 USUAL, SPREAD = 0.02, 0.06
 """Delay of brakes and filters as usual, and its standard deviation [s]: on a slow ramp a delay and
 a force are nearly one, and only what is usual tells them apart."""
@@ -85,37 +87,48 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     if step * float(braked[inside].sum()) < LEAST:
         return None
     age = (time - float(time[inside].mean())) / AGE
-
-    def columns(kind: str, delay: float) -> Array:
-        """What the demanded force is made of, (n, 4)."""
-        late, on = (_delayed(time, x, kind, delay) for x in (nominal, braked))
-        return np.column_stack([late, late * age, on, np.ones_like(late)])
-
     y = demanded[inside]
     usual = float(np.median(y[braked[inside] > 0.5]))
-    kind, delay = _best(columns, y, inside)
-    A = columns(kind, delay)
-    slope = (first_order(time, A[:, 0], step) - A[:, 0]) / step  # by the delay
-    A = np.column_stack([A, slope])[inside]
-    level = float(np.linalg.lstsq(A, y, rcond=None)[0][0])
-    if not (level > 0.0 and usual > 0.0):
-        return None
-    # rows of what is usual: the force around 0, the delay around USUAL
-    prior = np.zeros((2, 5))
-    prior[0, 2], prior[1, 4] = 1.0 / (FORCE * usual), 1.0 / (SPREAD * level)
-    aim = np.array([0.0, (USUAL - delay) / SPREAD])
-    noise = np.sqrt(_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0]))
-    A, y = np.vstack([A / noise, prior]), np.concatenate([y / noise, aim])
-    solution = np.linalg.lstsq(A, y, rcond=None)[0]
-    sigma = np.sqrt(np.diag(np.linalg.pinv(A.T @ A)))
+    tried, late, on = _tried(time, nominal, braked, step)
+    best = _best(tried, np.stack([late, late * age, on, np.ones_like(late)], -1)[:, inside], y)
+    kind, delay = KINDS[best >= tried.size - LAGS.size], float(tried[best])
+    for _ in range(REFINED):
+        n, applied = (_delayed(time, x, kind, delay) for x in (nominal, braked))
+        slope = (first_order(time, n, step) - n) / step  # by the delay
+        A = np.column_stack([n, n * age, applied, np.ones(time.size), slope])[inside]
+        level = float(np.linalg.lstsq(A, y, rcond=None)[0][0])
+        if not (level > 0.0 and usual > 0.0):
+            return None
+        solution, sigma = _with_usual(A, y, level, usual, delay)
+        delay += float(solution[4]) / level
     return BrakeResponse(
-        delay=float(delay) + float(solution[4]) / level,
+        delay=delay,
         delay_sigma=float(sigma[4]) / level,
         force=float(solution[2]),
         force_sigma=float(sigma[2]),
         share=float(solution[2]) / usual,
         share_sigma=float(sigma[2]) / usual,
     )
+
+
+def _with_usual(
+    A: Array, y: Array, level: float, usual: float, delay: float
+) -> tuple[Array, Array]:
+    """Least squares with rows of what is usual: the force around 0, the delay around `USUAL`."""
+    prior = np.zeros((2, A.shape[1]))
+    prior[0, 2], prior[1, 4] = 1.0 / (FORCE * usual), 1.0 / (SPREAD * level)
+    aim = np.array([0.0, (USUAL - delay) / SPREAD])
+    noise = np.sqrt(_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0]))
+    rows = np.vstack([A / noise, prior])
+    solution = np.linalg.lstsq(rows, np.concatenate([y / noise, aim]), rcond=None)[0]
+    return solution, np.sqrt(np.diag(np.linalg.pinv(rows.T @ rows)))
+
+
+def _delayed(time: Array, x: Array, kind: str, delay: float) -> Array:
+    """``x`` after a shift of the clock or a lag; a lag of nothing or less is a shift."""
+    if kind == "lag" and delay > 0.0:
+        return first_order(time, x, delay)
+    return np.interp(time - delay, time, x)
 
 
 def _useful(s: Signals, active: Mask) -> Mask:
@@ -126,27 +139,35 @@ def _useful(s: Signals, active: Mask) -> Mask:
     return np.asarray((s.lead_in | (since < AFTER)) & (s.speed > SLOW))
 
 
-def _delayed(time: Array, x: Array, kind: str, delay: float) -> Array:
-    if delay == 0.0:
-        return x
-    return first_order(time, x, delay) if kind == "lag" else np.interp(time - delay, time, x)
+def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Array, Array, Array]:
+    """Delays [s] (m,) and with each of them ``nominal`` and ``braked``, (m, n) each.
+
+    First no delay, then shifts of the clock, then first-order lags.
+    """
+    each = max(1, round(TRIED / step))
+    shifts = np.arange(round(EARLIEST / step), round(LATEST / step) + 1, each)
+    shifts = np.concatenate([[0], shifts[shifts != 0]])
+    at = np.clip(np.arange(time.size) - shifts[:, None], 0, time.size - 1)
+    late, on = (
+        np.vstack([x[at], *(first_order(time, x, lag)[None] for lag in LAGS)])
+        for x in (nominal, braked)
+    )
+    return np.concatenate([shifts * step, LAGS]), late, on
 
 
-def _best(columns: Columns, y: Array, inside: Mask) -> tuple[str, float]:
-    """The most probable kind and delay [s]: the least residual, weighed with what is usual."""
-    tried = [("shift", 0.0)]
-    tried += [("shift", d) for d in np.arange(EARLIEST, LATEST, TRIED) if abs(d) > 0.5 * TRIED]
-    tried += [("lag", d) for d in np.arange(TRIED, LATEST, TRIED)]
-    rest = [_residual(columns(kind, delay)[inside], y) for kind, delay in tried]
-    best = min(rest, key=lambda r: float(r @ r))
-    cost = [float(r @ r) / _variance(best) for r in rest]
-    unusual = [((delay - USUAL) / SPREAD) ** 2 for _, delay in tried]
-    return tried[int(np.argmin(np.add(cost, unusual)))]
+def _best(delays: Array, columns: Array, y: Array) -> int:
+    """The most probable of the delays: the least residual, weighed with what is usual.
 
-
-def _residual(A: Array, y: Array) -> Array:
-    """What a least-squares fit leaves."""
-    return np.asarray(y - A @ np.linalg.lstsq(A, y, rcond=None)[0])
+    ``columns`` (m, n, 4) of what ``y`` (n,) is made of, with each delay.
+    """
+    size = np.sqrt(np.sum(columns**2, axis=1, keepdims=True))
+    unit = columns / np.where(size > 0.0, size, 1.0)
+    gram = np.einsum("mni,mnj->mij", unit, unit) + 1e-9 * np.eye(columns.shape[-1])
+    side = np.einsum("mni,n->mi", unit, y)
+    rest = y @ y - np.einsum("mi,mi->m", side, np.linalg.solve(gram, side[..., None])[..., 0])
+    A = columns[int(np.argmin(rest))]
+    variance = _variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0])
+    return int(np.argmin(rest / variance + ((delays - USUAL) / SPREAD) ** 2))
 
 
 def _variance(residual: Array) -> float:
