@@ -36,14 +36,14 @@ def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Plausib
 
 def _twice(log: Log) -> Iterator[PlausibilityWarning]:
     noise = {name: _noise(log[name]) for name in COMPARED if name in log}
-    noise = {name: x for name, x in noise.items() if x.any()}
-    for one, other in combinations(noise, 2):
-        alike = abs(float(noise[one] @ noise[other]))
-        if alike > SAME:
+    rows = np.array(list(noise.values()))
+    alike = np.abs(rows @ rows.T)
+    for (i, one), (j, other) in combinations(enumerate(noise), 2):
+        if alike[i, j] > SAME and _is_noise(log[one]):
             yield PlausibilityWarning(
                 "same_signal",
                 log.name,
-                alike,
+                float(alike[i, j]),
                 (0.0, SAME),
                 (f"{other} is a copy of {one}", "a channel map that names one column twice"),
                 "record each sensor by itself",
@@ -51,15 +51,21 @@ def _twice(log: Log) -> Iterator[PlausibilityWarning]:
 
 
 def _noise(x: Array) -> Array:
-    """Second differences of a channel, of length 1 as a vector; zero where it has no noise.
+    """Second differences of a channel, of length 1 as a vector."""
+    rough = np.diff(x, 2)
+    size = float(np.linalg.norm(rough))
+    return rough / size if size > 0.0 else rough
+
+
+def _is_noise(x: Array) -> bool:
+    """Whether the second differences are more than rounding, and those of noise.
 
     Those of noise change their sign from one to the next, those of a smooth signal do not.
     """
     rough = np.diff(x, 2)
-    size = float(np.linalg.norm(rough))
-    rounding = STEPS * resolution_of(x) * np.sqrt(rough.size)
-    quiet = size <= rounding or float(rough[1:] @ rough[:-1]) > -0.3 * size**2
-    return np.zeros_like(rough) if quiet else rough / size
+    square = float(rough @ rough)
+    rounding = STEPS * resolution_of(x)
+    return square > rounding**2 * rough.size and float(rough[1:] @ rough[:-1]) < -0.3 * square
 
 
 def _radii(log: str, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:

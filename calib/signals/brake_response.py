@@ -25,13 +25,13 @@ Mask = NDArray[np.bool_]
 
 STEP = 0.02
 """Step of the means that are compared [s]."""
-TRIED = 0.04
+TRIED = 0.06
 """Step of the delays that are tried [s]; the slope by the delay tells the rest."""
 LATEST = 0.5
 """Longest delay that is tried [s]: a hydraulic unit in the cold has 0.2 s."""
 EARLIEST = -0.5
 """Largest advance that is tried [s]: nothing brakes before the pressure but by a wrong clock."""
-LAGS = np.arange(TRIED, LATEST, TRIED)
+LAGS = np.array([0.04, 0.08, 0.14, 0.22, 0.32, 0.44])
 KINDS = ("shift", "lag")
 REFINED = 2
 """Times that the slope by the delay is followed."""
@@ -96,10 +96,12 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         n, applied = (_delayed(time, x, kind, delay) for x in (nominal, braked))
         slope = (first_order(time, n, step) - n) / step  # by the delay
         A = np.column_stack([n, n * age, applied, np.ones(time.size), slope])[inside]
-        level = float(np.linalg.lstsq(A, y, rcond=None)[0][0])
+        free = np.linalg.lstsq(A, y, rcond=None)[0]
+        level = float(free[0])
         if not (level > 0.0 and usual > 0.0):
             return None
-        solution, sigma = _with_usual(A, y, level, usual, delay)
+        variance = _variance(y - A @ free)
+        solution, sigma = _with_usual(A, y, variance, level * SPREAD, FORCE * usual, delay)
         delay += float(solution[4]) / level
     return BrakeResponse(
         delay=delay,
@@ -112,16 +114,19 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
 
 
 def _with_usual(
-    A: Array, y: Array, level: float, usual: float, delay: float
+    A: Array, y: Array, variance: float, spread: float, force: float, delay: float
 ) -> tuple[Array, Array]:
-    """Least squares with rows of what is usual: the force around 0, the delay around `USUAL`."""
-    prior = np.zeros((2, A.shape[1]))
-    prior[0, 2], prior[1, 4] = 1.0 / (FORCE * usual), 1.0 / (SPREAD * level)
-    aim = np.array([0.0, (USUAL - delay) / SPREAD])
-    noise = np.sqrt(_variance(y - A @ np.linalg.lstsq(A, y, rcond=None)[0]))
-    rows = np.vstack([A / noise, prior])
-    solution = np.linalg.lstsq(rows, np.concatenate([y / noise, aim]), rcond=None)[0]
-    return solution, np.sqrt(np.diag(np.linalg.pinv(rows.T @ rows)))
+    """Least squares with what is usual: no force, the delay `USUAL`; solution and sigma, (5,).
+
+    ``spread`` standard deviation of the last column's factor, ``force`` [N] of that of the third.
+    """
+    precision = A.T @ A / variance
+    side = A.T @ y / variance
+    precision[2, 2] += force**-2.0
+    precision[4, 4] += spread**-2.0
+    side[4] += (USUAL - delay) / SPREAD / spread
+    covariance = np.linalg.inv(precision)
+    return covariance @ side, np.sqrt(np.diag(covariance))
 
 
 def _delayed(time: Array, x: Array, kind: str, delay: float) -> Array:
@@ -148,10 +153,8 @@ def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Arr
     shifts = np.arange(round(EARLIEST / step), round(LATEST / step) + 1, each)
     shifts = np.concatenate([[0], shifts[shifts != 0]])
     at = np.clip(np.arange(time.size) - shifts[:, None], 0, time.size - 1)
-    late, on = (
-        np.vstack([x[at], *(first_order(time, x, lag)[None] for lag in LAGS)])
-        for x in (nominal, braked)
-    )
+    late = np.vstack([nominal[at], *(first_order(time, nominal, lag)[None] for lag in LAGS)])
+    on = np.vstack([braked[at], np.broadcast_to(braked, (LAGS.size, braked.size))])
     return np.concatenate([shifts * step, LAGS]), late, on
 
 
