@@ -14,6 +14,7 @@ UNITS = {
     "pressure_lag": "s",
     "pressure_zero": "bar",
     "same_signal": "1",
+    "v_held": "s",
     "rolling_radius_f": "m",
     "rolling_radius_r": "m",
     "pads_off_file_f": "1",

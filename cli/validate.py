@@ -56,6 +56,7 @@ def validate(
     Exit code 0 if every log holds its limits, with warnings or without, 1 if one does not, or is
     one that the table was fitted on.
     """
+    from calib.checks.gates import refuse_twice
     from calib.logs.read import read_log
     from calib.validation.validate import (
         all_warnings,
@@ -72,11 +73,13 @@ def validate(
     used = _with_known(stored.table, model) if model else stored.table
     held = limits_of_stops(limits)
     mapping = channel_map_of(channel_map)
-    results = []
+    results, runs = [], []
     plural = "s" * (len(logs) > 1)
     with progress(f"validating {stored.id} on {len(logs)} log{plural}", len(logs)) as done:
         for path in logs:
-            results.append(validate_one(used, read_log(path, mapping), car, held, mass=weight))
+            runs.append(read_log(path, mapping))
+            refuse_twice(runs)
+            results.append(validate_one(used, runs[-1], car, held, mass=weight))
             done()
     summary = to_dict(stored.id, results, used.warnings)
     warn(all_warnings(used.warnings, results))
@@ -130,6 +133,8 @@ def _report(results: "list[Validation]") -> None:
                 bound = f"below {j.low:g}" if j.low is not None and j.value < j.low else ""
                 bound = bound or f"above {j.high:g}"
                 emit(f"{result.log}: {j.figure} {j.value:.4g} is {bound}")
+        for why, share in result.refused.items():
+            emit(f"{result.log}: {100 * share:.0f} % of the braked samples are not valid: {why}")
         if result.role == "calibration":
             emit(f"{result.log}: {NO_HOLDOUT}")
         for time in result.estimate.split.changes:
@@ -160,9 +165,16 @@ def _grid(results: "list[Validation]") -> "Grid":
             _pads(f["pad_friction_r"], f["interval_r"]),
             _percent(f["valid_share"]),
             _errors(f["torque_error_f"], f["torque_error_r"]),
-            r.verdict if r.passed or r.role == "hold-out" else "no hold-out",
+            _verdict(r),
         )
     return table
+
+
+def _verdict(result: "Validation") -> str:
+    if result.role == "calibration":
+        return "no hold-out"
+    count = len(result.all_warnings)
+    return result.verdict + (f", {count} warning{'s' * (count > 1)}" if count else "")
 
 
 def _pads(mu: float | None, width: float | None) -> str:

@@ -19,7 +19,7 @@ from calib.errors import LogError
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.baselines import Run, baselines
 from calib.estimation.filter_input import SplitInput
-from calib.estimation.gates import Gates, valid
+from calib.estimation.gates import Gates, validity
 from calib.estimation.lookup import smoothed
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
 from calib.estimation.pad_ratio import PadRatio, Step
@@ -92,7 +92,8 @@ class Estimate:
     """The estimator's answer on one log, at its rate.
 
     ``plan`` what it started from, ``read`` the signals as read, known effects taken out; ``eta``
-    zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the sample; ``braked``
+    zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the sample, ``refused`` where
+    not, by reason; ``braked``
     pads bite; ``baselines`` pad friction (front, rear) by method name; ``split`` and ``blocks`` the
     filter's own record; ``eta_zero`` what was zeroed [1]; ``accelerometer`` its scale and
     offset, by block; ``factor_f``, ``factor_r`` what known
@@ -109,6 +110,7 @@ class Estimate:
     front: AxleEstimate
     rear: AxleEstimate
     valid: Mask
+    refused: dict[str, Mask]
     braked: Mask
     covered: Mask
     baselines: dict[str, tuple[Array, Array]]
@@ -244,6 +246,8 @@ def estimate(
     others = baselines(run, laws=with_laws)
     slips = zeroed_slips(s, driven)
     greatest = float(table.tyre.force[-1])
+    track = plan.nominal.track_width
+    judged = validity(plan.gates, ran.log, s, (front, rear), forces.active, greatest, track)
     return Estimate(
         plan=plan,
         read=read,
@@ -253,15 +257,8 @@ def estimate(
         speed=s.speed,
         front=front,
         rear=rear,
-        valid=valid(
-            plan.gates,
-            ran.log,
-            s,
-            (front, rear),
-            forces.active,
-            greatest,
-            plan.nominal.track_width,
-        ),
+        valid=judged.valid,
+        refused=judged.refused,
         braked=np.maximum(s.p_f, s.p_r) > plan.gates.pressure,
         covered=others.covered,
         baselines=others.pads,

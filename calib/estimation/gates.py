@@ -35,6 +35,9 @@ class Gates:
     """Normalised force over the greatest one of the ramp up to which the tyre's curve is continued:
     rear brakes that are held leave the front ones more than the ramp had. The curvature of the
     posterior widens the interval there."""
+    possible: tuple[float, float] = (0.02, 1.2)
+    """Pad friction [1] that a brake may show in a stop: soaked pads, and the best of racing pads
+    with a tenth of error."""
     steering: float = np.deg2rad(5.0)
     """Angle at the driver's wheel [rad] whose effect on eta is as large as the signal."""
     lateral: float = 3.0
@@ -46,7 +49,18 @@ class Gates:
     """Time after such a departure [s]: the filters behind the signals have forgotten it."""
 
 
-def valid(
+@dataclass(frozen=True)
+class Validity:
+    """Where the estimator stands behind its answer, (n,); ``refused`` masks by reason, (n,) each.
+
+    Of the samples in which the pads bite; a sample may be refused for several reasons.
+    """
+
+    valid: Mask
+    refused: dict[str, Mask]
+
+
+def validity(
     gates: Gates,
     log: Log,
     s: Signals,
@@ -54,23 +68,46 @@ def valid(
     active: Mask,
     greatest: float,
     track_width: float,
-) -> Mask:
-    """Where the estimator stands behind its answer (n,), see `Gates`.
+) -> Validity:
+    """Where the estimator stands behind its answer, see `Gates`.
 
     ``axles`` the estimates, front and rear; ``active`` where the pads bite (n,); ``greatest``
     normalised force of the ramp [1]; ``track_width`` [m].
     """
-    ok = active & (np.maximum(s.p_f, s.p_r) > gates.pressure) & (s.speed > gates.speed)
-    ok &= _since(s.time, ~active) > gates.settle
-    ok &= _since(s.time, _locked(log, s, gates)) > gates.recover
+    front, rear = axles
+    steered = log["steering"] if "steering" in log else np.zeros_like(s.time)
     with np.errstate(invalid="ignore"):
-        for axle, width in zip(axles, (gates.interval_f, gates.interval_r), strict=True):
-            ok &= axle.upper - axle.lower < 2.0 * width * axle.pad_friction
-            ok &= axle.normalised_force < gates.beyond * greatest
-    ok &= np.abs(_lateral(log, s, track_width)) < gates.lateral
-    if "steering" in log:
-        ok &= np.abs(log["steering"]) < gates.steering
-    return np.asarray(ok & np.isfinite(axles[0].pad_friction))
+        good = {
+            "the pressure is low": np.maximum(s.p_f, s.p_r) > gates.pressure,
+            "the car is slow": s.speed > gates.speed,
+            "the brake has just been applied": _since(s.time, ~active) > gates.settle,
+            "a wheel locks, or ABS works": _since(s.time, _locked(log, s, gates)) > gates.recover,
+            f"the front interval is wider than {100 * gates.interval_f:g} %": _narrow(
+                front, gates.interval_f
+            ),
+            f"the rear interval is wider than {100 * gates.interval_r:g} %": _narrow(
+                rear, gates.interval_r
+            ),
+            "no pad has such a friction": _possible(front, gates) & _possible(rear, gates),
+            "the tyres carry more than on the ramp": np.maximum(
+                front.normalised_force, rear.normalised_force
+            )
+            < gates.beyond * greatest,
+            "the car corners": np.abs(_lateral(log, s, track_width)) < gates.lateral,
+            "the wheel is turned": np.abs(steered) < gates.steering,
+        }
+    valid = np.logical_and.reduce([active, *good.values()])
+    return Validity(np.asarray(valid), {why: active & ~ok for why, ok in good.items()})
+
+
+def _narrow(axle: AxleEstimate, width: float) -> Mask:
+    """Where the 95 % interval is narrower than ``width`` to either side, relative [1]."""
+    return np.asarray(axle.upper - axle.lower < 2.0 * width * axle.pad_friction)
+
+
+def _possible(axle: AxleEstimate, gates: Gates) -> Mask:
+    low, high = gates.possible
+    return np.asarray((axle.pad_friction > low) & (axle.pad_friction < high))
 
 
 def _since(time: Array, event: Mask) -> Array:

@@ -88,8 +88,8 @@ class Priors:
     # The common level of the pads.
     level_free: float = 0.4
     """Spread of a pad level that is not nominal, relative: wet pads lose half."""
-    level_alike: float = 0.005
-    """How exactly unchanged pads keep their level, relative."""
+    level_alike: float = 0.01
+    """How exactly unchanged pads keep their level, relative: from stop to stop they warm up."""
     level_odds: float = 1.0
     """Odds that the pads have the level of the calibration."""
     level_memory: float = 0.5

@@ -52,6 +52,7 @@ def filter_pad_ratio(
     ``steps`` is a list to fill with what each block did, None for a block that was not measured.
     """
     x, P = first_state(posterior, priors)
+    x[ETA_ZERO] = vehicle.front.rolling_radius / vehicle.rear.rolling_radius - 1.0
     inputs, readings = given(vehicle, b, demand), measured(b, demand, noise, priors)
     grown = process_noise(vehicle, b, priors)
     decay = math.exp(-b.length / priors.pitch_memory)
@@ -74,10 +75,11 @@ def filter_pad_ratio(
         # with an axle lifted, a_x had a glitch and no load is known
         if reading.rolling and min(loads(now := x.tolist(), g)[0]) > 0.0:
             pause = max(pause - 1, 0)
-            alert = reading.calm and pause == 0
+            braking = g[LEVEL] > 0.0
+            alert = braking and reading.calm and pause == 0
             if alert:
                 before_x[:], before_P[:] = x, P
-            predicted = programs[g[LEVEL] > 0.0](now, g)
+            predicted = programs[braking](now, g)
             surprise, step = _measure(x, P, predicted, now, reading, innovation[k])
             opened = bool(alert and surprise > priors.change_gate)
             if opened:

@@ -27,7 +27,12 @@ def accelerometer_warnings(log: str, sensor: Accelerometer) -> Iterator[Plausibi
             log,
             c / (1.0 - c),
             (-SCALE, SCALE),
-            ("the scale of a_x", "the unit or the clock of v", "body pitch that a_x feels"),
+            (
+                "the scale of a_x",
+                "the unit or the clock of v",
+                "body pitch that a_x feels",
+                "a slope that changes",
+            ),
             "it is taken out; calibrate a_x against v",
         )
     bias, sigma = G * float(sensor.bias[-1]), G * math.sqrt(float(sensor.variance_bias[-1]))
@@ -52,7 +57,8 @@ def accelerometer_warnings(log: str, sensor: Accelerometer) -> Iterator[Plausibi
                 "the zero or the mounting of a_x",
                 "wind",
             ),
-            "roll in neutral before the stop, or log T_drive_f and T_drive_r",
+            "roll in neutral before the stop, or log T_drive_f and T_drive_r, negative where they "
+            "slow the car",
         )
     late, sigma = float(sensor.lag[-1]), math.sqrt(float(sensor.variance_lag[-1]))
     if abs(late) > LATE and abs(late) > 3.0 * sigma:

@@ -44,7 +44,8 @@ def response_warnings(log: str, response: BrakeResponse | None) -> Iterator[Plau
                 "the zero of p_mc, too low",
                 "rear brakes that do not get all of the pressure",
             ),
-            "log T_drive_f and T_drive_r, or brake without the motor; check the zero of p_mc",
+            "log T_drive_f and T_drive_r, negative where they slow the car, or brake without the "
+            "motor; check the zero of p_mc",
         )
     if sure and response.share < MISSING:
         yield PlausibilityWarning(

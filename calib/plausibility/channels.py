@@ -10,7 +10,7 @@ from calib.checks.sensors import resolution_of
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import Signals
+from calib.signals.axle_signals import HELD, Signals, held_time
 from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
@@ -31,6 +31,7 @@ COMPARED = (*(f"omega_{w}" for w in WHEELS), "v", "a_x", "p_mc")
 def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:
     """Two channels with one signal; wheels that are not those of the file."""
     yield from _twice(log)
+    yield from _held(log)
     yield from _radii(log.name, vehicle, s)
 
 
@@ -48,6 +49,19 @@ def _twice(log: Log) -> Iterator[PlausibilityWarning]:
                 (f"{other} is a copy of {one}", "a channel map that names one column twice"),
                 "record each sensor by itself",
             )
+
+
+def _held(log: Log) -> Iterator[PlausibilityWarning]:
+    held = held_time(log)
+    if held > HELD:
+        yield PlausibilityWarning(
+            "v_held",
+            log.name,
+            held,
+            (0.0, HELD),
+            ("a receiver of satellites, or a slow bus, whose v is held in between", "a coarse v"),
+            "v is not used; log a v of 20 Hz or more",
+        )
 
 
 def _noise(x: Array) -> Array:

@@ -28,7 +28,7 @@ APART = 0.08
 LEVEL_CAUSES = (
     "the unit or the scale of p_mc",
     "the scale of a_x",
-    "mass, piston areas or radii of the vehicle file",
+    "mass, piston areas, friction_faces or radii of the vehicle file",
     "pads of another grade",
 )
 
@@ -46,8 +46,8 @@ def require_possible_pads(vehicle: Vehicle, calibration: Calibration, where: str
                 where=where,
                 expected=f"{low:g} to {high:g}; {vehicle.name} has {_of_file(vehicle, side):g} by "
                 "its file",
-                do="check the unit and the scale of p_mc first, then a_x, then mass, piston areas "
-                "and radii of the vehicle file",
+                do="check the unit and the scale of p_mc, piston areas, friction_faces, radii and "
+                "mass of the vehicle file, and a_x",
             )
 
 

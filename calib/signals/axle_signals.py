@@ -30,8 +30,9 @@ class Signals:
 
     ``p_f``, ``p_r`` axle pressures (wheel pressures where logged, else master cylinder);
     ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero where not logged;
-    ``z`` (5); ``omega_f``, ``omega_r`` axle means; ``v`` reference speed or None; ``speed`` v, else
-    the rear wheels'. ``lead_in`` is true before the first braking; ``sample_time`` [s].
+    ``z`` (5); ``omega_f``, ``omega_r`` axle means; ``v`` reference speed, or None, also where it
+    keeps a value for longer than `HELD`; ``speed`` v, else the rear wheels'. ``lead_in`` is true
+    before the first braking; ``sample_time`` [s].
     """
 
     time: Array
@@ -58,7 +59,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
     omega_f = 0.5 * (log["omega_fl"] + log["omega_fr"])
     omega_r = 0.5 * (log["omega_rl"] + log["omega_rr"])
     p_f, p_r = _axle_pressure(log, "f"), _axle_pressure(log, "r")
-    v = log.channels.get("v")
+    v = None if held_time(log) > HELD else log.channels.get("v")
     speed = vehicle.rear.rolling_radius * omega_r if v is None else v
     if np.max(speed) < MOVING:
         raise LogError(
@@ -81,6 +82,27 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
         lead_in=lead_in(log.time, np.maximum(p_f, p_r), z, speed, log.sample_time),
         sample_time=log.sample_time,
     )
+
+
+HELD = 0.06
+"""Longest time between two values of v [s]: a receiver of satellites with 10 Hz, held in between,
+is late by half of its step and makes steps of 1 % of the speed, which eta does not."""
+
+SLOWING = 1.0
+"""Deceleration of the wheels [m/s^2] at which a v that is as fine as theirs changes."""
+
+
+def held_time(log: Log) -> float:
+    """Mean time [s] for which v keeps a value while the car slows; 0 without v or braking."""
+    if "v" not in log or "a_x" not in log:
+        return 0.0
+    v, slowing = log["v"], log["a_x"] < -SLOWING
+    slowing &= v > MOVING
+    count = int(slowing.sum())
+    if count * log.sample_time < 0.5:
+        return 0.0
+    changes = int(np.count_nonzero(np.diff(v)[slowing[1:]]))
+    return count * log.sample_time / max(changes, 1)
 
 
 def _axle_pressure(log: Log, axle: str) -> Array:

@@ -24,15 +24,16 @@ Parts = Mapping[str, float]
 """Variance of the logarithm of a pad friction [1] by the name of its cause."""
 
 ADVICE = {
-    "mass": "weigh the car with driver and load, and write mass and mass_tolerance = 0.005 into "
-    "the vehicle file",
+    "mass": "weigh the car with driver and load, and state it: --mass, or mass and "
+    "mass_tolerance = 0.005 in the vehicle file",
     "resistance": "add a coast log over a wide range of speeds to the fit",
-    "accelerometer": "log v, and zero a_x on level ground",
-    "tyres": "log v, and fit with a ramp up to a higher deceleration",
+    "accelerometer": "log v if it is not logged, and zero a_x on level ground",
+    "tyres": "log v if it is not logged, and fit with a ramp up to a higher deceleration",
     "zeros": "start the log earlier: 3 s of straight rolling in front of the braking",
-    "load_geometry": "log v, fit with a ramp up to a higher deceleration, and give the effect "
-    "pitch_coupling if it is known",
-    "unlike_pads": "log v, and brake longer and harder: that tells front from rear pads",
+    "load_geometry": "log v if it is not logged, fit with a ramp up to a higher deceleration, and "
+    "give the effect pitch_coupling if it is known",
+    "unlike_pads": "log v if it is not logged, and brake longer and harder: that tells front from "
+    "rear pads",
     "ramp": "fit the table again: this one does not say what its pads rest on",
     "noise": "brake longer, with finer wheel speeds",
 }

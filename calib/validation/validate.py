@@ -32,6 +32,9 @@ from calib.warning import to_dict as warning_dict
 HOLDOUT, CALIBRATION = "hold-out", "calibration"
 """Roles of a log in a validation."""
 
+NAMED = 0.1
+"""Share of the braked samples from which a reason for not being valid is named."""
+
 NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves nothing"
 
 
@@ -69,6 +72,20 @@ class Validation:
     def all_warnings(self) -> tuple[PlausibilityWarning, ...]:
         """The warnings, and one for each metric past the range without warning."""
         return (*self.warnings, *limit_warnings(self.log, self.judgements))
+
+    @property
+    def refused(self) -> dict[str, float]:
+        """Share of the braked samples above 3 m/s that are not valid, by reason, the largest first.
+
+        Reasons for less than a tenth of them are left out.
+        """
+        e = self.estimate
+        counted = e.braked & (e.speed > 3.0)
+        if not counted.any():
+            return {}
+        share = {why: float(np.mean(mask[counted])) for why, mask in e.refused.items()}
+        named = {why: x for why, x in share.items() if x > NAMED}
+        return dict(sorted(named.items(), key=lambda item: -item[1]))
 
     @property
     def verdict(self) -> str:
@@ -285,6 +302,7 @@ def to_dict(
                     for j in r.judgements
                 ],
                 "budget": None if r.budget is None else summary(*r.budget),
+                "not_valid": r.refused,
                 "surface_changes": list(r.estimate.split.changes),
                 "rms_error_by_method": {
                     name: {"front": _finite(f), "rear": _finite(b)}

@@ -55,3 +55,13 @@ def test_a_wrong_speed_shows_as_another_radius(clean, factor):
     log = noisy(clean, 0)
     codes = [code for code, _ in found(changed(log, v=factor * log["v"]))]
     assert codes == ["rolling_radius_f", "rolling_radius_r"]
+
+
+@pytest.mark.parametrize(("every", "held"), [(1, False), (8, False), (20, True), (40, True)])
+def test_a_speed_that_is_held_is_named_and_not_used(clean, every, held):
+    """At 200 Hz: a new value every 5, 40, 100, 200 ms."""
+    log = noisy(clean, 0)
+    stale = log["v"][np.arange(log.time.size) // every * every]
+    run = changed(log, v=stale)
+    assert ("v_held" in [code for code, _ in found(run)]) == held
+    assert (signals(run, CAR).v is None) == held

@@ -50,6 +50,7 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
     values = {
         "plan": None,
         "read": None,
+        "refused": {},
         "time": TIME,
         "z": np.full(N, 0.3),
         "eta": np.full(N, 1.004),

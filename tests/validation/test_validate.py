@@ -289,3 +289,21 @@ def test_what_is_not_finite_becomes_null():
     assert log["limits"][0]["value"] is None
     assert log["rms_error_by_method"]["gradient_paper"] == {"front": None, "rear": 0.1}
     assert log["surface_changes"] == [2.5]
+
+
+def test_why_samples_are_not_valid_is_told(table):
+    """A wheel that is turned by 20 degrees all along: nothing is valid, for one reason."""
+    log = noisy(stop(REAL), 2)
+    turned = replace(log, channels={**log.channels, "steering": np.full(log.time.size, 0.35)})
+    (straight,), (bent,) = (validate(table, [one]) for one in (log, turned))
+    assert straight.refused == {}
+    assert bent.figures["valid_share"] == 0.0
+    assert max(bent.refused, key=bent.refused.get) == "the wheel is turned"
+    assert bent.refused["the wheel is turned"] == 1.0
+
+
+def test_pads_that_no_brake_has_are_not_valid(table):
+    """The car said to be ten times as heavy."""
+    (result,) = validate(table, [noisy(stop(REAL), 2)], mass=10.0 * CAR.mass)
+    assert not result.passed
+    assert "no pad has such a friction" in result.refused
