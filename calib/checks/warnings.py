@@ -66,10 +66,13 @@ def _radii(seen: Observation) -> Iterator[str]:
 
 def _swapped(seen: Observation) -> Iterator[str]:
     eta = seen.axles.eta_braked if seen.axles else None
-    if eta is not None and eta.value < -max(ZERO, eta.half):
+    if eta is None:
+        return
+    more, less, sign = ("rear", "front", -1.0) if seen.alone == "r" else ("front", "rear", 1.0)
+    if sign * eta.value < -max(ZERO, eta.half):
         yield (
-            f"the front wheels slip less than the rear while braking (eta {100 * eta.value:+.2f} "
-            "%): are the axles swapped?"
+            f"the {more} wheels slip less than the {less} while braking (eta "
+            f"{100 * eta.value:+.2f} %): are the axles swapped?"
         )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.fitting.covariance_parts import Parts, information_parts, posterior_parts
+from calib.fitting.pad_level import level_residuals, level_spread
 from calib.fitting.parameters import AT, COUNT, PRIORS, RampParameters, parameters_of
 from calib.fitting.ramp import (
     RampRun,
@@ -21,6 +22,7 @@ from calib.fitting.ramp import (
     sigma_eta,
     sigma_slip,
 )
+from calib.fitting.resistance import Resistance
 from calib.fitting.settings import SETTINGS
 from calib.physics.vehicle import Vehicle
 from calib.signals.noise import SensorNoise, long_run_density
@@ -35,10 +37,10 @@ class Identified:
     """The posterior of the parameters, and what each run gave.
 
     ``posterior`` over the names of `RampParameters`; ``eta_zero``, ``slip_zero`` per run [1];
-    ``pad_scale`` common factor on nominal pads at the identified ratio, per run [1]; ``residuals``
-    of eta and of slip over their noise, per run, over the blocks used, (k,); ``chi2`` mean square
-    of them; ``nominal_weight`` of the file's pad ratio; ``parts`` of the posterior's covariance by
-    what each comes from, (k, k).
+    ``pad_scale`` common factor on nominal pads at the identified ratio, per run that brakes both
+    axles [1]; ``residuals`` of eta and of slip over their noise, per run, over the blocks used,
+    (k,); ``chi2`` mean square of them; ``nominal_weight`` of the file's pad ratio; ``parts`` of the
+    posterior's covariance by what each comes from, (k, k).
     """
 
     posterior: TyrePosterior
@@ -56,18 +58,21 @@ class Identified:
         return parameters_of(self.posterior)
 
 
-def identify(vehicle: Vehicle, runs: list[RampRun]) -> tuple[Identified, list[RampRun]]:
+def identify(
+    vehicle: Vehicle, runs: list[RampRun], known: Resistance | None = None
+) -> tuple[Identified, list[RampRun]]:
     """Fit all runs together, twice: what the residual holds over the sensors' noise is noise too.
 
     The road shakes both wheels of an axle alike, and no tyre curve is exact; neither shows between
-    left and right. The runs come back with the noise that was used.
+    left and right. The runs come back with the noise that was used. ``known`` the resistance that
+    they were prepared with, None if it is exact.
     """
-    first = identify_once(vehicle, runs)
+    first = identify_once(vehicle, runs, known)
     louder = [
         replace(run, noise=_honest(run, *residual))
         for run, residual in zip(runs, first.residuals, strict=True)
     ]
-    return identify_once(vehicle, louder), louder
+    return identify_once(vehicle, louder, known), louder
 
 
 def _honest(run: RampRun, eta: Array, slip: Array) -> SensorNoise:
@@ -79,13 +84,15 @@ def _honest(run: RampRun, eta: Array, slip: Array) -> SensorNoise:
     return replace(run.noise, omega=run.noise.omega * by_eta, v=run.noise.v * by_slip)
 
 
-def identify_once(vehicle: Vehicle, runs: list[RampRun]) -> Identified:
-    """Fit all runs together: one tyre, one pad ratio, zeros per run.
+def identify_once(
+    vehicle: Vehicle, runs: list[RampRun], known: Resistance | None = None
+) -> Identified:
+    """Fit all runs together: one tyre, one pad ratio, one level of the pads, zeros per run.
 
     Huber weights past ``huber`` sigma. Pads and tyres that are as declared are then weighed
     against such that are not (`_weigh_ratio`).
     """
-    best, jacobian = _least_squares(vehicle, runs)
+    best, jacobian = _least_squares(vehicle, runs, level_spread(vehicle, runs, known))
     x, covariance, weight, parts = _weigh_ratio(best, information_parts(runs, jacobian))
     parameters, zeros = _parts(x)
     rest = _residuals(vehicle, runs, x)
@@ -99,7 +106,9 @@ def identify_once(vehicle: Vehicle, runs: list[RampRun]) -> Identified:
         eta_zero=tuple(float(eta) for eta, _ in zeros),
         slip_zero=tuple(float(slip) for _, slip in zeros),
         pad_scale=tuple(
-            normalised_forces(vehicle, run, parameters.log_pad_ratio)[2] for run in runs
+            normalised_forces(vehicle, run, parameters.log_pad_ratio)[2]
+            for run in runs
+            if run.only is None
         ),
         residuals=tuple(rest),
         chi2=float(np.mean(flat**2)),
@@ -113,10 +122,11 @@ def _parts(x: Array) -> tuple[RampParameters[float], Array]:
     return RampParameters(*x[:COUNT]), x[COUNT:].reshape(-1, 2)
 
 
-def _least_squares(vehicle: Vehicle, runs: list[RampRun]) -> tuple[Array, Array]:
+def _least_squares(vehicle: Vehicle, runs: list[RampRun], spread: Array) -> tuple[Array, Array]:
     """Most probable parameters and zeros, and the Jacobian of all residuals there.
 
-    Its rows: the priors of the parameters and of the zeros, then the data run by run.
+    Its rows: the priors of the parameters and of the zeros, then the data run by run,
+    then the levels of the pads, with ``spread`` about the common one.
 
     First with equal tyres on both axles, then from there with all parameters: far from it, unlike
     pads and unlike tyres can imitate each other.
@@ -131,7 +141,9 @@ def _least_squares(vehicle: Vehicle, runs: list[RampRun]) -> tuple[Array, Array]
     def objective(part: Array, free: NDArray[np.int64]) -> Array:
         x[free] = part
         data = [one for pair in _residuals(vehicle, runs, x) for one in pair]
-        return np.concatenate([(x[:COUNT] - mean) / sigma, x[COUNT:] / SETTINGS.zero_sigma, *data])
+        known = [(x[:COUNT] - mean) / sigma, x[COUNT:] / SETTINGS.zero_sigma]
+        level = level_residuals(vehicle, runs, x[AT.log_pad_ratio], spread)
+        return np.concatenate([*known, *data, level])
 
     every = np.arange(x.size)
     equal = np.delete(every, [AT.log_tyre_ratio, AT.radius_load])

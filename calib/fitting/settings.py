@@ -19,6 +19,9 @@ class FitSettings:
     """How equal equal tyres are (standard deviation of the logarithm)."""
     pad_tolerance: float = 0.02
     """How exactly pads that are as declared have the declared ratio (standard deviation)."""
+    pads_repeat: float = 0.015
+    """How alike the pads are on the ramps of one fit (standard deviation): friction changes by
+    about 0.05 % per kelvin, and discs are 30 K warmer or colder from one ramp to the next."""
     model_error: float = 0.01
     """What the tyre curve itself is off, relative to the slip: about what third-party plants
     show."""

@@ -57,7 +57,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
     """Axle signals of a log. Raises LogError if the car hardly moves."""
     omega_f = 0.5 * (log["omega_fl"] + log["omega_fr"])
     omega_r = 0.5 * (log["omega_rl"] + log["omega_rr"])
-    p_f, p_r = _axle_pressure(log, "f"), _axle_pressure(log, "r")
+    p_f, p_r = axle_pressure(log, "f"), axle_pressure(log, "r")
     v = log.channels.get("v")
     speed = vehicle.rear.rolling_radius * omega_r if v is None else v
     if np.max(speed) < MOVING:
@@ -83,7 +83,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
     )
 
 
-def _axle_pressure(log: Log, axle: str) -> Array:
+def axle_pressure(log: Log, axle: str) -> Array:
     """Mean of both wheel pressures [Pa] if both are logged, else the master cylinder's."""
     left, right = f"p_{axle}l", f"p_{axle}r"
     if left in log and right in log:
