@@ -120,9 +120,14 @@ def predict(
     parameters: RampParameters[float],
     eta_zero: float,
     slip_zero: float,
+    softer: float = 0.0,
 ) -> tuple[Array, Array]:
-    """Eta and the load-weighted mean slip [1] that the sensors would show, without noise."""
+    """Eta and the load-weighted mean slip [1] that the sensors would show, without noise.
+
+    ``softer`` logarithm of the tyres' compliance in this run over that of ``parameters`` [1].
+    """
     F_f, F_r, _ = normalised_forces(vehicle, run, parameters.log_pad_ratio)
+    parameters = parameters._replace(log_compliance=parameters.log_compliance + softer)
     slip_f, slip_r = tyres_of(parameters).slips(
         (F_f, F_r), (run.load_f, run.load_r), vehicle.static_loads
     )

@@ -28,7 +28,8 @@ ADVICE = {
     "the vehicle file",
     "resistance": "add a coast log over a wide range of speeds to the fit",
     "accelerometer": "log v, and zero a_x on level ground",
-    "tyres": "log v, and fit with a ramp up to a higher deceleration",
+    "tyres": "log v, and add a ramp with the brakes of one axle only to the fit, wheel pressures "
+    "logged",
     "zeros": "start the log earlier: 3 s of straight rolling in front of the braking",
     "load_geometry": "log v, fit with a ramp up to a higher deceleration, and give the effect "
     "pitch_coupling if it is known",
