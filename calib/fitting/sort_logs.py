@@ -77,5 +77,6 @@ def _require_axles(vehicle: Vehicle, log: Log, b: Blocks) -> None:
             f"the {more} wheels slip less than the {less} while braking: eta {100 * rise:+.2f} %",
             where=log.source,
             expected=f"a {way}: {why}",
-            do="are the axles swapped? put them right in a channel map",
+            do="are the axles swapped? put them right in a channel map"
+            + ("; leave out wheel pressures that are not measured" if alone else ""),
         )
