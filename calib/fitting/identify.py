@@ -65,7 +65,7 @@ def identify(
 
     The road shakes both wheels of an axle alike, and no tyre curve is exact; neither shows between
     left and right. The runs come back with the noise that was used. ``known`` the resistance that
-    they were prepared with, None if it is exact.
+    they were prepared with; None for runs that know the level of their pads exactly.
     """
     first = identify_once(vehicle, runs, known)
     louder = [

@@ -40,9 +40,9 @@ def level_sigmas(vehicle: Vehicle, run: RampRun, known: Resistance) -> tuple[flo
 def level_spread(vehicle: Vehicle, runs: list[RampRun], known: Resistance | None) -> Array:
     """Sigma [1] of the logarithm of each run's level about the common one, (runs,).
 
-    How pads repeat, and how well the run knows its level; ``known`` None for a resistance that is
-    exact. Errors that the runs share (resistance, accelerometer) count as if they were independent:
-    the spread is too wide rather than too narrow.
+    How pads repeat, and how well the run knows its level; ``known`` the resistance, None for runs
+    that know their levels exactly. Errors that the runs share (resistance, accelerometer) count as
+    if they were independent: the spread is too wide rather than too narrow.
     """
     own = [level_sigmas(vehicle, run, known) if known else (0.0,) for run in runs]
     return np.asarray([np.hypot(SETTINGS.pads_repeat, np.linalg.norm(one)) for one in own])

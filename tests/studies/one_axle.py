@@ -4,7 +4,7 @@
 
 Cars of the independent plant, drawn as `calib.fitting` believes them: pads, tyres and radii are as
 declared or not, with the odds of `FitSettings` and the spreads of the priors (`--unlike`: none is
-as declared). Pads repeat within 1.5 % per axle from ramp to ramp, tyres within 1 %.
+as declared; `--no-v`: without reference speed). Pads repeat within 1.5 % per axle from ramp to ramp, tyres within 1 %.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from calib.logs.log import Log
 from calib.table.table import Table
 from tests.support.one_axle import one_axle
 from tests.support.plant import Plant, brush, magic
-from tests.support.reference_car import CAR, REAL, noisy, ramp, with_pads
+from tests.support.reference_car import CAR, REAL, noisy, ramp, with_pads, without
 
 Rng = np.random.Generator
 
@@ -95,12 +95,15 @@ def main() -> None:
     parser.add_argument("--cars", type=int, default=30)
     parser.add_argument("--seed", type=int, default=7000)
     parser.add_argument("--unlike", action="store_true")
+    parser.add_argument("--no-v", action="store_true")
     given = parser.parse_args()
     rows: dict[str, list[list[tuple[float, float]]]] = {name: [] for name in SETS}
     for seed in range(given.seed, given.seed + given.cars):
         rng = np.random.default_rng(seed)
         plant, pads, tyres = drawn(rng, given.unlike)
         logs, true = driven(rng, plant, pads)
+        if given.no_v:
+            logs = {kind: without(log, "v") for kind, log in logs.items()}
         try:
             tables = {name: fit(CAR, [logs[k] for k in kinds]) for name, kinds in SETS.items()}
         except LogError as error:
