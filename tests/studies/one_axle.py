@@ -4,7 +4,8 @@
 
 Cars of the independent plant, drawn as `calib.fitting` believes them: pads, tyres and radii are as
 declared or not, with the odds of `FitSettings` and the spreads of the priors (`--unlike`: none is
-as declared; `--no-v`: without reference speed). Pads repeat within 1.5 % per axle from ramp to ramp, tyres within 1 %.
+as declared; `--no-v`: without reference speed). Pads repeat within 1.5 % per axle from ramp to
+ramp, tyres within 1 %. Those of the normal ramp are the truth.
 """
 
 import argparse
