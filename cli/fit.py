@@ -21,7 +21,10 @@ EPILOG = example(
 
 
 def fit(
-    logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Ramps, and coast logs.")],
+    logs: Annotated[
+        list[Path],
+        typer.Argument(metavar="LOG...", help="Ramps, also with one axle only, and coast logs."),
+    ],
     *,
     vehicle: VehicleFile,
     model: KnownModel = None,
@@ -32,9 +35,10 @@ def fit(
 ) -> None:
     """Fit the look-up table of a vehicle from one or more ramped brakings.
 
-    From a LOG without braking drag and rolling resistance are estimated. Effects of the vehicle
-    file or of --model are removed from the logs first. The table goes into the store as a new
-    version; the same logs give the same version again.
+    From a LOG without braking drag and rolling resistance are estimated. A ramp on which one axle
+    brakes alone by its wheel pressures tells pads and tyres of the axles apart. Effects of the
+    vehicle file or of --model are removed from the logs first. The table goes into the store as a
+    new version; the same logs give the same version again.
     """
     from calib.fitting.fit import fit as fit_table
     from calib.logs.read import read_log

@@ -10,6 +10,7 @@ from calib.checks.wheel_checks import Axles, Slipping, axles_of, slipping
 from calib.logs.log import Log
 from calib.names import CHANNELS, WHEELS
 from calib.signals.driving_record import STEADY, BrakeEvent, brake_events, driving_record
+from calib.signals.one_axle import Axle, braked_alone_in
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 OPTIONAL = tuple(q.name for q in CHANNELS.values() if not q.required)
@@ -32,6 +33,7 @@ class Observation:
     standing : time in which no wheel turns [s].
     speed : highest speed [m/s]; approximate without ``v``.
     z : highest deceleration, in g [1].
+    alone : the axle that brakes alone by its pressures, "f" or "r"; None for both.
     axles, slipping : None where ``a_x`` or a wheel speed is missing; so are the times above.
     """
 
@@ -46,6 +48,7 @@ class Observation:
     standing: float = 0.0
     speed: float = 0.0
     z: float = 0.0
+    alone: Axle | None = None
     axles: Axles | None = None
     slipping: Slipping | None = None
 
@@ -81,6 +84,7 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
         standing=float((wheels < STANDING).sum() * driving.step),
         speed=float(driving.speed.max()),
         z=float(driving.z[driving.moving].max()) if driving.moving.any() else 0.0,
+        alone=braked_alone_in(log),
         axles=axles_of(log, driving),
         slipping=slipping(log, driving, events),
     )

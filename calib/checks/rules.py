@@ -13,6 +13,7 @@ PURPOSES = ("fit", "validate", "diagnose")
 RATES = (38.0, 1050.0)
 LEAD_IN_FIT, LEAD_IN_GOOD, LEAD_IN_VALIDATE = 0.5, 1.0, 0.25  # [s]
 RAMP_Z, RAMP_TIME, RAMP_RISE = 0.25, 2.0, 1.0  # [g], braking [s], of which rising [s]
+ONE_AXLE_Z = 0.12  # [g] of a ramp with one axle only: 0.3 of a rear axle's load
 BRAKING = 1.0  # [s] above 3 m/s
 COASTING = 2.0  # [s]; a coast of that length gives the zero of eta and the drag
 RADIUS = (0.12, 0.9)  # [m] range of plausible a_x over wheel deceleration
@@ -117,7 +118,7 @@ def _not_for_fit(seen: Observation) -> Iterator[str]:
     yield from _short_lead_in(seen, LEAD_IN_FIT, "ramp")
     ramp = ramp_of(seen)
     if ramp is None:
-        yield from _no_ramp(max(seen.events, key=lambda e: e.rise_z))
+        yield from _no_ramp(max(seen.events, key=lambda e: e.rise_z), _least_span(seen))
         ramp = max(seen.events, key=lambda e: e.braking)
     yield from _disturbed(seen, ramp)
     yield from _blurred_eta(seen)
@@ -135,10 +136,15 @@ def ramp_of(seen: Observation) -> BrakeEvent | None:
     """The ramp with the widest range, or None if no braking rises steadily, long and far enough."""
     good = [e for e in seen.events if e.braking >= RAMP_TIME and e.rise >= RAMP_RISE]
     best = max(good, key=lambda e: e.rise_z, default=None)
-    return best if best is not None and best.rise_z >= RAMP_Z else None
+    return best if best is not None and best.rise_z >= _least_span(seen) else None
 
 
-def _no_ramp(event: BrakeEvent) -> Iterator[str]:
+def _least_span(seen: Observation) -> float:
+    """Range of deceleration [1] that a ramp needs."""
+    return ONE_AXLE_Z if seen.alone else RAMP_Z
+
+
+def _no_ramp(event: BrakeEvent, span: float) -> Iterator[str]:
     if event.rise < RAMP_RISE:
         yield (
             f"the brake is applied within {event.rise:.1f} s: press slowly, over 3 to 8 s, "
@@ -151,7 +157,7 @@ def _no_ramp(event: BrakeEvent) -> Iterator[str]:
         )
     else:
         yield (
-            f"the ramp spans {event.rise_z:.2f} g: brake up to {RAMP_Z + 0.1:.2f} g or more, "
+            f"the ramp spans {event.rise_z:.2f} g: brake up to {span + 0.1:.2f} g or more, "
             "without ABS"
         )
 

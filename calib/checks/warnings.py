@@ -108,11 +108,14 @@ def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
 
 def _swapped(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     eta = seen.axles.eta_braked if seen.axles else None
-    if eta is not None and eta.value < -max(ZERO, eta.half):
+    if eta is None:
+        return
+    more, less, sign = ("rear", "front", -1.0) if seen.alone == "r" else ("front", "rear", 1.0)
+    if sign * eta.value < -max(ZERO, eta.half):
         yield PlausibilityWarning(
-            "axles_swapped", log, eta.value, (-ZERO, MORE),
-            ("front and rear wheel speeds that are swapped", "rear wheels that brake more"),
-            "check the order of the wheel speeds; the front wheels must slip more",
+            "axles_swapped", log, eta.value, (-ZERO, MORE) if sign > 0.0 else (-MORE, ZERO),
+            ("front and rear wheel speeds that are swapped", f"{less} wheels that brake more"),
+            f"check the order of the wheel speeds; the {more} wheels must slip more",
         )  # fmt: skip
 
 

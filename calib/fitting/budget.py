@@ -3,6 +3,8 @@
 import numpy as np
 
 from calib.fitting.identify import Identified
+from calib.fitting.one_axle_ramps import with_both_axles
+from calib.fitting.pad_level import level_sigmas
 from calib.fitting.parameters import AT
 from calib.fitting.ramp import RampRun
 from calib.fitting.resistance import Resistance
@@ -36,32 +38,15 @@ def level_parts(
     """Variance of the logarithm of the common pad level of the ramps [1] by part.
 
     Mass, accelerometer and resistance are common to all runs, so more runs do not shrink them; what
-    the runs differ by counts as noise.
+    the runs differ by counts as noise. Ramps with one axle only take no part.
     """
-    of_runs = np.array([_of_run(vehicle, run, known) for run in runs]).mean(axis=0)
+    normal = with_both_axles(runs)
+    of_runs = np.array([level_sigmas(vehicle, run, known) for run in normal]).mean(axis=0)
     noise, resistance, accelerometer = (float(x) for x in of_runs**2)
-    between = float(np.var(found.pad_scale)) / len(runs)
+    between = float(np.var(found.pad_scale)) / len(normal)
     return {
         "mass": vehicle.mass_tolerance**2,
         "resistance": resistance,
         "accelerometer": accelerometer,
         "noise": noise + between,
     }
-
-
-def _of_run(vehicle: Vehicle, run: RampRun, known: Resistance) -> tuple[float, float, float]:
-    """Relative sigma of the pad scale of a run from noise, resistance and accelerometer.
-
-    The scale is sum(z y)/sum(z^2) of what the brakes demand y: an error e(z) moves it by
-    sum(z e)/sum(z^2). The accelerometer errs by c z + bias, the same all along the run.
-    """
-    braked = run.use & ~run.blocks.lead_in
-    z = run.blocks.z[braked]
-    square = float(z @ z)
-    noise = run.noise.z / np.sqrt(run.blocks.length * square)
-    resist = float(known.sigma_z(vehicle, run.blocks.speed[braked]) @ z) / square
-    if run.accelerometer is None:
-        return float(noise), resist, 0.0
-    # c + bias sum(z)/sum(z^2): as of the one deceleration sum(z^2)/sum(z)
-    typical = np.asarray(square / float(z.sum()))
-    return float(noise), resist, float(run.accelerometer.sigma(typical) / typical)

@@ -37,12 +37,16 @@ PART = RampParameters[str](
 def information_parts(runs: list[RampRun], jacobian: Array) -> Parts:
     """Information J'J (k, k) by part; rows of ``jacobian`` as `identify` has them.
 
-    The lead-in says where eta and slip are zero: its noise is that of the zeros.
+    After the zeros come the tyres of each ramp with one axle only. The lead-in says where eta and
+    slip are zero: its noise is that of the zeros. Rows after the data say that the pads are the
+    same on all runs: what they miss belongs to unlike pads.
     """
     owners = [*PART, *("zeros",) * (2 * len(runs))]
+    owners += ["tyres" for run in runs if run.only]
     for run in runs:
         data = np.where(run.blocks.lead_in[run.use], "zeros", "noise").tolist()
         owners += data if run.slip is None else 2 * data
+    owners += ["unlike_pads"] * (len(jacobian) - len(owners))
     of = np.array(owners)
     return {part: jacobian[of == part].T @ jacobian[of == part] for part in dict.fromkeys(owners)}
 

@@ -10,13 +10,15 @@ On a ramp the deceleration z orders everything, so z is the parameter; nothing i
         | /
         +------- z
 
-Bands are 95 % and follow from the posterior by the delta method.
+Ramps with one axle only take no part: their eta goes with z in another way. Bands are 95 % and
+follow from the posterior by the delta method.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.fitting.identify import Identified
+from calib.fitting.one_axle_ramps import with_both_axles
 from calib.fitting.parameters import RampParameters, tyres_of
 from calib.fitting.path import Path, delta_sigma, path
 from calib.fitting.ramp import RampRun
@@ -81,7 +83,7 @@ def tyre_curve(vehicle: Vehicle, found: Identified, runs: list[RampRun], z_max: 
     sigma = delta_sigma(lambda x: np.interp(grid, slip(x), force), found.posterior)
     slips = [
         np.concatenate([p.slip_f, p.slip_r])
-        for p in (path(vehicle, found.mean, r.blocks.z[r.use]) for r in runs)
+        for p in (path(vehicle, found.mean, r.blocks.z[r.use]) for r in with_both_axles(runs))
     ]
     count = _count(grid, np.concatenate(slips))
     return TyreCurve(grid, g, g - Z95 * sigma, g + Z95 * sigma, count, _flags(count))
@@ -94,7 +96,9 @@ def _at_eta(p: Path, eta: Array) -> Array:
 
 def _zeroed(runs: list[RampRun], found: Identified) -> list[tuple[RampRun, Array]]:
     return [
-        (run, run.blocks.eta / (1.0 + zero)) for run, zero in zip(runs, found.eta_zero, strict=True)
+        (run, run.blocks.eta / (1.0 + zero))
+        for run, zero in zip(runs, found.eta_zero, strict=True)
+        if run.only is None
     ]
 
 

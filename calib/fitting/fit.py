@@ -14,6 +14,7 @@ from calib.fitting.calibration import calibration
 from calib.fitting.identify import identify
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.metrics import metrics
+from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.path import find_peak, readable_up_to, require_tyre
 from calib.fitting.provenance import provenance
 from calib.fitting.ramp import prepare
@@ -39,7 +40,8 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
     ----------
     vehicle : names the table. The effects that it knows are taken out of the logs first, see
         `calib.fitting.known_effects`.
-    logs : one ramp or more; logs without braking serve as coast logs.
+    logs : one ramp or more; logs without braking serve as coast logs, and ramps on which one axle
+        brakes alone by its wheel pressures tell tyres and pads of the axles apart.
     mass : of the car in these logs [kg], if it is not that of ``vehicle``. The table keeps the
         vehicle as it is: what was weighed once need not be the load of the next run.
 
@@ -69,8 +71,8 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
         prepare(car, log.name, b, noise, known.effects, sensor)
         for (log, b, noise), sensor in zip(ramps, sensors, strict=True)
     ]
-    found, runs = identify(car, runs)
-    z_max = float(max(np.max(run.blocks.z[run.use]) for run in runs))
+    found, runs = identify(car, runs, known)
+    z_max = float(max(np.max(run.blocks.z[run.use]) for run in with_both_axles(runs)))
     sources = ", ".join(log.source for log, _, _ in ramps)
     require_tyre(car, found, z_max, sources)
     peak = find_peak(car, found, z_max)
@@ -102,6 +104,7 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
             *taken_out(driven),
             *stated(mass_used(vehicle, mass)),
             *remarks(car, found, runs, known, peak, len(coasts)),
+            *bought(car, found, runs, known),
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, notes),
         warnings=fit_warnings(car, *as_read, known, found, pads),

@@ -1,18 +1,19 @@
 """One tyre curve and the pad ratio from ramps, by least squares in what is measured.
 
-Unknown: the parameters of `calib.fitting.parameters`, and per run the zero of eta and of the slip;
-what they predict: `calib.fitting.ramp`. All noise is in the wheel speeds and v; the force side is
-smooth. From eta alone compliance and pad ratio are one number: the prior keeps them apart and the
-covariance says so.
+Unknown: the parameters of `calib.fitting.parameters`, per run the zero of eta and of the slip, and
+per ramp with one axle how its tyres depart; what they predict: `calib.fitting.ramp`. All noise is
+in the wheel speeds and v; the force side is smooth. From eta alone compliance and pad ratio are one
+number: the prior keeps them apart and the covariance says so. A ramp with one axle only, whose
+share is known, parts them.
 """
 
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.covariance_parts import Parts, information_parts, posterior_parts
+from calib.fitting.covariance_parts import Parts, information_parts
+from calib.fitting.pad_level import level_residuals, level_spread
 from calib.fitting.parameters import AT, COUNT, PRIORS, RampParameters, parameters_of
 from calib.fitting.ramp import (
     RampRun,
@@ -21,10 +22,11 @@ from calib.fitting.ramp import (
     sigma_eta,
     sigma_slip,
 )
+from calib.fitting.resistance import Resistance
 from calib.fitting.settings import SETTINGS
+from calib.fitting.weigh_ratio import weigh_ratio
 from calib.physics.vehicle import Vehicle
 from calib.signals.noise import SensorNoise, long_run_density
-from calib.statistics.hypotheses import weigh_hypotheses
 from calib.table.table import TyrePosterior
 
 Array = NDArray[np.float64]
@@ -35,10 +37,10 @@ class Identified:
     """The posterior of the parameters, and what each run gave.
 
     ``posterior`` over the names of `RampParameters`; ``eta_zero``, ``slip_zero`` per run [1];
-    ``pad_scale`` common factor on nominal pads at the identified ratio, per run [1]; ``residuals``
-    of eta and of slip over their noise, per run, over the blocks used, (k,); ``chi2`` mean square
-    of them; ``nominal_weight`` of the file's pad ratio; ``parts`` of the posterior's covariance by
-    what each comes from, (k, k).
+    ``pad_scale`` common factor on nominal pads at the identified ratio, per run that brakes both
+    axles [1]; ``residuals`` of eta and of slip over their noise, per run, over the blocks used,
+    (k,); ``chi2`` mean square of them; ``nominal_weight`` of the file's pad ratio; ``parts`` of the
+    posterior's covariance by what each comes from, (k, k).
     """
 
     posterior: TyrePosterior
@@ -56,18 +58,21 @@ class Identified:
         return parameters_of(self.posterior)
 
 
-def identify(vehicle: Vehicle, runs: list[RampRun]) -> tuple[Identified, list[RampRun]]:
+def identify(
+    vehicle: Vehicle, runs: list[RampRun], known: Resistance | None = None
+) -> tuple[Identified, list[RampRun]]:
     """Fit all runs together, twice: what the residual holds over the sensors' noise is noise too.
 
     The road shakes both wheels of an axle alike, and no tyre curve is exact; neither shows between
-    left and right. The runs come back with the noise that was used.
+    left and right. The runs come back with the noise that was used. ``known`` the resistance that
+    they were prepared with; None for runs that know the level of their pads exactly.
     """
-    first = identify_once(vehicle, runs)
+    first = identify_once(vehicle, runs, known)
     louder = [
         replace(run, noise=_honest(run, *residual))
         for run, residual in zip(runs, first.residuals, strict=True)
     ]
-    return identify_once(vehicle, louder), louder
+    return identify_once(vehicle, louder, known), louder
 
 
 def _honest(run: RampRun, eta: Array, slip: Array) -> SensorNoise:
@@ -79,15 +84,17 @@ def _honest(run: RampRun, eta: Array, slip: Array) -> SensorNoise:
     return replace(run.noise, omega=run.noise.omega * by_eta, v=run.noise.v * by_slip)
 
 
-def identify_once(vehicle: Vehicle, runs: list[RampRun]) -> Identified:
-    """Fit all runs together: one tyre, one pad ratio, zeros per run.
+def identify_once(
+    vehicle: Vehicle, runs: list[RampRun], known: Resistance | None = None
+) -> Identified:
+    """Fit all runs together: one tyre, one pad ratio, one level of the pads, zeros per run.
 
     Huber weights past ``huber`` sigma. Pads and tyres that are as declared are then weighed
-    against such that are not (`_weigh_ratio`).
+    against such that are not (`weigh_ratio`).
     """
-    best, jacobian = _least_squares(vehicle, runs)
-    x, covariance, weight, parts = _weigh_ratio(best, information_parts(runs, jacobian))
-    parameters, zeros = _parts(x)
+    best, jacobian = _least_squares(vehicle, runs, level_spread(vehicle, runs, known))
+    x, covariance, weight, parts = weigh_ratio(best, information_parts(runs, jacobian))
+    parameters, zeros, _ = _parts(runs, x)
     rest = _residuals(vehicle, runs, x)
     flat = np.concatenate([part for pair in rest for part in pair])
     return Identified(
@@ -99,7 +106,9 @@ def identify_once(vehicle: Vehicle, runs: list[RampRun]) -> Identified:
         eta_zero=tuple(float(eta) for eta, _ in zeros),
         slip_zero=tuple(float(slip) for _, slip in zeros),
         pad_scale=tuple(
-            normalised_forces(vehicle, run, parameters.log_pad_ratio)[2] for run in runs
+            normalised_forces(vehicle, run, parameters.log_pad_ratio)[2]
+            for run in runs
+            if run.only is None
         ),
         residuals=tuple(rest),
         chi2=float(np.mean(flat**2)),
@@ -108,15 +117,24 @@ def identify_once(vehicle: Vehicle, runs: list[RampRun]) -> Identified:
     )
 
 
-def _parts(x: Array) -> tuple[RampParameters[float], Array]:
-    """The parameters, and the zeros of eta and slip of each run, (runs, 2)."""
-    return RampParameters(*x[:COUNT]), x[COUNT:].reshape(-1, 2)
+def _parts(runs: list[RampRun], x: Array) -> tuple[RampParameters[float], Array, Array]:
+    """The parameters; of each run the zeros of eta and slip, (runs, 2), and its tyres, (runs,).
+
+    The tyres of a normal ramp are those of the table.
+    """
+    end = COUNT + 2 * len(runs)
+    softer = np.zeros(len(runs))
+    softer[[run.only is not None for run in runs]] = x[end:]
+    return RampParameters(*x[:COUNT]), x[COUNT:end].reshape(-1, 2), softer
 
 
-def _least_squares(vehicle: Vehicle, runs: list[RampRun]) -> tuple[Array, Array]:
+def _least_squares(
+    vehicle: Vehicle, runs: list[RampRun], level_sigma: Array
+) -> tuple[Array, Array]:
     """Most probable parameters and zeros, and the Jacobian of all residuals there.
 
-    Its rows: the priors of the parameters and of the zeros, then the data run by run.
+    Its rows: the priors of the parameters, of the zeros and of the tyres of ramps with one axle,
+    then the data run by run, then the levels of the pads, ``level_sigma`` about the common one.
 
     First with equal tyres on both axles, then from there with all parameters: far from it, unlike
     pads and unlike tyres can imitate each other.
@@ -125,13 +143,18 @@ def _least_squares(vehicle: Vehicle, runs: list[RampRun]) -> tuple[Array, Array]
 
     mean = np.array([prior.mean for prior in PRIORS])
     sigma = np.array([prior.sigma for prior in PRIORS])
-    x = np.concatenate([mean, np.zeros(2 * len(runs))])
-    scale = np.concatenate([sigma, np.full(2 * len(runs), 1e-3)])
+    zero = np.full(2 * len(runs), SETTINGS.zero_sigma)
+    own = np.full(sum(run.only is not None for run in runs), SETTINGS.tyres_repeat)
+    centre = np.concatenate([mean, 0.0 * zero, 0.0 * own])
+    spread = np.concatenate([sigma, zero, own])
+    scale = np.concatenate([sigma, np.full(zero.size, 1e-3), own])
+    x = centre.copy()
 
     def objective(part: Array, free: NDArray[np.int64]) -> Array:
         x[free] = part
         data = [one for pair in _residuals(vehicle, runs, x) for one in pair]
-        return np.concatenate([(x[:COUNT] - mean) / sigma, x[COUNT:] / SETTINGS.zero_sigma, *data])
+        level = level_residuals(vehicle, runs, x[AT.log_pad_ratio], level_sigma)
+        return np.concatenate([(x - centre) / spread, *data, level])
 
     every = np.arange(x.size)
     equal = np.delete(every, [AT.log_tyre_ratio, AT.radius_load])
@@ -153,10 +176,10 @@ def _least_squares(vehicle: Vehicle, runs: list[RampRun]) -> tuple[Array, Array]
 
 def _residuals(vehicle: Vehicle, runs: list[RampRun], x: Array) -> list[tuple[Array, Array]]:
     """Residuals of eta and of slip over their sigma, per run, over the blocks used."""
-    parameters, zeros = _parts(x)
+    parameters, zeros, softer = _parts(runs, x)
     out = []
-    for run, (eta_zero, slip_zero) in zip(runs, zeros, strict=True):
-        eta, mean = predict(vehicle, run, parameters, eta_zero, slip_zero)
+    for run, (eta_zero, slip_zero), own in zip(runs, zeros, softer, strict=True):
+        eta, mean = predict(vehicle, run, parameters, eta_zero, slip_zero, own)
         b = run.blocks
         e = (b.eta - eta) / sigma_eta(run.noise, b, b.eta - 1.0)
         if run.slip is None:
@@ -165,34 +188,3 @@ def _residuals(vehicle: Vehicle, runs: list[RampRun], x: Array) -> list[tuple[Ar
             s = (run.slip - mean) / sigma_slip(run.noise, b, run.slip)
             out.append((e[run.use], s[run.use]))
     return out
-
-
-def _weigh_ratio(x: Array, information: Parts) -> tuple[Array, Array, float, Parts]:
-    """Weigh pads, tyres and radii that are as declared against such that are not.
-
-    The fit sees the force share of each axle over its tyres' stiffness only: pads 10 % apart,
-    tyres 10 % apart and radii that fall under load leave much the same traces. The eight cases in
-    which each of the three departs or does not are weighed; the other parameters follow along their
-    correlation with the three. Returns mean, covariance, weight of the declared pads, and the parts
-    of the covariance.
-    """
-    covariance = np.linalg.inv(sum(information.values(), np.zeros((x.size, x.size))))
-    at = [AT.log_pad_ratio, AT.log_tyre_ratio, AT.radius_load]
-    wide = np.array([PRIORS[i].sigma for i in at])
-    narrow = np.array([SETTINGS.pad_tolerance, SETTINGS.tyre_tolerance, SETTINGS.radius_tolerance])
-    free = np.array(list(product((False, True), repeat=3)))
-    chance = np.array([SETTINGS.pads_differ, SETTINGS.tyres_differ, SETTINGS.radii_fall])
-    own = covariance[np.ix_(at, at)]
-    precision = np.asarray(np.linalg.inv(own))
-    sigma = np.where(free, wide, narrow)
-    weighed = weigh_hypotheses(
-        precision - np.diag(wide**-2.0),
-        precision @ x[at],
-        sigma,
-        np.where(free, chance, 1.0 - chance).prod(axis=1),
-    )
-    along = covariance[:, at] @ precision
-    moved = x + along @ (weighed.mean - x[at])
-    spread = covariance + along @ (weighed.covariance - own) @ along.T
-    sure = float(weighed.weights[~free[:, 0]].sum())
-    return moved, spread, sure, posterior_parts(information, weighed, along, at, sigma, free)

@@ -31,6 +31,8 @@ def settings() -> dict[str, float]:
         "block": BLOCK,
         "bite_pressure": BITE,
         "model_error": SETTINGS.model_error,
+        "pads_repeat": SETTINGS.pads_repeat,
+        "tyres_repeat": SETTINGS.tyres_repeat,
         "pads_differ": SETTINGS.pads_differ,
         "tyres_differ": SETTINGS.tyres_differ,
         "radii_fall": SETTINGS.radii_fall,

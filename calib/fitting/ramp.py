@@ -25,6 +25,7 @@ from calib.signals.accelerometer import Accelerometer
 from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks
 from calib.signals.noise import SensorNoise
+from calib.signals.one_axle import Axle, braked_alone
 
 Array = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ class RampRun:
     the brake, inertia included, as a force at the road [N]; ``brake_sum`` brake force of both axles
     that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
     blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
-    is exact.
+    is exact; ``only`` the axle that brakes alone, None where both do.
     """
 
     name: str
@@ -51,6 +52,7 @@ class RampRun:
     slip: Array | None
     use: NDArray[np.bool_]
     accelerometer: Accelerometer | None = None
+    only: Axle | None = None
 
 
 def prepare(
@@ -82,6 +84,7 @@ def prepare(
         slip=None if b.v is None else mean_slip(vehicle, load_f, b.omega_f, b.omega_r, b.v),
         use=np.asarray(use),
         accelerometer=accelerometer,
+        only=braked_alone(b.p_f, b.p_r),
     )
 
 
@@ -92,13 +95,19 @@ def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
     return float(total @ run.brake_sum[braked] / (total @ total))
 
 
+def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: float) -> tuple[Array, Array]:
+    """Brake forces [N] of the blocks with nominal pads at a pad ratio; a released axle has none."""
+    b = run.blocks
+    biting = np.maximum(b.p_f, b.p_r) > 0.5 * BITE
+    p_f, p_r = (p * (biting & (run.only in (None, a))) for a, p in (("f", b.p_f), ("r", b.p_r)))
+    return brake_forces(vehicle, p_f, p_r, log_ratio)
+
+
 def normalised_forces(
     vehicle: Vehicle, run: RampRun, log_ratio: float
 ) -> tuple[Array, Array, float]:
     """F_f, F_r [1] of the blocks from pressure, and the pad scale, at a pad ratio."""
-    b = run.blocks
-    biting = np.maximum(b.p_f, b.p_r) > 0.5 * BITE
-    B_f, B_r = brake_forces(vehicle, b.p_f * biting, b.p_r * biting, log_ratio)
+    B_f, B_r = nominal_forces(vehicle, run, log_ratio)
     scale = pad_scale(run, B_f, B_r)
     F_f = (scale * B_f + run.moment_f) / run.load_f
     F_r = (scale * B_r + run.moment_r) / run.load_r
@@ -111,9 +120,14 @@ def predict(
     parameters: RampParameters[float],
     eta_zero: float,
     slip_zero: float,
+    softer: float = 0.0,
 ) -> tuple[Array, Array]:
-    """Eta and the load-weighted mean slip [1] that the sensors would show, without noise."""
+    """Eta and the load-weighted mean slip [1] that the sensors would show, without noise.
+
+    ``softer`` logarithm of the tyres' compliance in this run over that of ``parameters`` [1].
+    """
     F_f, F_r, _ = normalised_forces(vehicle, run, parameters.log_pad_ratio)
+    parameters = parameters._replace(log_compliance=parameters.log_compliance + softer)
     slip_f, slip_r = tyres_of(parameters).slips(
         (F_f, F_r), (run.load_f, run.load_r), vehicle.static_loads
     )

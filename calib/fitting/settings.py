@@ -19,6 +19,13 @@ class FitSettings:
     """How equal equal tyres are (standard deviation of the logarithm)."""
     pad_tolerance: float = 0.02
     """How exactly pads that are as declared have the declared ratio (standard deviation)."""
+    pads_repeat: float = 0.015
+    """How alike the pads are on the ramps of one fit (standard deviation): friction changes by
+    about 0.05 % per kelvin, and discs are 30 K warmer or colder from one ramp to the next."""
+    tyres_repeat: float = 0.02
+    """How alike the tyres' stiffness is on a ramp with one axle and on the others (standard
+    deviation): 1 % for the warmth of rubber and road, and 1.5 % that the tyre curve is off at the
+    other forces and loads. Run `tests/studies/one_axle.py`."""
     model_error: float = 0.01
     """What the tyre curve itself is off, relative to the slip: about what third-party plants
     show."""

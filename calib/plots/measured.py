@@ -34,7 +34,7 @@ class MeasuredRamp:
     tyres carry [1]; ``eta`` zeroed on the lead-in and ``eta_model``, that of the identified car on
     this run [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads, ``f1``,
     ``f2`` from them [1]; ``slip_f``, ``slip_r`` [1] at the load of the tyre curve, None without v;
-    ``braked`` blocks with enough pressure.
+    ``braked`` blocks with enough pressure; ``both`` whether both axles brake.
     """
 
     name: str
@@ -51,6 +51,7 @@ class MeasuredRamp:
     slip_f: Array | None
     slip_r: Array | None
     braked: Mask
+    both: bool
 
 
 def measure(table: Table, log: Log) -> MeasuredRamp:
@@ -86,6 +87,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
         slip_f=slips[0] if slips else None,
         slip_r=slips[1] if slips else None,
         braked=np.asarray(run.use & ~free & (np.maximum(b.p_f, b.p_r) > BITE)),
+        both=run.only is None,
     )
 
 

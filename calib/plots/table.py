@@ -157,7 +157,7 @@ def f1_f2(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
     ):
         band(ax, x, lower, upper, stroke)
         by_flag(ax, x, f, curve.flag, stroke, label)
-    for ramp in ramps:
+    for ramp in _over_both(ramps):
         _over_eta(ax, table, ramp, ramp.f1, FRONT)
         _over_eta(ax, table, ramp, ramp.f2, REAR)
     _reach(ax, x)
@@ -170,10 +170,15 @@ def difference(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
     x = 100.0 * (curve.eta - 1.0)
     band(ax, x, curve.lower, curve.upper, IDENTIFIED)
     by_flag(ax, x, curve.D, curve.flag, IDENTIFIED, "$D$")
-    for ramp in ramps:
+    for ramp in _over_both(ramps):
         _over_eta(ax, table, ramp, ramp.F_f - ramp.F_r, IDENTIFIED)
     _reach(ax, x)
     ax.set(xlabel=ETA, ylabel="$D$ [1]")
+
+
+def _over_both(ramps: Ramps) -> Ramps:
+    """The ramps that the curves over eta are of: with both axles."""
+    return tuple(ramp for ramp in ramps if ramp.both)
 
 
 def _over_eta(ax: "Axes", table: Table, ramp: MeasuredRamp, y: Array, stroke: Stroke) -> None:

@@ -58,7 +58,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
     """Axle signals of a log. Raises LogError if the car hardly moves."""
     omega_f = 0.5 * (log["omega_fl"] + log["omega_fr"])
     omega_r = 0.5 * (log["omega_rl"] + log["omega_rr"])
-    p_f, p_r = _axle_pressure(log, "f"), _axle_pressure(log, "r")
+    p_f, p_r = axle_pressure(log, "f"), axle_pressure(log, "r")
     v = None if held_time(log) > HELD else log.channels.get("v")
     speed = vehicle.rear.rolling_radius * omega_r if v is None else v
     if np.max(speed) < MOVING:
@@ -89,7 +89,7 @@ HELD = 0.06
 is late by half of its step and makes steps of 1 % of the speed, which eta does not."""
 
 SLOWING = 1.0
-"""Deceleration of the wheels [m/s^2] at which a v that is as fine as theirs changes."""
+"""Deceleration [m/s^2] at which a v that is as fine as the wheel speeds changes."""
 
 
 def held_time(log: Log) -> float:
@@ -105,7 +105,7 @@ def held_time(log: Log) -> float:
     return count * log.sample_time / max(changes, 1)
 
 
-def _axle_pressure(log: Log, axle: str) -> Array:
+def axle_pressure(log: Log, axle: str) -> Array:
     """Mean of both wheel pressures [Pa] if both are logged, else the master cylinder's."""
     left, right = f"p_{axle}l", f"p_{axle}r"
     if left in log and right in log:

@@ -28,7 +28,8 @@ ADVICE = {
     "mass_tolerance = 0.005 in the vehicle file",
     "resistance": "add a coast log over a wide range of speeds to the fit",
     "accelerometer": "log v if it is not logged, and zero a_x on level ground",
-    "tyres": "log v if it is not logged, and fit with a ramp up to a higher deceleration",
+    "tyres": "log v if it is not logged, and add a ramp with the brakes of one axle only to the "
+    "fit, wheel pressures logged",
     "zeros": "start the log earlier: 3 s of straight rolling in front of the braking",
     "load_geometry": "log v if it is not logged, fit with a ramp up to a higher deceleration, and "
     "give the effect pitch_coupling if it is known",

@@ -21,6 +21,7 @@ from calib.physics.mass import MassUsed, mass_used
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
+from calib.signals.one_axle import braked_alone
 from calib.table.budget import AxleBudget, summary
 from calib.table.table import Table
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
@@ -224,6 +225,8 @@ def require_same_car(table: Table, log: Log) -> None:
     s = signals(log, table.vehicle)
     require_same_wheels(table.vehicle, log, s)
     b = blocks(s)
+    if braked_alone(b.p_f, b.p_r) == "r":
+        return  # eta falls, as it must
     known = (b.z > 0.05) & (b.z < table.paper.z[-1])
     braked = known & (b.end > bitten(b)) & (b.speed > 5.0)
     rise, error = eta_rise(b, braked)

@@ -10,6 +10,8 @@ from calib.checks.check import check, facts, problems_for, to_dict
 from calib.logs.read import read_log
 from calib.names import G
 from tests.support.made_runs import changed, made_run, ramp, stop, with_slip
+from tests.support.one_axle import one_axle
+from tests.support.reference_car import REAL, noisy, swapped, without
 
 SAMPLES = Path(__file__).parents[2] / "sample_logs"
 
@@ -148,6 +150,24 @@ def test_swapped_axles():
     assert "axles_swapped is -0.00" in warned(swapped)
     assert "axles_swapped" not in warned(log)
     assert usable(swapped) == STOP
+
+
+def test_a_ramp_with_the_rear_axle_only_is_not_taken_for_swapped():
+    log = noisy(one_axle(REAL, "r", faster=1.3), 0)
+    assert "swapped" not in warned(log)
+    assert "fit" in usable(log)
+    assert any("the rear tyres' stiffness" in use for use in check(log).uses)
+    assert "the rear wheels must slip more" in warned(swapped(log))
+    other = without(log, *(f"p_{a}{s}" for a in "fr" for s in "lr"))
+    assert "are the axles swapped?" in warned(other)
+
+
+def test_a_ramp_with_one_axle_may_be_shorter():
+    log = noisy(one_axle(REAL, "r"), 0)
+    assert reasons(log) == ""
+    assert "the ramp spans 0.1" in reasons(noisy(one_axle(REAL, "r", faster=0.5), 0))
+    other = without(log, *(f"p_{a}{s}" for a in "fr" for s in "lr"))
+    assert "the ramp spans" in reasons(other)
 
 
 def test_abs_spoils_a_ramp_but_not_a_stop():

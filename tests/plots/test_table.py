@@ -6,7 +6,9 @@ import pytest
 from calib.plots import table as figures
 from calib.plots.measured import measure
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED
+from tests.support.one_axle import one_axle
 from tests.support.plot_lines import axes, drawn, labels, line
+from tests.support.reference_car import IDEAL
 from tests.support.tables import C, made_table
 
 TABLE = made_table()
@@ -100,6 +102,16 @@ def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
     figures.tyre(ax, sedan, (run,))
     assert {"front measured", "rear measured"} <= {*labels(ax)}
     assert drawn(ax, 100.0 * run.slip_r[run.braked], run.F_r[run.braked])
+
+
+def test_a_ramp_with_one_axle_is_not_drawn_over_the_curves_of_both(sedan, ramp):
+    alone = measure(sedan, one_axle(IDEAL, "r"))
+    for draw in (figures.f1_f2, figures.difference):
+        bare, with_it, normal = axes(), axes(), axes()
+        draw(bare, sedan)
+        draw(with_it, sedan, (alone,))
+        draw(normal, sedan, (measure(sedan, ramp),))
+        assert len(with_it.lines) == len(bare.lines) < len(normal.lines)
 
 
 def test_a_ramp_without_v_leaves_the_tyre_curve_alone(sedan, ramp):

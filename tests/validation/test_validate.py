@@ -23,6 +23,7 @@ from calib.validation.validate import (
 )
 from tests.support.made_runs import made_run
 from tests.support.made_runs import stop as made_stop
+from tests.support.one_axle import one_axle
 from tests.support.plant import magic
 from tests.support.reference_car import (
     CAR,
@@ -200,6 +201,15 @@ def test_swapped_axles_are_refused(table, seed):
 def test_pads_that_fade_unequally_are_not_taken_for_swapped(table, front, rear):
     """Front pads at 0.6 of the rear ones bring eta below one, by a third of the table's rise."""
     require_same_car(table, noisy(stop(with_pads(REAL, front, rear)), 0))
+
+
+def test_a_stop_with_the_rear_axle_only_is_not_taken_for_swapped(table):
+    """Its eta falls by as much as that of a normal stop rises; its wheel pressures say why."""
+    log = noisy(one_axle(REAL, "r"), 0)
+    require_same_car(table, log)
+    pressures = (f"p_{a}{s}" for a in "fr" for s in "lr")
+    message = refusal(require_same_car, table, without(log, *pressures), kind=LogError)
+    assert "are the axles swapped?" in message
 
 
 def test_hard_stops_past_the_peak_of_eta_are_not_taken_for_swapped(table):

@@ -1,0 +1,44 @@
+"""Pads, tyres and radii of the axles: as declared, or not."""
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.fitting.covariance_parts import Parts, posterior_parts
+from calib.fitting.parameters import AT, PRIORS
+from calib.fitting.settings import SETTINGS
+from calib.statistics.hypotheses import weigh_hypotheses
+
+Array = NDArray[np.float64]
+
+
+def weigh_ratio(x: Array, information: Parts) -> tuple[Array, Array, float, Parts]:
+    """Weigh pads, tyres and radii that are as declared against such that are not.
+
+    The fit sees the force share of each axle over its tyres' stiffness only: pads 10 % apart,
+    tyres 10 % apart and radii that fall under load leave much the same traces. The eight cases in
+    which each of the three departs or does not are weighed; the other parameters follow along their
+    correlation with the three. Returns mean, covariance, weight of the declared pads, and the parts
+    of the covariance.
+    """
+    covariance = np.linalg.inv(sum(information.values(), np.zeros((x.size, x.size))))
+    at = [AT.log_pad_ratio, AT.log_tyre_ratio, AT.radius_load]
+    wide = np.array([PRIORS[i].sigma for i in at])
+    narrow = np.array([SETTINGS.pad_tolerance, SETTINGS.tyre_tolerance, SETTINGS.radius_tolerance])
+    free = np.array(list(product((False, True), repeat=3)))
+    chance = np.array([SETTINGS.pads_differ, SETTINGS.tyres_differ, SETTINGS.radii_fall])
+    own = covariance[np.ix_(at, at)]
+    precision = np.asarray(np.linalg.inv(own))
+    sigma = np.where(free, wide, narrow)
+    weighed = weigh_hypotheses(
+        precision - np.diag(wide**-2.0),
+        precision @ x[at],
+        sigma,
+        np.where(free, chance, 1.0 - chance).prod(axis=1),
+    )
+    along = covariance[:, at] @ precision
+    moved = x + along @ (weighed.mean - x[at])
+    spread = covariance + along @ (weighed.covariance - own) @ along.T
+    sure = float(weighed.weights[~free[:, 0]].sum())
+    return moved, spread, sure, posterior_parts(information, weighed, along, at, sigma, free)

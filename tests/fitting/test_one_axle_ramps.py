@@ -1,0 +1,139 @@
+"""Ramps with one axle only part pads and tyres that differ; the curves stay those of both axles."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.errors import LogError
+from calib.fitting.fit import fit
+from calib.table.invariants import violations
+from tests.support.one_axle import one_axle
+from tests.support.reference_car import CAR, REAL, cut, noisy, ramp, swapped, with_ratio, without
+from tests.support.refusals import refusal
+
+SEEDS = range(4)
+UNLIKE = with_ratio(replace(REAL, rear_stiffness=1.12), 1.1)
+"""Front pads 10 % better than the rear ones, rear tyres 12 % stiffer: the file knows neither."""
+
+TRUE = {"log_pad_ratio": math.log(1.1), "log_tyre_ratio": math.log(1.12)}
+PADS = {"pad_friction_f": 0.38 * math.sqrt(1.1), "pad_friction_r": 0.38 / math.sqrt(1.1)}
+PRESSURES = [f"p_{a}{s}" for a in "fr" for s in "lr"]
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return {"n": ramp(UNLIKE), "f": one_axle(UNLIKE, "f"), "r": one_axle(UNLIKE, "r")}
+
+
+@pytest.fixture(scope="module")
+def tables(clean):
+    """By the ramps that were driven, one for each seed of the sensors' noise."""
+
+    def logs(kinds, seed):
+        return [noisy(clean[kind], 100 * "nfr".index(kind) + seed) for kind in kinds]
+
+    return {kinds: [fit(CAR, logs(kinds, s)) for s in SEEDS] for kinds in ("n", "nf", "nr", "nfr")}
+
+
+def sigma(table, name):
+    return table.posterior.sigma(name)
+
+
+def test_a_normal_ramp_alone_leaves_the_ratios_open(tables):
+    for table in tables["n"]:
+        assert sigma(table, "log_pad_ratio") > 0.06
+        assert sigma(table, "log_tyre_ratio") > 0.05
+
+
+@pytest.mark.parametrize(
+    ("kinds", "pads", "tyres"), [("nf", 0.8, 0.85), ("nr", 0.55, 0.75), ("nfr", 0.35, 0.65)]
+)
+def test_a_ramp_with_one_axle_narrows_both(tables, kinds, pads, tyres):
+    for table, alone in zip(tables[kinds], tables["n"], strict=True):
+        assert sigma(table, "log_pad_ratio") < pads * sigma(alone, "log_pad_ratio")
+        assert sigma(table, "log_tyre_ratio") < tyres * sigma(alone, "log_tyre_ratio")
+        assert table.calibration.pad_friction_r.sigma < alone.calibration.pad_friction_r.sigma
+
+
+@pytest.mark.parametrize("kinds", ["nf", "nr", "nfr"])
+def test_and_the_truth_is_in_the_narrower_interval(tables, kinds):
+    off = []
+    for table in tables[kinds]:
+        found = [(table.posterior.value(k), sigma(table, k), v) for k, v in TRUE.items()]
+        for name, true in PADS.items():
+            value = getattr(table.calibration, name)
+            found.append((value.value, value.sigma, true))
+        off += [(value - true) / own for value, own, true in found]
+    assert np.max(np.abs(off)) < 3.0
+    assert np.sqrt(np.mean(np.square(off))) < 1.3
+
+
+def test_with_both_axles_alone_the_ratio_is_no_longer_drawn_to_the_file(tables):
+    """Pads that are as declared or not: the odds beforehand count less than the logs."""
+    for table in tables["nfr"]:
+        found = table.posterior
+        assert found.value("log_pad_ratio") == pytest.approx(TRUE["log_pad_ratio"], abs=0.03)
+        assert found.value("log_tyre_ratio") == pytest.approx(TRUE["log_tyre_ratio"], abs=0.06)
+
+
+def test_the_table_says_what_they_bought(tables):
+    said = [remark for remark in tables["nr"][0].remarks if "axle only" in remark]
+    now, before = (100.0 * sigma(tables[kinds][0], "log_pad_ratio") for kinds in ("nr", "n"))
+    assert len(said) == 1
+    assert said[0].startswith("ramp_r (rear axle only): pads' ratio known to ")
+    told = said[0].removeprefix("ramp_r (rear axle only): pads' ratio known to ").split(" % ")
+    assert float(told[0]) == pytest.approx(now, abs=0.051)
+    assert float(told[1].removeprefix("(")) == pytest.approx(before, rel=0.1)
+    assert not any("axle only" in remark for remark in tables["n"][0].remarks)
+
+
+def test_it_is_a_sound_table_of_ramps(tables):
+    for table in tables["nfr"]:
+        assert violations(table) == ()
+        assert {log.role for log in table.provenance.logs} == {"ramp"}
+        assert table.quality["runs"] == 3.0
+
+
+def test_curves_end_where_the_ramp_with_both_axles_ends(clean):
+    """The front axle alone reaches 0.43 g; this normal ramp 0.36 g."""
+    short = noisy(cut(clean["n"], 0.0, 6.5), 0)
+    alone = fit(CAR, [short])
+    table = fit(CAR, [short, noisy(clean["f"], 100)])
+    assert table.quality["deceleration_max"] == alone.quality["deceleration_max"] < 0.40
+    assert table.paper.z[-1] < 0.40
+    assert np.sum(table.tyre.count) < 1.3 * np.sum(alone.tyre.count)
+
+
+def test_level_of_the_pads_is_that_of_the_normal_ramp(clean):
+    """A rear ramp with pads that come 5 % stronger moves the ratio, the level by its share only."""
+    warm = with_ratio(replace(UNLIKE), 1.1 / 1.05**2)
+    table = fit(CAR, [noisy(clean["n"], 0), noisy(one_axle(warm, "r"), 200)])
+    front = table.calibration.pad_friction_f
+    assert abs(front.value - PADS["pad_friction_f"]) < 3.0 * front.sigma
+
+
+# What is refused, and why.
+
+
+def refused(*logs):
+    return refusal(fit, CAR, list(logs), kind=LogError)
+
+
+def test_a_ramp_with_both_axles_is_needed(clean):
+    message = refused(noisy(clean["f"], 0), noisy(clean["r"], 1))
+    assert "at least one ramp with both axles" in message
+
+
+def test_swapped_axles_are_seen_on_one_axle_too(clean):
+    normal = noisy(clean["n"], 0)
+    for axle, more in (("f", "front"), ("r", "rear")):
+        message = refused(normal, swapped(noisy(clean[axle], 1)))
+        assert f"only the {more} brakes have pressure" in message
+        assert "are the axles swapped?" in message
+
+
+def test_a_rear_ramp_without_its_pressures_is_refused(clean):
+    alone = without(noisy(clean["r"], 1), *PRESSURES)
+    assert "the ramp spans" in refused(noisy(clean["n"], 0), alone)
