@@ -122,6 +122,7 @@ def change_warnings(log: str, apart: float, sigma: float) -> Iterator[Plausibili
                 if apart > 0.0
                 else "a motor or an engine that brakes the rear axle",
                 *(("a motor that brakes the front axle",) if apart > 0.0 else ()),
+                "another load of the car than on the ramp",
             ),
             "drive a new ramp if tyres or brakes were changed; log wheel pressures and T_drive",
         )

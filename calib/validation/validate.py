@@ -5,7 +5,7 @@ table, log -> estimate -> metrics -> judged against limits -> DIR/<stem>.parquet
 
 import math
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -173,6 +173,9 @@ def validate_one(
     require_same_vehicle(table, vehicle, mass=mass)
     require_same_car(table, log)
     result = estimate(table, log, vehicle, mass=mass, with_laws=baselines)
+    warnings = warnings_of(log, result)
+    if any(w.code == "unexplained_braking_force" and w.measured > FOREIGN for w in warnings):
+        result = without_answer(result, "something brakes that the pressure does not explain")
     figures = score(log, car, result)
     compared = baselines and bool(result.valid.any())
     truth = truth_of(log, car, result) if compared else None
@@ -186,8 +189,19 @@ def validate_one(
         judgements=judge(limits, figures),
         baselines={} if truth is None else baseline_errors(car, result, truth),
         mass=mass_used(table.vehicle, mass),
-        warnings=warnings_of(log, result),
+        warnings=warnings,
     )
+
+
+FOREIGN = 0.1
+"""Force without pressure over the usual brake force [1] past which no sample is valid: it would
+stand in the pads of one axle, and a fifth of their friction is no estimate."""
+
+
+def without_answer(result: Estimate, why: str) -> Estimate:
+    """Return the estimate with no valid sample, for one reason that the whole run gives."""
+    refused = {**result.refused, why: result.braked}
+    return replace(result, valid=np.zeros_like(result.valid), refused=refused)
 
 
 SWAPPED = 0.5

@@ -1,6 +1,7 @@
 """What is warned about, by numbers set by hand and by a plant with one thing wrong."""
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from calib.estimation.estimator import estimate
 from calib.validation.validate import to_dict, validate
 from calib.validation.warnings import warnings_of
 from calib.warning import PlausibilityWarning
+from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, WET, noisy, stop, with_pads
 
 
@@ -91,3 +93,27 @@ def test_change_of_the_pads_is_held_by_its_interval(fitted, seed):
     for axle, true in ((e.front, 0.31 / 0.38), (e.rear, 0.27 / 0.38)):
         held = (axle.change_lower <= true) & (true <= axle.change_upper)
         assert np.mean(held[e.valid]) >= 0.9
+
+
+def test_a_strong_motor_that_is_not_logged_leaves_nothing_valid(fitted):
+    """200 N m a wheel at the rear, with the pedal: force without pressure, and no answer."""
+
+    def pedal(t):
+        return 35e5 * min(max((t - 1.5) / 0.3, 0.0), 1.0) * (0.9 + 0.1 * math.sin(2.0 * t))
+
+    def motor(t):
+        return 0.0, -400.0 * min(max((t - 1.5) / 0.1, 0.0), 1.0)
+
+    run = as_log(drive(replace(REAL, motor=motor), pedal, 27.0, duration=9.0, stop_speed=1.5), "m")
+    silent = replace(run, channels={k: x for k, x in run.channels.items() if k[:2] != "T_"})
+    (result,) = validate(fitted, [noisy(silent, 1)])
+    (found,) = [one for one in result.warnings if one.code == "unexplained_braking_force"]
+    force = 400.0 / CAR.rear.rolling_radius
+    usual = float(np.median(-silent["a_x"][600:1200])) * CAR.mass
+    assert found.measured == pytest.approx(force / usual, rel=0.35)
+    assert not result.passed
+    assert result.figures["valid_share"] == 0.0
+    assert "something brakes that the pressure does not explain" in result.refused
+    (told,) = validate(fitted, [noisy(run, 1)])  # with T_drive
+    assert told.figures["valid_share"] > 0.7
+    assert not [one for one in told.warnings if one.code == "unexplained_braking_force"]
