@@ -57,7 +57,7 @@ DEFAULTS: tuple[Limit, ...] = (
     Limit("covered_share", None, None, warn_low=0.5),
     Limit("pad_friction_drift_f", None, 0.10),
     Limit("pad_friction_drift_r", None, 0.20),
-    Limit("interval_f", None, 0.12),
+    Limit("interval_f", None, 0.135),
     Limit("interval_r", None, 0.26),
     Limit("torque_error_f", None, 0.03),
     Limit("torque_error_r", None, 0.08),
