@@ -123,7 +123,7 @@ def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -
 
 def _report(results: "list[Validation]") -> None:
     from calib.table.budget import advice_lines
-    from calib.validation.validate import NO_HOLDOUT, agreement
+    from calib.validation.validate import CALIBRATION, NO_HOLDOUT, agreement
 
     emit(_grid(results))
     emit(f"mass {results[0].mass}")
@@ -135,7 +135,7 @@ def _report(results: "list[Validation]") -> None:
                 emit(f"{result.log}: {j.figure} {j.value:.4g} is {bound}")
         for why, share in result.refused.items():
             emit(f"{result.log}: {100 * share:.0f} % of the braked samples are not valid: {why}")
-        if result.role == "calibration":
+        if result.role == CALIBRATION:
             emit(f"{result.log}: {NO_HOLDOUT}")
         for time in result.estimate.split.changes:
             emit(f"{result.log}: the surface changed at {time:.2f} s")
@@ -171,7 +171,9 @@ def _grid(results: "list[Validation]") -> "Grid":
 
 
 def _verdict(result: "Validation") -> str:
-    if result.role == "calibration":
+    from calib.validation.validate import CALIBRATION
+
+    if result.role == CALIBRATION:
         return "no hold-out"
     count = len(result.all_warnings)
     return result.verdict + (f", {count} warning{'s' * (count > 1)}" if count else "")

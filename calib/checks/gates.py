@@ -7,7 +7,7 @@ from calib.errors import LogError
 from calib.logs.log import Log
 from calib.physics.braking import BITE
 from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import Signals
+from calib.signals.axle_signals import Signals, rolling_radii
 from calib.signals.blocks import Blocks
 from calib.signals.driving_record import SETTLE
 
@@ -35,11 +35,11 @@ def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:
 
     Without ``v`` nothing is checked. A log of another car with the same wheels is not detected.
     """
-    if s.v is None or not s.lead_in.any():
+    radii = rolling_radii(s)
+    if radii is None:
         return
-    axles = {"front": (vehicle.front, s.omega_f), "rear": (vehicle.rear, s.omega_r)}
-    for side, (axle, omega) in axles.items():
-        radius = float(np.mean(s.v[s.lead_in]) / np.mean(omega[s.lead_in]))
+    axles = (("front", vehicle.front), ("rear", vehicle.rear))
+    for (side, axle), radius in zip(axles, radii, strict=True):
         if abs(radius / axle.rolling_radius - 1.0) > RADIUS_TOLERANCE:
             raise LogError(
                 f"the {side} wheels roll with a radius of {radius:.3f} m",

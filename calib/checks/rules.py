@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 from calib.checks.observation import Observation
 from calib.checks.sensors import Sensor
-from calib.physics.braking import BITE
 from calib.signals.driving_record import BITE_Z, BrakeEvent
 
 PURPOSES = ("fit", "validate", "diagnose")
@@ -103,11 +102,6 @@ def _wrong_pressure(seen: Observation) -> Iterator[str]:
         yield (
             f"p_mc takes {sensor.high / seen.z / 1e5:.1f} bar for each g, and no car less than "
             f"{SOFTEST / 1e5:g}: check its unit (bar or MPa) and its scale"
-        )
-    elif seen.z > 2.5 * BITE_Z and sensor.high < BITE:
-        yield (
-            f"the car brakes with {seen.z:.2f} g and p_mc stays below {BITE / 1e5:g} bar: "
-            "check its unit, or whether it is the brake's pressure at all"
         )
 
 

@@ -20,7 +20,9 @@ from numpy.typing import NDArray
 
 from calib.estimation.estimator import Basis, Estimate, split_of
 from calib.estimation.pad_ratio import Step
+from calib.estimation.plan import Plan
 from calib.estimation.split_budget import ratio_parts
+from calib.estimation.weighed_level import WeighedLevel
 from calib.physics.balance import brake_forces
 from calib.table.budget import PARTS, AxleBudget, Parts, axle_budget
 
@@ -39,7 +41,7 @@ def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
     if e.basis is None or not e.valid.any():
         return None
     steps: list[Step | None] = []
-    split_of(e.basis.plan, e.blocks, e.basis.demand, steps)
+    split_of(e.plan, e.blocks, e.basis.demand, steps)
     front, rear = _median(e, e.front.lower, e.front.upper), _median(e, e.rear.lower, e.rear.upper)
     return (
         _at(e, e.basis, steps, front, e.front.pad_friction, front_axle=True),
@@ -60,15 +62,15 @@ def _at(
     """Budget of one axle at one sample."""
     block = int(e.blocks.last_complete(e.time[i : i + 1])[0])
     p_f, p_r = (np.maximum(p[i], 1.0) for p in (e.pressure_f, e.pressure_r))
-    front, rear = brake_forces(basis.plan.nominal, p_f, p_r, e.split.log_pad_ratio[block])
+    front, rear = brake_forces(e.plan.nominal, p_f, p_r, e.split.log_pad_ratio[block])
     lever = float((rear if front_axle else front) / (front + rear))
-    level, ratio = _level(basis, i), _ratio(e, basis, steps, block)
+    level, ratio = _level(e.plan, basis.level, i), _ratio(e, steps, block)
     return axle_budget(float(mu[i]), (1.0, level), (lever**2, ratio))
 
 
-def _level(basis: Basis, i: int) -> Parts:
+def _level(plan: Plan, level: WeighedLevel, i: int) -> Parts:
     """Variance of the logarithm of the level at a sample, by part."""
-    level, p, car = basis.level, basis.plan.priors, basis.plan.nominal
+    p, car = plan.priors, plan.nominal
     measured = {
         "mass": car.mass_tolerance**2,
         "resistance": float(level.resistance[i]) ** 2,
@@ -79,15 +81,15 @@ def _level(basis: Basis, i: int) -> Parts:
     counted, alike, apart = _weighed(weight, sum(measured.values()), free, p.level_alike)
     out = {part: counted * variance for part, variance in measured.items()}
     out["unlike_pads"] = alike + apart
-    for part, variance in basis.plan.ramp_level.items():
+    for part, variance in plan.ramp_level.items():
         out[part] = out.get(part, 0.0) + weight * variance
     return out
 
 
-def _ratio(e: Estimate, basis: Basis, steps: Steps, block: int) -> Parts:
+def _ratio(e: Estimate, steps: Steps, block: int) -> Parts:
     """Variance of the logarithm of the pads' ratio after a block, by part."""
-    p, weight = basis.plan.priors, float(e.split.nominal_weight[block])
-    parts = ratio_parts(basis.plan, e.blocks, steps, block)
+    p, weight = e.plan.priors, float(e.split.nominal_weight[block])
+    parts = ratio_parts(e.plan, e.blocks, steps, block)
     # on a strange surface the ratio errs today, not on the ramp
     today = np.array([[1.0, 0.0], [0.0, 0.0]])
     strange = (p.foreign * float(e.split.log_stiffness[block])) ** 2

@@ -42,6 +42,7 @@ from calib.signals.axle_signals import Signals, eta_of, signals
 from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks, blocks
 from calib.signals.brake_balance import BrakeBalance, brake_balance
+from calib.signals.filters import block_mean
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -80,9 +81,8 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Basis:
-    """What an estimate started from, its level with what is open of it, and the filter's input."""
+    """The level of an estimate with what is open of it, and the filter's input."""
 
-    plan: Plan
     level: WeighedLevel
     demand: SplitInput
 
@@ -93,12 +93,11 @@ class Estimate:
 
     ``plan`` what it started from, ``read`` the signals as read, known effects taken out; ``eta``
     zeroed (22) [1]; ``z`` [1]; ``valid`` the estimator stands behind the sample, ``refused`` where
-    not, by reason; ``braked``
-    pads bite; ``baselines`` pad friction (front, rear) by method name; ``split`` and ``blocks`` the
-    filter's own record; ``eta_zero`` what was zeroed [1]; ``accelerometer`` its scale and
-    offset, by block; ``factor_f``, ``factor_r`` what known
-    effects did to the pad friction, which is given without them [1]; ``notes`` name the
-    baselines left out; ``basis`` what an uncertainty budget is made from.
+    not, by reason; ``braked`` pads bite; ``baselines`` pad friction (front, rear) by method name;
+    ``split`` and ``blocks`` the filter's own record; ``eta_zero`` what was zeroed [1];
+    ``accelerometer`` its scale and offset, by block; ``factor_f``, ``factor_r`` what known effects
+    did to the pad friction, which is given without them [1]; ``notes`` name the baselines left out;
+    ``basis`` what an uncertainty budget is made from.
     """
 
     plan: Plan
@@ -226,13 +225,12 @@ def estimate(
     read = signals(ran.log, nominal or ran.vehicle)
     _require_lead_in(log, read)
     known = with_known_pitch(priors or Priors(), car)
-    plan = plan_for(used, ran.log, read, nominal, known, gates)
-    plan = replace(plan, mass_stated=mass is not None)
+    plan = plan_for(used, ran.log, read, nominal, known, gates, mass_stated=mass is not None)
     as_read = blocks(read)
     sensor = judge_accelerometer(plan.nominal, plan.known, as_read, plan.noise)
     felt = sensor.at(as_read.last_complete(read.time))
     s, sigma_z = replace(read, z=felt.corrected(read.z)), felt.sigma(read.z)
-    b = blocks(s)
+    b = replace(as_read, z=block_mean(s.z, as_read.samples))
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
     demand = demand_of(plan, s, b, level)
@@ -274,7 +272,7 @@ def estimate(
         factor_f=ran.factor_f,
         factor_r=ran.factor_r,
         notes=others.notes,
-        basis=Basis(plan, weighed, demand),
+        basis=Basis(weighed, demand),
     )
 
 

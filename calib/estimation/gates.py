@@ -10,7 +10,7 @@ from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.braking import MOVING
 from calib.signals.axle_signals import Signals
-from calib.signals.filters import low_pass
+from calib.signals.filters import low_pass, since
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -80,8 +80,8 @@ def validity(
         good = {
             "the pressure is low": np.maximum(s.p_f, s.p_r) > gates.pressure,
             "the car is slow": s.speed > gates.speed,
-            "the brake has just been applied": _since(s.time, ~active) > gates.settle,
-            "a wheel locks, or ABS works": _since(s.time, _locked(log, s, gates)) > gates.recover,
+            "the brake has just been applied": since(s.time, ~active) > gates.settle,
+            "a wheel locks, or ABS works": since(s.time, _locked(log, s, gates)) > gates.recover,
             f"the front interval is wider than {100 * gates.interval_f:g} %": _narrow(
                 front, gates.interval_f
             ),
@@ -108,11 +108,6 @@ def _narrow(axle: AxleEstimate, width: float) -> Mask:
 def _possible(axle: AxleEstimate, gates: Gates) -> Mask:
     low, high = gates.possible
     return np.asarray((axle.pad_friction > low) & (axle.pad_friction < high))
-
-
-def _since(time: Array, event: Mask) -> Array:
-    """Time since the event last held [s]; infinite before its first."""
-    return time - np.maximum.accumulate(np.where(event, time, -np.inf))
 
 
 def _lateral(log: Log, s: Signals, track_width: float) -> Array:

@@ -67,17 +67,13 @@ KEPT = np.array(
 
 
 def weigh(
-    x: Array,
-    kept: Array,
-    innovation: Array,
-    changes: tuple[float, ...],
-    priors: Priors,
+    x: Array, kept: Array, innovation: Array, changes: tuple[float, ...], priors: Priors
 ) -> PadRatio:
     """Weigh the ratio against the table's and add what a strange surface leaves open.
 
     ``x`` states (k, COUNT); ``kept`` the entries `KEPT` of their covariance (k, 4); ``innovation``
-    (k, 2) of eta and slip; ``changes`` are handed on. A ratio that cannot be told
-    from the table's is given back as the table's (`calib.statistics.mixture_posterior`).
+    (k, 2) of eta and slip; ``changes`` are handed on. A ratio that cannot be told from the table's
+    is given back as the table's (`calib.statistics.mixture_posterior`).
     """
     today, then, between, stiffness = kept.T
     log_ratio, log_stiffness = x[:, AT.log_pad_ratio], x[:, AT.log_stiffness]

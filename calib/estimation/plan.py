@@ -48,6 +48,8 @@ def plan_for(
     vehicle: Vehicle | None = None,
     priors: Priors | None = None,
     gates: Gates | None = None,
+    *,
+    mass_stated: bool = False,
 ) -> Plan:
     """The plan of a log: nominal pads of ``vehicle``, or those of the calibration."""
     return Plan(
@@ -58,6 +60,7 @@ def plan_for(
         ramp_level=level_of(table) if vehicle is None else {},
         priors=priors or Priors(),
         gates=gates or Gates(),
+        mass_stated=mass_stated,
     )
 
 

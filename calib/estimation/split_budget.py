@@ -33,6 +33,7 @@ from calib.estimation.states import (
     state_list,
     today_as_then,
 )
+from calib.fitting.covariance_parts import PART as OF_RAMP
 from calib.fitting.parameters import PRIORS
 from calib.signals.blocks import Blocks
 from calib.table.table import Table
@@ -40,24 +41,18 @@ from calib.table.table import Table
 Array = NDArray[np.float64]
 
 PART = States[str](
-    log_pad_ratio="unlike_pads",
+    **OF_RAMP._asdict(),
     log_stiffness="tyres",
     peak_ratio="tyres",
     load_shift="load_geometry",
     elastic_share="load_geometry",
     eta_zero="zeros",
     slip_zero="zeros",
-    clock_offset="zeros",
-    load_exponent="tyres",
-    log_compliance="tyres",
-    curvature_2="tyres",
-    curvature_3="tyres",
     table_log_pad_ratio="ramp",
-    log_tyre_ratio="tyres",
-    radius_load="load_geometry",
     tyre_change="tyres",
 )
-"""The part of an uncertainty that a state's own prior and drift belong to."""
+"""The part of an uncertainty that a state's own prior and drift belong to; a state that is a
+parameter of the ramp belongs where it does."""
 
 PAIR = [AT.log_pad_ratio, AT.table_log_pad_ratio]
 """The ratio of the pads today, and that on the day of the ramp."""

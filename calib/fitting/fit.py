@@ -21,7 +21,7 @@ from calib.fitting.ramp import prepare
 from calib.fitting.remarks import remarks, stated, taken_out
 from calib.fitting.resistance import RESISTANCE
 from calib.fitting.resistance import identify as identify_resistance
-from calib.fitting.sensors import correct_accelerometer, of_whole_run
+from calib.fitting.sensors import of_whole_run, put_right
 from calib.fitting.sort_logs import sort_logs
 from calib.fitting.warnings import fit_warnings
 from calib.logs.log import Log
@@ -64,8 +64,8 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
     as_read = sort_logs(car, [run.log for run in corrected])
-    sensors = [of_whole_run(car, b, noise) for _, b, noise in as_read[0]]
-    ramps, coasts = ([correct_accelerometer(car, *run) for run in group] for group in as_read)
+    sensors, _ = judged = [[of_whole_run(car, *run[1:]) for run in group] for group in as_read]
+    ramps, coasts = (list(map(put_right, *pair)) for pair in zip(as_read, judged, strict=True))
     known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
     runs = [
         prepare(car, log.name, b, noise, known.effects, sensor)

@@ -5,7 +5,6 @@ from dataclasses import replace
 from calib.fitting.resistance import Resistance
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sort_logs import Prepared
-from calib.logs.log import Log
 from calib.physics.vehicle import Vehicle
 from calib.signals.accelerometer import Accelerometer, accelerometer
 from calib.signals.block_balance import block_balance
@@ -13,9 +12,10 @@ from calib.signals.blocks import Blocks
 from calib.signals.noise import SensorNoise
 
 
-def correct_accelerometer(vehicle: Vehicle, log: Log, b: Blocks, noise: SensorNoise) -> Prepared:
-    """Blocks with the z that the tyres feel, by what the whole calibration run says."""
-    return log, replace(b, z=of_whole_run(vehicle, b, noise).corrected(b.z)), noise
+def put_right(run: Prepared, sensor: Accelerometer) -> Prepared:
+    """The run with the z that the tyres feel, by its accelerometer as judged over all of it."""
+    log, b, noise = run
+    return log, replace(b, z=sensor.corrected(b.z)), noise
 
 
 def of_whole_run(vehicle: Vehicle, b: Blocks, noise: SensorNoise) -> Accelerometer:

@@ -10,7 +10,7 @@ from calib.checks.sensors import resolution_of
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.vehicle import Vehicle
-from calib.signals.axle_signals import HELD, Signals, held_time
+from calib.signals.axle_signals import HELD, Signals, held_time, rolling_radii
 from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
@@ -31,7 +31,8 @@ COMPARED = (*(f"omega_{w}" for w in WHEELS), "v", "a_x", "p_mc")
 def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:
     """Two channels with one signal; wheels that are not those of the file."""
     yield from _twice(log)
-    yield from _held(log)
+    if s.v is None and "v" in log:
+        yield _held(log)
     yield from _radii(log.name, vehicle, s)
 
 
@@ -51,17 +52,16 @@ def _twice(log: Log) -> Iterator[PlausibilityWarning]:
             )
 
 
-def _held(log: Log) -> Iterator[PlausibilityWarning]:
-    held = held_time(log)
-    if held > HELD:
-        yield PlausibilityWarning(
-            "v_held",
-            log.name,
-            held,
-            (0.0, HELD),
-            ("a receiver of satellites, or a slow bus, whose v is held in between", "a coarse v"),
-            "v is not used; log a v of 20 Hz or more",
-        )
+def _held(log: Log) -> PlausibilityWarning:
+    """What is said of a v that the signals left out."""
+    return PlausibilityWarning(
+        "v_held",
+        log.name,
+        held_time(log),
+        (0.0, HELD),
+        ("a receiver of satellites, or a slow bus, whose v is held in between", "a coarse v"),
+        "v is not used; log a v of 20 Hz or more",
+    )
 
 
 def _noise(x: Array) -> Array:
@@ -83,11 +83,11 @@ def _is_noise(x: Array) -> bool:
 
 
 def _radii(log: str, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:
-    if s.v is None or not s.lead_in.any():
+    radii = rolling_radii(s)
+    if radii is None:
         return
-    speed = float(np.mean(s.v[s.lead_in]))
-    for side, axle, omega in (("f", vehicle.front, s.omega_f), ("r", vehicle.rear, s.omega_r)):
-        radius = speed / float(np.mean(omega[s.lead_in]))
+    axles = (("f", vehicle.front), ("r", vehicle.rear))
+    for (side, axle), radius in zip(axles, radii, strict=True):
         low, high = ((1.0 + sign * RADIUS) * axle.rolling_radius for sign in (-1.0, 1.0))
         if not low < radius < high:
             yield PlausibilityWarning(

@@ -84,6 +84,15 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
     )
 
 
+def rolling_radii(s: Signals) -> tuple[float, float] | None:
+    """Rolling radii [m] of front and rear wheels on the lead-in; None without v or a lead-in."""
+    if s.v is None or not s.lead_in.any():
+        return None
+    speed = np.mean(s.v[s.lead_in])
+    front, rear = (float(speed / np.mean(omega[s.lead_in])) for omega in (s.omega_f, s.omega_r))
+    return front, rear
+
+
 HELD = 0.06
 """Longest time between two values of v [s]: a receiver of satellites with 10 Hz, held in between,
 is late by half of its step and makes steps of 1 % of the speed, which eta does not."""

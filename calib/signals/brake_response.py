@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from calib.physics.lag import first_order
 from calib.signals.axle_signals import Signals
 from calib.signals.brake_balance import BrakeBalance
-from calib.signals.filters import block_mean
+from calib.signals.filters import block_mean, since
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -140,8 +140,7 @@ def _useful(s: Signals, active: Mask) -> Mask:
     """The lead-in, and from the first braking on all that is braked or has just been, (n,)."""
     if not active.any():
         return np.zeros_like(active)
-    since = s.time - np.maximum.accumulate(np.where(active, s.time, -np.inf))
-    return np.asarray((s.lead_in | (since < AFTER)) & (s.speed > SLOW))
+    return np.asarray((s.lead_in | (since(s.time, active) < AFTER)) & (s.speed > SLOW))
 
 
 def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Array, Array, Array]:

@@ -70,6 +70,15 @@ def low_pass(x: Array, step: float, time_constant: float) -> Array:
     return np.asarray(lfilter([gain], [1.0, gain - 1.0], x, zi=start)[0])
 
 
+def since(time: Array, event: Mask) -> Array:
+    """Time since the ``event`` last held [s] (n,); infinite before its first.
+
+    >>> since(np.array([0.0, 1.0, 2.0]), np.array([False, True, False]))
+    array([inf,  0.,  1.])
+    """
+    return np.asarray(time - np.maximum.accumulate(np.where(event, time, -np.inf)))
+
+
 def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
     """Start and end (exclusive) of each run of at least ``least`` samples with a true ``mask``.
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from calib.physics.balance import brake_forces
+from calib.table.pads_budget import front_share
 from calib.table.table import Table
 from calib.validation.validate import Validation
 from calib.warning import PlausibilityWarning
@@ -41,7 +41,7 @@ def level_change(table: Table, result: Validation) -> float | None:
     mu_f, mu_r = (result.figures[f"pad_friction_{axle}"] for axle in "fr")
     if mu_f is None or mu_r is None:
         return None
-    cal, one = table.calibration, np.ones(())
-    front, rear = brake_forces(table.vehicle, one, one, cal.pad_log_ratio.value)
-    changed = mu_f / cal.pad_friction_f.value * front + mu_r / cal.pad_friction_r.value * rear
-    return float(changed / (front + rear))
+    cal = table.calibration
+    share = front_share(table.vehicle, cal.pad_log_ratio.value)
+    front, rear = mu_f / cal.pad_friction_f.value, mu_r / cal.pad_friction_r.value
+    return share * front + (1.0 - share) * rear

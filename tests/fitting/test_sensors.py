@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.fitting.fit import fit
-from calib.fitting.sensors import correct_accelerometer
+from calib.fitting.sensors import of_whole_run, put_right
 from calib.names import G
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
@@ -27,9 +27,10 @@ def misread(log, scale=1.0, offset=0.0):
 def departure(clean, log):
     """Corrected less true z [1] of the braked blocks."""
     b = blocks(signals(log, CAR))
-    _, put_right, _ = correct_accelerometer(CAR, log, b, sensor_noise(log, b))
+    noise = sensor_noise(log, b)
+    _, corrected, _ = put_right((log, b, noise), of_whole_run(CAR, b, noise))
     true = blocks(signals(clean, CAR)).z
-    return (put_right.z - true)[true > 0.2], true[true > 0.2]
+    return (corrected.z - true)[true > 0.2], true[true > 0.2]
 
 
 @pytest.mark.parametrize("scale", [0.95, 1.0, 1.05])

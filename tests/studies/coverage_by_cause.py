@@ -13,8 +13,6 @@ import argparse
 import sys
 import zlib
 from collections import Counter
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -31,6 +29,7 @@ from calib.validation.validate import validate_one
 from tests.studies.causes import CAUSES
 from tests.studies.coverage import without_v
 from tests.studies.ensemble import Case, case
+from tests.studies.pool import carried_out
 
 
 @dataclass(frozen=True)
@@ -138,15 +137,6 @@ def share(hits: int, n: int) -> str:
     return f"{100 * hits / n:.0f} %" if n else "none"
 
 
-def carried_out(jobs: list[tuple[str, int, int]], workers: int) -> Iterator[list[Row]]:
-    """The rows of the jobs in their order."""
-    if workers == 1:
-        yield from map(tried, jobs)
-        return
-    with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(tried, jobs)
-
-
 def main() -> None:
     """Run the study."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
@@ -156,7 +146,7 @@ def main() -> None:
     parser.add_argument("--cause", action="append", choices=list(CAUSES), metavar="CAUSE")
     asked = parser.parse_args()
     jobs = [(c, asked.seed, i) for c in asked.cause or CAUSES for i in range(asked.cars)]
-    found = [row for part in carried_out(jobs, asked.jobs) for row in part]
+    found = [row for part in carried_out(tried, jobs, asked.jobs) for row in part]
     print(f"{asked.cars} cars a cause, seed {asked.seed}")
     for with_v in (True, False):
         report(found, with_v)

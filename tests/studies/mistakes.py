@@ -21,8 +21,7 @@ it. Every one is written to files and goes through `fit`, `validate` and `statio
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +31,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.studies.answers import COMMANDS, Said
 from tests.studies.made_mistakes import KINDS
 from tests.studies.naming import wilson
+from tests.studies.pool import carried_out
 from tests.studies.scored_mistakes import Row, tried
 
 
@@ -114,15 +114,6 @@ def print_rows(rows: list[Row]) -> None:
             print(f"       {command:9} {said.code} {told[:200]}")
 
 
-def carried_out(jobs: list[tuple[int, int, str]], workers: int) -> Iterator[Row]:
-    """The rows in the order of the jobs."""
-    if workers == 1:
-        yield from map(tried, jobs)
-        return
-    with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(tried, jobs)
-
-
 def main() -> None:
     """Run the study."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
@@ -134,7 +125,7 @@ def main() -> None:
     asked = parser.parse_args()
     kinds = asked.kind or list(KINDS)
     jobs = [(asked.seed, i, kinds[i % len(kinds)]) for i in range(asked.lines)]
-    rows = list(carried_out(jobs, asked.jobs))
+    rows = list(carried_out(tried, jobs, asked.jobs))
     if asked.rows:
         print_rows(rows)
     print(f"{asked.lines} lines, seed {asked.seed}")

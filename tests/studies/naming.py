@@ -15,8 +15,7 @@ import sys
 import time
 import traceback
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -25,6 +24,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
+from tests.studies.pool import carried_out
 from tests.support.hidden.cases import KINDS, HiddenCase, draw, write
 from tests.support.hidden.score import FAINT, Replays, Score, score
 
@@ -59,7 +59,7 @@ def main() -> None:
         for i in range(asked.count)
     ]
     rows = []
-    for row in carried_out(jobs, asked.jobs):
+    for row in carried_out(carry_out, jobs, asked.jobs):
         print(line(row), file=sys.stderr, flush=True)
         rows.append(row)
         if asked.rows:
@@ -81,15 +81,6 @@ def arguments() -> argparse.Namespace:
     asked = parser.parse_args()
     asked.kind = asked.kind or list(KINDS)
     return asked
-
-
-def carried_out(jobs: list[Job], workers: int) -> Iterator[Row]:
-    """The rows in the order of the jobs."""
-    if workers == 1:
-        yield from map(carry_out, jobs)
-        return
-    with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(carry_out, jobs)
 
 
 def carry_out(job: Job) -> Row:
