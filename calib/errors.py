@@ -10,7 +10,7 @@
     │   └── ExchangeError     a calibration file (DCM, CDF) or its validation summary
     ├── BatchError            exit code 2: the folder or the workers of a batch
     └── StoreError            exit code 4: the table store, or a table in it
-        ├── TableNotFound     no table of that name or version
+        ├── TableNotFound     no table of that name or version: exit code 2
         └── DamagedTable      the content does not match its digest
 
 The command line catches only the root. A message says what was wrong, which value was given, what
@@ -82,7 +82,9 @@ class StoreError(BrakeCalError):
 
 
 class TableNotFound(StoreError):
-    """The store has no table of that name or version."""
+    """The store has no table of that name or version: a mistake in what was typed."""
+
+    exit_code = 2
 
 
 class DamagedTable(StoreError):
