@@ -19,7 +19,7 @@ from typing import Any
 
 from calib.digest import canonical_json
 from calib.errors import DamagedTable
-from calib.table.state import CHANGES, STATES, Evidence, Judgement, State
+from calib.table.state import CHANGES, STATES, Decision, Evidence, State
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"
 
@@ -115,24 +115,24 @@ class Journal:
 
     def added(
         self, event: str, name: str, version: int, digest: str, record: str,
-        judgement: Judgement, *, inputs: str = "", key: str = "", program: str,
+        decision: Decision, *, inputs: str = "", key: str = "", program: str,
     ) -> "Journal":  # fmt: skip
         """The journal with one more entry."""
         entry = Entry(
             number=len(self.entries) + 1,
             at=datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
-            by=judgement.person,
+            by=decision.person,
             program=program,
             event=event,
             table=name,
             version=version,
-            state=judgement.state,
+            state=decision.state,
             digest=digest,
             record=record,
             inputs=inputs,
-            reason=judgement.reason,
-            verdict=judgement.verdict,
-            evidence=judgement.evidence,
+            reason=decision.reason,
+            verdict=decision.verdict,
+            evidence=decision.evidence,
             key=key,
             previous=self.head,
             hash="",

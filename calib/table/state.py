@@ -4,7 +4,7 @@
       │          │  ^          ^
       └──────> rejected ───────┘
 
-A version begins as a draft, or in the state that its judgement gives. A rejected version becomes
+A version begins as a draft, or in the state that its decision gives. A rejected version becomes
 released only on new evidence. A withdrawn version stays withdrawn.
 """
 
@@ -37,7 +37,7 @@ class Evidence:
 
 
 @dataclass(frozen=True)
-class Judgement:
+class Decision:
     """What is said of a version, and by whom.
 
     ``state`` one of `STATES`; ``reason`` in words; ``verdict`` of the evidence: passed, warning or
@@ -87,28 +87,30 @@ class State:
         return self.word not in UNUSABLE
 
     @property
+    def why(self) -> str:
+        """The state with its reason, in one line that depends on no clock and no computer."""
+        return f"{self.word}: {self.reason}" if self.reason else self.word
+
+    @property
     def words(self) -> str:
         """The state with its reason, person and date, in one line."""
-        told = ", ".join(
-            part for part in (f"by {self.by}" if self.by else "", self.at[:10]) if part
-        )
-        head = f"{self.word} ({told})" if told else self.word
-        return f"{head}: {self.reason}" if self.reason else head
+        told = [f"by {self.by}"] * bool(self.by) + [self.at[:10]] * bool(self.at)
+        return f"{self.why} ({', '.join(told)})" if told else self.why
 
 
 UNKNOWN = State()
 """State of a version that no journal knows: a draft."""
 
 
-def next_state(version: str, now: State, judgement: Judgement | None) -> State:
-    """State of a version after a judgement; ``now`` where that says nothing new.
+def next_state(version: str, now: State, decision: Decision | None) -> State:
+    """State of a version after a decision; ``now`` where that says nothing new.
 
     Raises StoreError where the new state may not follow.
     """
-    if judgement is None or judgement.state == DRAFT:
+    if decision is None or decision.state == DRAFT:
         return now
-    new = judgement.state
-    if now.word == new and now.evidence == judgement.evidence:
+    new = decision.state
+    if now.word == new and now.evidence == decision.evidence:
         return now
     if new not in CHANGES[now.word]:
         raise StoreError(
@@ -116,13 +118,13 @@ def next_state(version: str, now: State, judgement: Judgement | None) -> State:
             where=version,
             do="fit the car again: a new log makes a new version",
         )
-    if (now.word, new) == (REJECTED, RELEASED) and not judgement.evidence:
+    if (now.word, new) == (REJECTED, RELEASED) and not decision.evidence:
         raise StoreError(
             f"is {now.words}; it is released only on new evidence",
             where=version,
             do="validate it, and give the summary.json with --evidence",
         )
-    return judgement.as_state()
+    return decision.as_state()
 
 
 def user() -> str:

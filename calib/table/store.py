@@ -18,7 +18,7 @@ from calib.table.journal import ADOPTED, CHANGED, JOURNAL, STORED, Journal
 from calib.table.lock import locked
 from calib.table.same import inputs
 from calib.table.snapshot import Snapshot, StoreEntry
-from calib.table.state import Judgement, next_state
+from calib.table.state import Decision, next_state
 from calib.table.table import Table
 from calib.table.version import Stored, read_version
 
@@ -61,10 +61,10 @@ class Store:
     def __repr__(self) -> str:
         return f"Store({str(self.folder)!r})"
 
-    def save(self, table: Table, judgement: Judgement | None = None) -> Stored:
+    def save(self, table: Table, decision: Decision | None = None) -> Stored:
         """Write ``table`` as the next version of its name, or return the one that holds it already.
 
-        ``judgement`` gives its state; without one a new version is a draft, and one that was there
+        ``decision`` gives its state; without one a new version is a draft, and one that was there
         keeps its state. Raises StoreError when the name is not valid, the table is not sound, the
         state may not follow that of the version, or the store cannot be written; the store is then
         not changed.
@@ -74,20 +74,20 @@ class Store:
             now = self._with_older(self._snapshot())
             known = now.identical(table)
             if known is not None:
-                return self._judged(known, judgement, now)
+                return self._judged(known, decision, now)
             tidy(self.folder, now.journal)
             version = now.next_number(table.name)
             work = write_version(self.folder, table, version)
             try:
                 stored = read_version(work, f"{table.name}@{version}")
-                journal = _entered(STORED, stored, judgement or Judgement(), now.journal)
+                journal = _entered(STORED, stored, decision or Decision(), now.journal)
             except BaseException:
                 discard(work)
                 raise
             commit(self.folder, journal, work)
             return Snapshot(self.folder, journal).load(table.name, version)
 
-    def judge(self, reference: str, judgement: Judgement) -> Stored:
+    def judge(self, reference: str, decision: Decision) -> Stored:
         """Change the state of ``name@version``.
 
         Raises TableNotFound when there is no such version, DamagedTable when it is damaged,
@@ -98,9 +98,9 @@ class Store:
             self._snapshot().number(name, version)  # before anything is made
         with self._writing():
             now = self._with_older(self._snapshot())
-            return self._judged(now.load(name, now.number(name, version)), judgement, now)
+            return self._judged(now.load(name, now.number(name, version)), decision, now)
 
-    def foreseen(self, table: Table, judgement: Judgement | None = None) -> Stored:
+    def foreseen(self, table: Table, decision: Decision | None = None) -> Stored:
         """What `save` will return if no other writer adds a version before; writes nothing.
 
         Raises StoreError as `save` does.
@@ -112,10 +112,10 @@ class Store:
             now = self._with_older(self._snapshot())
             known = now.identical(table)
             if known is not None:
-                return replace(known, state=next_state(known.id, known.state, judgement))
+                return replace(known, state=next_state(known.id, known.state, decision))
             version = now.next_number(table.name)
         read, path = from_content(*table.content()), placed_in(self.folder, table.name, version)
-        state = (judgement or Judgement()).as_state()
+        state = (decision or Decision()).as_state()
         return Stored(read, table.name, version, table.digest, path, state=state)
 
     def load(self, reference: str) -> Stored:
@@ -197,16 +197,16 @@ class Store:
             for version in versions_in(self.folder / name):
                 entry = now.entry(name, version)
                 if entry.stored is not None:
-                    journal = _entered(ADOPTED, entry.stored, Judgement(), journal)
+                    journal = _entered(ADOPTED, entry.stored, Decision(), journal)
                 elif JOURNAL in entry.flaw:
                     now.load(name, version)
         return Snapshot(self.folder, journal)
 
-    def _judged(self, stored: Stored, judgement: Judgement | None, now: Snapshot) -> Stored:
+    def _judged(self, stored: Stored, decision: Decision | None, now: Snapshot) -> Stored:
         """Enter a change of state, unless it is one that the journal has already."""
-        if judgement is None or next_state(stored.id, stored.state, judgement) == stored.state:
+        if decision is None or next_state(stored.id, stored.state, decision) == stored.state:
             return stored
-        journal = _entered(CHANGED, stored, judgement, now.journal)
+        journal = _entered(CHANGED, stored, decision, now.journal)
         tidy(self.folder, now.journal)
         write_journal(self.folder, journal)
         return replace(stored, state=journal.state(stored.name, stored.version))
@@ -239,10 +239,10 @@ def _require_storable(table: Table) -> None:
         )
 
 
-def _entered(event: str, stored: Stored, judgement: Judgement, journal: Journal) -> Journal:
+def _entered(event: str, stored: Stored, decision: Decision, journal: Journal) -> Journal:
     """The journal with an event of a version."""
     given = "" if event == CHANGED else inputs(stored.table.content()[0])
     return journal.added(
-        event, stored.name, stored.version, stored.digest, stored.record, judgement,
+        event, stored.name, stored.version, stored.digest, stored.record, decision,
         inputs=given, program=PROGRAM,
     )  # fmt: skip
