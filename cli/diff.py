@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import calib
 from cli.console import emit, emit_json
 from cli.grid import grid
-from cli.inputs import tables_of
 from cli.options import STORE, Json, Store, example
 
 if TYPE_CHECKING:
@@ -31,13 +31,15 @@ def diff(
     """
     from calib.table.compare import diff as compare
 
-    first, second = tables_of(store, [a, b])
+    first, second = (calib.Store(store).load(reference) for reference in (a, b))
     difference = compare(first.table, second.table)
     if json:
-        head = {"schema": 1, "a": first.id, "b": second.id, "verdict": difference.verdict}
-        emit_json({**head, "identical": difference.identical, **vars(difference)})
+        states = {"a": first.state.word, "b": second.state.word}
+        head = {"schema": 1, "a": first.id, "b": second.id, "states": states}
+        emit_json({**head, "verdict": difference.verdict, "identical": difference.identical, **vars(difference)})
         return
-    emit(f"{first.id} and {second.id} are {difference.verdict}")
+    one, other = (f"{stored.id} ({stored.state.word})" for stored in (first, second))
+    emit(f"{one} and {other} are {difference.verdict}")
     for gap in difference.beyond:
         emit(f"  {_words(gap)}")
     if not difference.identical:
