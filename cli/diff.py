@@ -36,7 +36,14 @@ def diff(
     if json:
         states = {"a": first.state.word, "b": second.state.word}
         head = {"schema": 1, "a": first.id, "b": second.id, "states": states}
-        emit_json({**head, "verdict": difference.verdict, "identical": difference.identical, **vars(difference)})
+        emit_json(
+            {
+                **head,
+                "verdict": difference.verdict,
+                "identical": difference.identical,
+                **vars(difference),
+            }
+        )
         return
     one, other = (f"{stored.id} ({stored.state.word})" for stored in (first, second))
     emit(f"{one} and {other} are {difference.verdict}")

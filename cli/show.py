@@ -43,7 +43,7 @@ def _document(stored: "Stored") -> dict[str, object]:
         "version": stored.version,
         "digest": stored.digest,
         "path": stored.path,
-        "state": stored.state,
+        "state": stored.state.word,
         "answer": answer(stored),
         "decelerations": stored.table.paper.decelerations,
         "peak": {"eta": eta, "D": D},
@@ -83,7 +83,7 @@ def _facts(stored: "Stored") -> str:
         *table.provenance.identity.items(),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *(
-            (effect, f"{parameter} {_interval(value)} {_unit(effect, parameter)}")
+            (effect, f"{parameter} {_interval(value)} {_unit(effect, parameter)}".rstrip())
             for effect, parameters in table.effect_values.items()
             for parameter, value in parameters.items()
         ),
@@ -103,12 +103,13 @@ def _interval(value: "Value") -> str:
 
 
 def _unit(effect: str, parameter: str) -> str:
-    """Unit on the effect's card; "SI" for an effect that is not in the catalogue."""
+    """Unit on the effect's card, "" for a number; "SI" for an effect without a card."""
     from calib.physics.effects.catalogue import CATALOGUE
 
     card = CATALOGUE[effect].card if effect in CATALOGUE else None
     units = {p.name: p.unit for p in card.parameters} if card else {}
-    return units.get(parameter, "SI")
+    unit = units.get(parameter, "SI")
+    return "" if unit == "1" else unit
 
 
 def _curves(table: "Table") -> "Grid":

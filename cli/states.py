@@ -137,8 +137,9 @@ def _check(table: str, reason: str) -> None:
 
 def _report(before: "Stored", after: "Stored", json: bool) -> None:
     if json:
-        states = {"before": before.state.word, "state": after.state}
-        emit_json({"schema": 1, "table": after.id, "digest": after.digest, **states})
+        states = {"before": before.state.word, "state": after.state.word}
+        head = {"schema": 1, "table": after.id, "digest": after.digest}
+        emit_json({**head, **states, "why": after.state.words})
     elif before.state == after.state:
         emit(f"{after.id} is {after.state.words}; nothing to change")
     else:

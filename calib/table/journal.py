@@ -111,6 +111,7 @@ class Journal:
             told.verdict,
             told.evidence,
             stored_at=history[0].at if history[0].event == STORED else "",
+            seen=frozenset(one.sha256 for entry in history for one in entry.evidence),
         )
 
     def added(

@@ -64,7 +64,8 @@ class Decision:
 class State:
     """The state of a version since ``at`` (ISO 8601, UTC), by whom, why, and on what evidence.
 
-    ``stored_at``: when the version was stored. Both times are of the clock of the computer that
+    ``stored_at``: when the version was stored; ``seen``: SHA-256 of every file that a state of the
+    version ever rested on. Both times are of the clock of the computer that
     wrote them, and "" for a version that no journal knows; ``by`` and ``reason`` are then "", too.
     """
 
@@ -75,6 +76,7 @@ class State:
     verdict: str = ""
     evidence: tuple[Evidence, ...] = ()
     stored_at: str = ""
+    seen: frozenset[str] = frozenset()
 
     @property
     def released(self) -> bool:
@@ -111,18 +113,20 @@ def next_state(version: str, now: State, decision: Decision | None) -> State:
         return now
     new = decision.state
     if now.word == new and now.evidence == decision.evidence:
-        return now
+        return now  # the same command again
     if new not in CHANGES[now.word]:
         raise StoreError(
             f"is {now.words}; it stays withdrawn",
             where=version,
             do="fit the car again: a new log makes a new version",
         )
-    if (now.word, new) == (REJECTED, RELEASED) and not decision.evidence:
+    if (now.word, new) == (REJECTED, RELEASED) and now.seen >= {
+        one.sha256 for one in decision.evidence
+    }:
         raise StoreError(
             f"is {now.words}; it is released only on new evidence",
             where=version,
-            do="validate it, and give the summary.json with --evidence",
+            do="validate it on another stop, and give the summary.json with --evidence",
         )
     return decision.as_state()
 
