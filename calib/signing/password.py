@@ -43,7 +43,7 @@ def check_cost(cost: Cost, refuse: Refuse) -> None:
 
 def check_new_password(password: str) -> None:
     """Raise KeyFileError if minisign could not read the password from one line."""
-    content = _bytes_of(password)
+    content = _bytes_of(password, KeyFileError)
     if any(sign in content for sign in b"\0\r\n"):
         raise KeyFileError("the password has a line end or a zero character")
     if len(content) > LONGEST:
@@ -59,7 +59,7 @@ def mask(password: str, salt: bytes, cost: Cost, size: int, refuse: Refuse) -> b
     scrypt = need("cryptography.hazmat.primitives.kdf.scrypt").Scrypt
     try:
         stream: bytes = scrypt(salt=salt, length=size, n=n, r=BLOCK, p=p).derive(
-            _bytes_of(password)
+            _bytes_of(password, refuse)
         )
     except MemoryError:
         megabytes = 128 * BLOCK * n / 2**20
@@ -84,9 +84,9 @@ def scrypt_numbers(cost: Cost) -> tuple[int, int]:
     return n, 1 if by_work else min(work // 4 // n, 2**30 - 1) // BLOCK
 
 
-def _bytes_of(password: str) -> bytes:
+def _bytes_of(password: str, refuse: Refuse) -> bytes:
     """The bytes that were typed; the error of the codec would show the password."""
     try:
         return password.encode("utf-8", "surrogateescape")
     except UnicodeEncodeError:
-        raise KeyFileError("the password is not text") from None
+        raise refuse("the password is not text") from None
