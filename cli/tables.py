@@ -3,7 +3,7 @@
 import typer
 
 import calib
-from cli import diff, export, read_back, show, verify
+from cli import diff, export, keys, read_back, show, verify
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import STORE, Json, Store, example
@@ -15,7 +15,7 @@ app = typer.Typer(
 
 @app.callback()
 def tables() -> None:
-    """List, show, compare, verify, export and import tables of the store."""
+    """List, show, compare, verify, export and import tables of the store; make keys."""
 
 
 @app.command("list", epilog=example("brake-cal tables list"))
@@ -36,5 +36,6 @@ def list_tables(store: Store = STORE, json: Json = False) -> None:
 app.command(epilog=show.EPILOG)(show.show)
 app.command(epilog=diff.EPILOG)(diff.diff)
 app.command(epilog=verify.EPILOG)(verify.verify)
+app.command(epilog=keys.EPILOG)(keys.key)
 app.command("export", epilog=export.EPILOG)(export.export_table)
 app.command("import", epilog=read_back.EPILOG)(read_back.import_table)
