@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from calib.errors import KeyFileError
+from calib.signing.password import Cost, mask
 from calib.signing.public_key import read_public_key
 from calib.signing.secret_key import SecretKey, read_secret_key
 from tests.signing.conftest import never
@@ -85,6 +86,14 @@ def test_the_checksum_of_an_open_key_is_checked_where_there_is_one(write):
 def test_every_part_of_a_locked_key_is_checked(write):
     for place in (0, 1, 2, 3, 4, 5, 6, 37, 54, 62, 94, 126, 157):
         refusal_of(write(put(SMALL, place, bytes([SMALL[place] ^ 1]))))
+
+
+def test_a_locked_key_without_a_checksum_is_refused(write):
+    """Only a key without a password may lack one."""
+    cost = Cost(*(int.from_bytes(SMALL[i : i + 8], "little") for i in (38, 46)))
+    stream = mask(PASSWORD, SMALL[6:38], cost, 104, KeyFileError)
+    error = refusal_of(write(put(SMALL, 126, stream[72:])))
+    assert "the checksum does not match" in str(error)
 
 
 @pytest.mark.parametrize("name", ["open", "small"])
