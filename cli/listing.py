@@ -70,7 +70,7 @@ def _rows(store: Path) -> "list[Row]":
 
 
 def _check(state: str | None, since: str | None) -> None:
-    from calib.table.state import STATES
+    from calib.signing.statement import STATES
     from calib.toml import did_you_mean
 
     if state is not None and state not in STATES:

@@ -15,10 +15,12 @@ CODES = {
     "LimitsError": 3,
     "ModelError": 3,
     "ExchangeError": 3,
+    "KeyFileError": 3,
     "BatchError": 2,
     "StoreError": 4,
-    "TableNotFound": 4,
+    "TableNotFound": 2,
     "DamagedTable": 4,
+    "SignatureRefused": 4,
 }
 
 

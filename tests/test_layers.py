@@ -12,6 +12,7 @@ CALIB = Path(__file__).parents[1] / "calib"
 
 ROOMS = """
     errors names units toml schema schema_errors files digest warning
+    signing
     statistics
     physics
     logs
@@ -41,6 +42,7 @@ FILES = sorted({p.relative_to(CALIB.parent) for p in CALIB.rglob("*.py")} - {FAC
 HEAVY = {
     *("numpy", "pandas", "scipy", "matplotlib", "pyarrow"),
     *("asammdf", "can", "cantools", "distributed", "jinja2"),
+    "cryptography",
 }
 
 

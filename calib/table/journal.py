@@ -19,7 +19,8 @@ from typing import Any
 
 from calib.digest import canonical_json
 from calib.errors import DamagedTable
-from calib.table.state import CHANGES, STATES, Decision, Evidence, State
+from calib.signing.statement import STATES
+from calib.table.state import CHANGES, Decision, Evidence, State
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"
 

@@ -12,9 +12,9 @@ import getpass
 from dataclasses import dataclass
 
 from calib.errors import StoreError
+from calib.signing.statement import STATES
 
-DRAFT, RELEASED, REJECTED, WITHDRAWN = "draft", "released", "rejected", "withdrawn"
-STATES = (DRAFT, RELEASED, REJECTED, WITHDRAWN)
+DRAFT, RELEASED, REJECTED, WITHDRAWN = STATES
 
 CHANGES = {
     DRAFT: (RELEASED, REJECTED, WITHDRAWN),
