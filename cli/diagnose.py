@@ -9,7 +9,7 @@ from typer.core import TyperCommand
 from cli.console import emit, emit_json, say
 from cli.inputs import channel_map_of
 from cli.options import Json, Map, example, out_folder, vehicle_file
-from cli.outputs import refuse_file, refuse_overwriting, stems_of, writing
+from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
 
 if TYPE_CHECKING:
     from calib.diagnosis.diagnose import Diagnosis
@@ -61,7 +61,7 @@ def diagnose(
 
     kept = holdout or []
     stems = stems_of(kept, HOLDOUT)
-    refuse_file(out)
+    ready_folder(out)
     refuse_overwriting((out / file for file in files_of(stems)), [*logs, *kept], [vehicle])
     car = read_vehicle(vehicle)
     mapping = channel_map_of(channel_map)

@@ -10,7 +10,7 @@ import calib
 from calib.fleet.command import Command
 from cli.inputs import channel_map_of, limits_of_stops, vehicle_of
 from cli.options import STORE, Map, Store, limits_file, out_folder, vehicle_file
-from cli.outputs import refuse_file
+from cli.outputs import ready_folder
 
 if TYPE_CHECKING:
     from calib.fleet.job import Job
@@ -61,7 +61,7 @@ class JobOptions:
     def job(self, command: Command, out: Path) -> "Job":
         """Read the inputs once for all logs. Refuse missing inputs and those that are not used."""
         self._check(command)
-        refuse_file(out)
+        ready_folder(out)
         from calib.fleet.job import Job
         from calib.validation.validate import require_same_vehicle
 

@@ -9,7 +9,7 @@ from cli.console import emit, emit_json, json_text, progress, say
 from cli.grid import grid
 from cli.inputs import channel_map_of
 from cli.options import Json, Map, example, limits_file, out_folder, vehicle_file
-from cli.outputs import refuse_file, writing
+from cli.outputs import ready_folder, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -24,6 +24,7 @@ EPILOG = example(
     "brake-cal repeatability ramps/*/*/*.csv --folders car/station --vehicle car.toml",
 )
 FAILED = 1
+DOCUMENT = "repeatability.json"
 
 
 def repeatability(
@@ -62,7 +63,7 @@ def repeatability(
     from calib.validation.limits_file import read_limits
 
     _check_names(quantity or [], list(METRICS))
-    refuse_file(out)
+    ready_folder(out)
     held = read_limits(limits, known_limits()) if limits else DEFAULTS
     places = _places(logs or [], plan, folders)
     mapping = channel_map_of(channel_map)
@@ -193,15 +194,16 @@ def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
     from calib.files import write_whole
     from calib.plots.repeatability import sheet
     from calib.plots.save import render
+    from calib.publish import publish, workshop
 
     contents = {
-        "repeatability.json": json_text(document).encode(),
+        DOCUMENT: json_text(document).encode(),
         "repeatability.png": render(sheet(found).overview(), ".png"),
     }
-    with writing(out):
-        out.mkdir(parents=True, exist_ok=True)
+    with writing(out), workshop(out) as work:
         for name, content in contents.items():
-            write_whole(out / name, content)
+            write_whole(work / name, content)
+        publish(work, out, DOCUMENT)
     say(f"wrote {out}: {', '.join(contents)}")
 
 

@@ -23,7 +23,7 @@ from cli.options import (
     limits_file,
     out_folder,
 )
-from cli.outputs import refuse_file, refuse_overwriting, stems_of, writing
+from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -143,10 +143,10 @@ def station(
     it ends with 3 and stores nothing. The same command gives the same bytes and no new version.
     """
     from calib.checks.gates import refuse_twice
-    from calib.files import workshop
     from calib.logs.read import read_log
     from calib.physics.vehicle_file import read_vehicle
-    from calib.station.folder import publish
+    from calib.publish import workshop
+    from calib.station.folder import publish_run
     from calib.station.metrics import Car
     from calib.station.station import outcome, table_of, validated
     from calib.station.write import store_and_write
@@ -176,7 +176,7 @@ def station(
     found = outcome(judged, coast_logs, held, identity, reference.id if reference else "")
     with writing(out), workshop(out) as work:
         stored, document = store_and_write(found, calib.Store(store), forms, ecu.date or "", work)
-        paths = publish(work, out)
+        paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
     warn(found.warnings)
     if json:
@@ -198,13 +198,12 @@ def _check_golden(golden: str | None) -> None:
 
 def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
     """Every file that will be written; refuses two files of the same name."""
-    from calib.station.folder import FIXED
-    from calib.station.write import export_name
+    from calib.station.folder import FIXED, export_name
 
     stems = stems_of(holdouts, "HOLDOUT", "hold-outs")
     if "table" in stems:
         raise typer.BadParameter("a hold-out named table takes the export's place; rename it")
-    refuse_file(out)
+    ready_folder(out)
     exports = [export_name(form) for form in forms]
     return [out / name for name in (*FIXED, *exports, *(f"{stem}.parquet" for stem in stems))]
 

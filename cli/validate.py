@@ -21,7 +21,7 @@ from cli.options import (
     out_folder,
     vehicle_file,
 )
-from cli.outputs import refuse_file, refuse_overwriting, stems_of, writing
+from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -109,7 +109,7 @@ def _check_out(logs: list[Path], out: Path | None) -> None:
         return
     stems = stems_of(logs, "LOG")
     refuse_overwriting((out / f"{stem}.parquet" for stem in stems), logs)
-    refuse_file(out)
+    ready_folder(out)
 
 
 def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -> None:
