@@ -7,6 +7,7 @@
     │   ├── ChannelMapError   a channel map
     │   ├── LimitsError       a limits file
     │   ├── ModelError        a model file
+    │   ├── SettingsError     the settings of a project
     │   └── ExchangeError     a calibration file (DCM, CDF) or its validation summary
     ├── BatchError            exit code 2: the folder or the workers of a batch
     └── StoreError            exit code 4: the table store, or a table in it
@@ -63,6 +64,10 @@ class LimitsError(InputError):
 
 class ModelError(InputError):
     """A model file is unreadable or names an unknown effect."""
+
+
+class SettingsError(InputError):
+    """A settings file is unreadable or has an unknown key."""
 
 
 class ExchangeError(InputError):

@@ -10,6 +10,7 @@ from cli.grid import grid
 from cli.inputs import channel_map_of
 from cli.options import Json, Map, example, limits_file, out_folder, vehicle_file
 from cli.outputs import ready_folder, writing
+from cli.project import from_settings
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -34,7 +35,11 @@ def repeatability(
     ] = None,
     *,
     vehicle: Annotated[
-        Path | None, vehicle_file("Vehicle, if the plan names none per log.")
+        Path | None,
+        vehicle_file(
+            "Vehicle, if the plan names none per log; else that of the settings.",
+            callback=from_settings("vehicle"),
+        ),
     ] = None,
     plan: Annotated[
         Path | None, typer.Option(metavar="P.csv", help="Columns log, car, station, vehicle.")
@@ -49,7 +54,9 @@ def repeatability(
     eta: Annotated[
         float, typer.Option(metavar="PERCENT", help="eta - 1 where D, f1 and f2 are compared [%].")
     ] = 0.15,
-    limits: Annotated[Path | None, limits_file("Limits of grr and ndc.")] = None,
+    limits: Annotated[
+        Path | None, limits_file("Limits of grr and ndc; never the settings'.")
+    ] = None,
     out: Annotated[Path | None, out_folder("Write repeatability.json and .png here.")] = None,
     channel_map: Map = None,
     json: Json = False,

@@ -24,6 +24,7 @@ from cli.options import (
     out_folder,
 )
 from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
+from cli.project import from_settings
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -62,7 +63,13 @@ class IdentityOptions:
     serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None
     vin: Annotated[str | None, typer.Option(metavar="V", help="Vehicle identification.")] = None
     name: Annotated[
-        str | None, typer.Option("--station", metavar="NAME", help="Name of the station.")
+        str | None,
+        typer.Option(
+            "--station",
+            metavar="NAME",
+            help="Name of the station.",
+            callback=from_settings("station"),
+        ),
     ] = None
     rxswin: Annotated[
         str | None, typer.Option(metavar="R", help="Software identification, UN R156.")
@@ -85,7 +92,12 @@ class ExportOptions:
 
     exports: Annotated[
         list[str] | None,
-        typer.Option("--export", metavar="F", help="Export as `tables export`; repeatable."),
+        typer.Option(
+            "--export",
+            metavar="F",
+            help="Export as `tables export`; repeatable.",
+            callback=from_settings("export"),
+        ),
     ] = None
     date: Annotated[
         str | None, typer.Option(metavar="YYYY-MM-DD", help="Date in the history of a cdfx.")
@@ -124,10 +136,16 @@ def station(
     *,
     vehicle: VehicleFile,
     out: Annotated[Path, out_folder("Write all files here.")],
-    limits: Annotated[Path | None, limits_file("Limits, see `brake-cal limits init`.")] = None,
+    limits: Annotated[
+        Path | None,
+        limits_file("Limits, see `brake-cal limits init`.", callback=from_settings("limits")),
+    ] = None,
     more: MoreLogs,
     golden: Annotated[
-        str | None, typer.Option(metavar="TABLE@N", help="Golden table of the model.")
+        str | None,
+        typer.Option(
+            metavar="TABLE@N", help="Golden table of the model.", callback=from_settings("golden")
+        ),
     ] = None,
     line: IdentityOptions,
     mass: Mass = None,
