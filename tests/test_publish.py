@@ -132,13 +132,15 @@ def test_what_is_killed_at_random_is_never_mixed():
         check=True,
         env={**os.environ, "PYTHONPATH": str(script.parents[2])},
     )
-    ours = {row[1]: int(row[2]) for row in re.finditer(r"(?m)^(\S.*?) +(\d+) +\d+$", ran.stdout)}
-    kills = {name: count for name, count in ours.items() if name.startswith("killed")}
+    rows = re.findall(r"(?m)^(\S.*?) +(\d+) +(\d+) +\d+$", ran.stdout)
+    counts = {name: (int(one), int(two)) for name, one, two in rows}
+    kills = {name: n for name, n in counts.items() if name.startswith("killed")}
     assert len(kills) == 3
-    assert all(count > 5 for count in kills.values()), kills  # they hit inside of a publish
-    flaws = {name: count for name, count in ours.items() if name not in kills}
-    assert flaws == dict.fromkeys(flaws, 0)
+    # They hit inside of a publish. Of two writers the second settles what the first one left.
+    assert min(one for one, _ in kills.values()) > 5, kills
+    flaws = {name: n for name, n in counts.items() if name not in kills}
     assert len(flaws) == 4
+    assert flaws == dict.fromkeys(flaws, (0, 0))
 
 
 def test_the_work_of_a_run_that_is_alive_stays(out):

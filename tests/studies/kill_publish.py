@@ -7,8 +7,9 @@ each with another stop; and is killed at a random moment. Then the folder is loo
 again after the next command, which is either another run or one that only settles. A flaw is a
 verdict beside a file of another run, a verdict whose files are not all there, an export beside a
 failed verdict, and after the next command also a missing verdict or a hidden file. It also counts
-how often a way of publishing without an intent (the old verdict deleted, the files moved, the
-verdict last) leaves a flaw after the same kills, to show that they hit.
+the same with two processes that publish into the folder at once; and how often a way of publishing
+without an intent (the old verdict deleted, the files moved, the verdict last) leaves a flaw, to
+show that the kills hit.
 """
 
 import argparse
@@ -70,8 +71,8 @@ def flaws(out: Path) -> list[str]:
     return wrong
 
 
-def killed(out: Path, first: int, after: float, put: Callable[[Path, Path], object]) -> None:
-    """Publish in a child process from run ``first`` on; kill it ``after`` seconds."""
+def started(out: Path, first: int, put: Callable[[Path, Path], object]) -> int:
+    """A child process that publishes from run ``first`` on."""
     child = os.fork()
     if child == 0:
         try:
@@ -79,27 +80,36 @@ def killed(out: Path, first: int, after: float, put: Callable[[Path, Path], obje
                 run(out, number, put)
         finally:
             os._exit(1)  # an error: the parent sees it
-    time.sleep(after)
+    return child
+
+
+def kill(child: int) -> None:
+    """End a child process as the power switch does. Raises RuntimeError if it ended before."""
     os.kill(child, signal.SIGKILL)
     _, status = os.waitpid(child, 0)
     if os.waitstatus_to_exitcode(status) != -signal.SIGKILL:
         raise RuntimeError("the process that publishes has failed")
 
 
-def study(kills: int, seed: int, put: Callable[[Path, Path], object] = publish_run) -> Counter[str]:
+def study(
+    kills: int, seed: int, put: Callable[[Path, Path], object] = publish_run, writers: int = 1
+) -> Counter[str]:
     """Counts of what the kills left and of flaws."""
     dice, counts = random.Random(seed), Counter[str]()
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "car"
         run(out, 0, put)
         for number in range(1, 1 + kills):
-            killed(out, 1000 * number, dice.uniform(0.0, LONGEST), put)
+            children = [started(out, 1000 * number + 200 * i, put) for i in range(writers)]
+            time.sleep(dice.uniform(0.0, LONGEST))
+            for child in children:
+                kill(child)
             counts["killed with an intent"] += (out / ".publishing.json").exists()
             counts["killed with a work folder"] += any(p.is_dir() for p in out.glob(".making-*"))
             counts["killed without a verdict"] += not (out / DOCUMENT).exists()
             counts["flaws after the kill"] += bool(flaws(out))
             if dice.random() < 0.5:
-                run(out, 1000 * number + 501 + dice.randrange(2), put)
+                run(out, 1000 * number + 901 + dice.randrange(2), put)
             else:
                 settle(out)
             counts["flaws after the next command"] += bool(flaws(out))
@@ -109,15 +119,17 @@ def study(kills: int, seed: int, put: Callable[[Path, Path], object] = publish_r
 
 
 def main() -> None:
-    """Print the counts of this program and of the naive way."""
+    """Print the counts of this program, with one writer and two, and of the naive way."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    ours, other = (study(given.count, given.seed, put) for put in (publish_run, naive))
-    print(f"{given.count} kills, seed {given.seed}: with an intent, without one")
+    ours = study(given.count, given.seed)
+    two = study(given.count, given.seed, writers=2)
+    other = study(given.count, given.seed, naive)
+    print(f"{given.count} kills, seed {given.seed}: one writer, two writers, without an intent")
     for name in ours:
-        print(f"{name:<36}{ours[name]:>6}{other[name]:>6}")
+        print(f"{name:<36}{ours[name]:>6}{two[name]:>6}{other[name]:>6}")
 
 
 if __name__ == "__main__":
