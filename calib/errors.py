@@ -8,11 +8,13 @@
     │   ├── LimitsError       a limits file
     │   ├── ModelError        a model file
     │   ├── SettingsError     the settings of a project
-    │   └── ExchangeError     a calibration file (DCM, CDF) or its validation summary
+    │   ├── ExchangeError     a calibration file (DCM, CDF) or its validation summary
+    │   └── KeyFileError      a key file, its password, or what keys need
     ├── BatchError            exit code 2: the folder or the workers of a batch
     └── StoreError            exit code 4: the table store, or a table in it
-        ├── TableNotFound     no table of that name or version
-        └── DamagedTable      the content does not match its digest
+        ├── TableNotFound     no table of that name or version: exit code 2
+        ├── DamagedTable      the content does not match its digest
+        └── SignatureRefused  a signature that does not hold, is of another key or is malformed
 
 The command line catches only the root. A message says what was wrong, which value was given, what
 was expected and where to look. Several errors of one file are one message of several lines.
@@ -74,6 +76,10 @@ class ExchangeError(InputError):
     """A calibration file (DCM, CDF) or a validation summary cannot be used."""
 
 
+class KeyFileError(InputError):
+    """A key file cannot be used or made; the message never shows a secret."""
+
+
 class BatchError(BrakeCalError):
     """A batch cannot start: other settings, folder in use, no scheduler, unfit workers."""
 
@@ -87,8 +93,14 @@ class StoreError(BrakeCalError):
 
 
 class TableNotFound(StoreError):
-    """The store has no table of that name or version."""
+    """The store has no table of that name or version: a mistake in what was typed."""
+
+    exit_code = 2
 
 
 class DamagedTable(StoreError):
     """The content of a table file does not match its digest."""
+
+
+class SignatureRefused(StoreError):
+    """A signature does not hold, is of another key or is malformed."""

@@ -44,28 +44,37 @@ def export_table(
         Path | None,
         typer.Option(metavar="SUMMARY", help="summary.json of `validate --out`, for the state."),
     ] = None,
+    unreleased: Annotated[
+        bool,
+        typer.Option(
+            "--unreleased", help="Also a version that is not released; the file then says so."
+        ),
+    ] = False,
     force: Annotated[
         bool, typer.Option("--force", help="Replace FILE, whatever it holds.")
     ] = False,
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Write a table for a calibration tool, an ECU or another program.
+    """Write a released table for a calibration tool, an ECU or another program.
 
-    Every file states the table's id, version and digest, the checksum of its numbers, and which
-    value holds beyond the ends of an axis.
+    A bare name is its newest released version. Every file states the table's id, version,
+    digest and state, the checksum of its numbers, and which value holds beyond the ends of an axis.
     """
     form = _known(form)
     _check_usage(form, out, bits)
     from calib.errors import ExchangeError
 
-    stored = calib.Store(store).load(table)
+    opened = calib.Store(store)
+    stored = opened.load(table) if unreleased else opened.released(table)
     if not force:
         _refuse_foreign(out, stored)
     quality = _quality(validation, stored)
     try:
         with writing(out):
-            written = calib.export(stored, out, form, points=points, bits=bits, quality=quality)
+            written = calib.export(
+                stored, out, form, points=points, bits=bits, quality=quality, unreleased=unreleased
+            )
     except ExchangeError as error:
         option = "--points" if bits is None else "--points, --fixed-point"
         raise typer.BadParameter(str(error), param_hint=option) from None
@@ -102,7 +111,7 @@ def _check_usage(form: str, out: Path, bits: int | None) -> None:
 def _quality(path: Path | None, stored: "Stored") -> "Quality":
     from calib.table.exports.quality import UNPROVED, read_quality
 
-    return UNPROVED if path is None else read_quality(path, stored.id)
+    return UNPROVED if path is None else read_quality(path, stored)
 
 
 def _report(written: "Exported", bits: int | None, json: bool) -> None:

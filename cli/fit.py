@@ -55,6 +55,8 @@ def fit(
     runs = [read_log(path, mapping) for path in logs]
     stored = calib.Store(store).save(fit_table(given, runs, weight))
     told = mass_used(given, weight)
+    if stored.existed:
+        say(f"already stored as {stored.id}")
     warn(stored.table.warnings)
     if json:
         emit_json(_document(stored, told))
@@ -73,6 +75,8 @@ def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
         "table": stored.id,
         "digest": stored.digest,
         "path": stored.path,
+        "state": stored.state.word,
+        "new": not stored.existed,
         "mass": mass,
         "calibration": table.calibration,
         "budget": summary(*pads_budget(table)),
@@ -89,7 +93,7 @@ def _report(stored: "Stored", mass: "MassUsed") -> None:
 
     table, q = stored.table, stored.table.quality
     cal = table.calibration
-    emit(f"table      {stored.id}  ({stored.path})")
+    emit(f"table      {stored.id}, {stored.state.word}  ({stored.path})")
     budgets = pads_budget(table)
     for label, value in (
         ("front pads", cal.pad_friction_f),

@@ -1,6 +1,6 @@
 """Optional input files of commands, and checks of names."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +9,7 @@ import typer
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
     from calib.physics.vehicle import Vehicle
+    from calib.table.version import Stored
     from calib.validation.limits import Limit
 
 
@@ -24,6 +25,32 @@ def vehicle_of(path: Path | None) -> "Vehicle | None":
     from calib.physics.vehicle_file import read_vehicle
 
     return read_vehicle(path) if path else None
+
+
+def tables_of(store: Path, references: Sequence[str]) -> "tuple[Stored, ...]":
+    """The tables to look at; says which versions they are, and in which state."""
+    import calib
+    from cli.console import say
+
+    found = tuple(calib.Store(store).load(reference) for reference in references)
+    for one in found:
+        say(f"{one.id} is {one.state.words}")
+    return found
+
+
+def golden_of(store: Path, reference: str) -> "Stored":
+    """The table by which others are measured: released, or a draft that is named by its version."""
+    import calib
+    from calib.errors import StoreError
+
+    found = calib.Store(store).released(reference)
+    if not found.state.usable:
+        raise StoreError(
+            f"is {found.state.words}; no car is measured by it",
+            where=found.id,
+            expected="a released version",
+        )
+    return found
 
 
 def quantity_of(written: str, si: str, option: str) -> float:

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-import calib
 from calib.fleet.command import Command
-from cli.inputs import channel_map_of, limits_of_stops, vehicle_of
+from cli.inputs import channel_map_of, limits_of_stops, tables_of, vehicle_of
 from cli.options import NO_VEHICLE, STORE, Map, Store, limits_file, out_folder, vehicle_file
 from cli.outputs import ready_folder
 from cli.project import from_settings
@@ -86,7 +85,7 @@ class JobOptions:
         from calib.fleet.job import Job
         from calib.validation.validate import require_same_vehicle
 
-        known = calib.Store(self.store).load(self.table).table if self.table else None
+        known = tables_of(self.store, [self.table])[0].table if self.table else None
         car = vehicle_of(self.vehicle)
         if known is not None:
             require_same_vehicle(known, car, self.vehicle)

@@ -51,6 +51,16 @@ Mass = Annotated[
         help='Mass of the car in these logs, such as "1650 kg", if not that of the vehicle file.',
     ),
 ]
+By = Annotated[
+    str | None,
+    typer.Option(
+        "--by",
+        metavar="NAME",
+        help="Who says so; else the person of the settings, or the user of this computer.",
+        callback=from_settings("by"),
+    ),
+]
+Reason = Annotated[str, typer.Option("--reason", metavar="TEXT", help="Why, for the journal.")]
 TableVersion = Annotated[
     str, typer.Argument(metavar="TABLE", help="name, name@version or path of a version")
 ]

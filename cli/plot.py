@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-import calib
-from cli.inputs import channel_map_of, vehicle_of
+from cli.inputs import channel_map_of, tables_of, vehicle_of
 from cli.options import STORE, Json, Map, Store, example, out_file, vehicle_file
 from cli.outputs import refuse_folder, writing
 
@@ -109,7 +108,7 @@ def _read(
     mapping = channel_map_of(channel_map)
     needed = REQUIRED if names else ()  # a log alone is drawn with the channels that it has
     return PlotInput(
-        tables=tuple(calib.Store(store).load(name) for name in names),
+        tables=tables_of(store, names),
         logs=tuple(read_log(path, mapping, require=needed) for path in logs),
         results=tuple(read_result(path) for path in results),
         vehicle=vehicle_of(vehicle),

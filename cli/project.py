@@ -66,12 +66,6 @@ def project(context: typer.Context) -> Project:
     return found
 
 
-def login() -> tuple[str, str] | None:
-    """Who works here, as the environment has it: variable and name; None if it has none."""
-    names = ((variable, os.environ.get(variable, "")) for variable in ("LOGNAME", "USER"))
-    return next(((variable, name) for variable, name in names if name), None)
-
-
 def from_settings(
     name: str,
     needed: str = "",

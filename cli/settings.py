@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from cli.console import emit, emit_json, say
 from cli.grid import grid
 from cli.options import STORE, Json, example
-from cli.project import find_project, login
+from cli.project import find_project
 
 if TYPE_CHECKING:
     from cli.project import Project
@@ -67,6 +67,8 @@ def settings(json: Json = False) -> None:
 
 
 def _rows(found: "Project") -> list[Setting]:
+    from calib.table.state import user
+
     told, source = found.settings, f"file:{found.file}"
     rows = []
     for field in fields(told):
@@ -74,8 +76,8 @@ def _rows(found: "Project") -> list[Setting]:
         value = getattr(told, field.name)
         if value is not None:
             rows.append(Setting(key, value, source))
-        elif field.name == "by" and (who := login()):
-            rows.append(Setting(key, who[1], f"environment:{who[0]}"))
+        elif field.name == "by":
+            rows.append(Setting(key, user(), "environment"))
         else:
             built_in = {"store": STORE, "require_signed": False}.get(field.name)
             rows.append(Setting(key, built_in, "built-in"))

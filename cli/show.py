@@ -1,4 +1,4 @@
-"""`brake-cal tables show`: the origin of a table, its quality, and its curves."""
+"""`brake-cal tables show`: may it be used, how good is it, where does it come from."""
 
 from typing import TYPE_CHECKING
 
@@ -19,11 +19,13 @@ ROWS = 12
 
 
 def show(table: TableVersion, store: Store = STORE, json: Json = False) -> None:
-    """Print the origin of a table, its quality, and its curves."""
+    """Say whether a table may be used, and print its quality, its origin and its curves."""
     stored = calib.Store(store).load(table)
     if json:
         emit_json(_document(stored))
         return
+    emit(_answer(stored))
+    emit("")
     emit(_facts(stored))
     emit(_curves(stored.table))
     for remark in stored.table.remarks:
@@ -31,6 +33,8 @@ def show(table: TableVersion, store: Store = STORE, json: Json = False) -> None:
 
 
 def _document(stored: "Stored") -> dict[str, object]:
+    from calib.table.answer import answer
+
     record, curves = stored.table.content()
     eta, D = stored.table.difference.peak
     return {
@@ -39,6 +43,8 @@ def _document(stored: "Stored") -> dict[str, object]:
         "version": stored.version,
         "digest": stored.digest,
         "path": stored.path,
+        "state": stored.state.word,
+        "answer": answer(stored),
         "decelerations": stored.table.paper.decelerations,
         "peak": {"eta": eta, "D": D},
         "record": record,
@@ -46,8 +52,28 @@ def _document(stored: "Stored") -> dict[str, object]:
     }
 
 
-def _facts(stored: "Stored") -> str:
+def _answer(stored: "Stored") -> str:
+    from calib.table.answer import answer
+
+    said = answer(stored)
+    low, high = said.decelerations
+    rows = [
+        ("to be used", said.may),
+        ("usable", f"{low:.2f} to {high:.2f} g, eta - 1 up to {100 * (said.eta[1] - 1):.2f} %"),
+        ("limited by", said.limit),
+        *(("warning", str(warning)) for warning in stored.table.warnings),
+        ("next", said.next),
+    ]
+    return _lines(rows)
+
+
+def _lines(rows: "list[tuple[str, str]]") -> str:
     """Lines of name and value; not a grid, which would break a digest on a narrow terminal."""
+    width = max(len(name) for name, _ in rows)
+    return "\n".join(f"{name:<{width}}  {value}" for name, value in rows)
+
+
+def _facts(stored: "Stored") -> str:
     table = stored.table
     vehicle, pads = table.vehicle, table.calibration
     facts = [
@@ -57,7 +83,7 @@ def _facts(stored: "Stored") -> str:
         *table.provenance.identity.items(),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *(
-            (effect, f"{parameter} {_interval(value)} {_unit(effect, parameter)}")
+            (effect, f"{parameter} {_interval(value)} {_unit(effect, parameter)}".rstrip())
             for effect, parameters in table.effect_values.items()
             for parameter, value in parameters.items()
         ),
@@ -68,8 +94,7 @@ def _facts(stored: "Stored") -> str:
         ("D peak", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
         *((figure, f"{number:.4g}") for figure, number in table.quality.items()),
     ]
-    width = max(len(name) for name, _ in facts)
-    return "\n".join(f"{name:<{width}}  {value}" for name, value in facts)
+    return _lines(facts)
 
 
 def _interval(value: "Value") -> str:
@@ -78,12 +103,13 @@ def _interval(value: "Value") -> str:
 
 
 def _unit(effect: str, parameter: str) -> str:
-    """Unit on the effect's card; "SI" for an effect that is not in the catalogue."""
+    """Unit on the effect's card, "" for a number; "SI" for an effect without a card."""
     from calib.physics.effects.catalogue import CATALOGUE
 
     card = CATALOGUE[effect].card if effect in CATALOGUE else None
     units = {p.name: p.unit for p in card.parameters} if card else {}
-    return units.get(parameter, "SI")
+    unit = units.get(parameter, "SI")
+    return "" if unit == "1" else unit
 
 
 def _curves(table: "Table") -> "Grid":

@@ -10,9 +10,10 @@ import typer
 import calib
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
-from cli.inputs import channel_map_of, limits_of_car, mass_of, unknown_format
+from cli.inputs import channel_map_of, golden_of, limits_of_car, mass_of, unknown_format
 from cli.options import (
     STORE,
+    By,
     Json,
     Map,
     Mass,
@@ -144,9 +145,18 @@ def station(
     golden: Annotated[
         str | None,
         typer.Option(
-            metavar="TABLE@N", help="Golden table of the model.", callback=from_settings("golden")
+            metavar="TABLE",
+            help="Golden table of the model; a bare name is its newest released version.",
+            callback=from_settings("golden"),
         ),
     ] = None,
+    accept: Annotated[
+        str | None,
+        typer.Option(
+            "--accept-warnings", metavar="REASON", help="Release a car with warnings, and say why."
+        ),
+    ] = None,
+    by: By = None,
     line: IdentityOptions,
     mass: Mass = None,
     ecu: ExportOptions,
@@ -157,8 +167,10 @@ def station(
     """Fit, validate and judge one car: the first log is its ramp, the others are hold-outs.
 
     Exit code 0 if every limit holds, with warnings or without, 1 if one does not. The table goes
-    into the store in both cases; a car that failed gets no exports. With a log that cannot be used
-    it ends with 3 and stores nothing. The same command gives the same bytes and no new version.
+    into the store: released where the car passed, rejected where it failed, a draft where it passed
+    with warnings that nobody accepts. Only a released table is exported. With a log that cannot be
+    used it ends with 3 and stores nothing. The same command gives the same bytes and no new
+    version.
     """
     from calib.checks.gates import refuse_twice
     from calib.logs.read import read_log
@@ -172,11 +184,10 @@ def station(
 
     ramps, coasts = [ramp, *(more.ramps or [])], more.coasts or []
     identity, forms, weight = line.identity(), ecu.forms(), mass_of(mass)
-    _check_golden(golden)
     outputs = _outputs(holdouts, forms, out)
     refuse_overwriting(outputs, [*ramps, *coasts, *holdouts], [vehicle, limits, channel_map])
     car, held = read_vehicle(vehicle), limits_of_car(limits)
-    reference = calib.Store(store).load(golden) if golden else None
+    reference = golden_of(store, golden) if golden else None
     if reference:
         require_same_vehicle(reference.table, car, vehicle)
     mapping = channel_map_of(channel_map)
@@ -191,7 +202,8 @@ def station(
             results.append(validated(table, log, held, weight))
             done()
     judged = Car(table, ramp_logs, stops, results, reference.table if reference else None)
-    found = outcome(judged, coast_logs, held, identity, reference.id if reference else "")
+    named = reference.id if reference else ""
+    found = outcome(judged, coast_logs, held, identity, named, accept or "", by or "")
     with writing(out), workshop(out) as work:
         stored, document = store_and_write(found, calib.Store(store), forms, ecu.date or "", work)
         paths = publish_run(work, out)
@@ -203,15 +215,6 @@ def station(
         _report(found, stored, forms)
     if not found.passed:
         raise typer.Exit(FAILED)
-
-
-def _check_golden(golden: str | None) -> None:
-    """Refuse a table without version: every car adds one, so the next car would compare with it."""
-    if golden is not None and "@" not in golden and not Path(golden).is_dir():
-        raise typer.BadParameter(
-            f"{golden!r} names no version, and every car adds one; give {golden}@N or a path",
-            param_hint="--golden",
-        )
 
 
 def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
@@ -229,13 +232,17 @@ def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
 def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None:
     from calib.station.advice import action
     from calib.station.words import HEADINGS, sentence, summary
+    from calib.table.state import DRAFT
 
     emit(_grid(found))
     emit(f"mass {found.results[0].mass}")
     for check in found.with_verdict("failed") + found.with_verdict("warning"):
         emit(f"{check.verdict}: {sentence(check)}. {action(check.figure)}")
-    if forms and not found.passed:
-        emit("no exports: a table of a car that failed must not reach an ECU")
+    emit(f"{stored.id} is {stored.state.why}")
+    if forms and not stored.state.released:
+        emit("no exports: only a released table may reach an ECU")
+    if stored.state.word == DRAFT:
+        emit("release it with --accept-warnings REASON, or later with `brake-cal tables release`")
     emit(f"{HEADINGS[found.verdict]}: {stored.id}, {summary(found)}")
 
 

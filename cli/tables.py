@@ -1,12 +1,9 @@
-"""`brake-cal tables`: the commands on a store, and the list of its versions."""
+"""`brake-cal tables`: the commands on a store."""
 
 import typer
 
-import calib
-from cli import diff, export, read_back, show, verify
-from cli.console import emit, emit_json
-from cli.grid import grid
-from cli.options import STORE, Json, Store, example
+from cli import diff, export, keys, listing, read_back, show, states, verify
+from cli.options import example
 
 app = typer.Typer(
     rich_markup_mode=None, no_args_is_help=True, epilog=example("brake-cal tables list")
@@ -15,26 +12,18 @@ app = typer.Typer(
 
 @app.callback()
 def tables() -> None:
-    """List, show, compare, verify, export and import tables of the store."""
+    """Tables of the store: look at them, release or reject them, hand them out."""
 
 
-@app.command("list", epilog=example("brake-cal tables list"))
-def list_tables(store: Store = STORE, json: Json = False) -> None:
-    """List every version of every table."""
-    entries = calib.Store(store).list()
-    if json:
-        rows = [{"id": e.id, **vars(e)} for e in entries]
-        emit_json({"store": store, "tables": rows})
-        return
-    table = grid("table", "digest", "logs", fold=True)
-    for entry in entries:
-        digest = entry.digest[:12] if entry.digest else "cannot be read"
-        table.add_row(entry.id, digest, ", ".join(entry.logs))
-    emit(table if entries else f"{store} holds no table")
-
-
+app.command("list", epilog=listing.LIST)(listing.list_tables)
+app.command(epilog=listing.FIND)(listing.find)
 app.command(epilog=show.EPILOG)(show.show)
+app.command(epilog=states.LOG)(states.log)
 app.command(epilog=diff.EPILOG)(diff.diff)
 app.command(epilog=verify.EPILOG)(verify.verify)
+app.command(epilog=states.RELEASE)(states.release)
+app.command(epilog=states.REJECT)(states.reject)
+app.command(epilog=states.WITHDRAW)(states.withdraw)
+app.command(epilog=keys.EPILOG)(keys.key)
 app.command("export", epilog=export.EPILOG)(export.export_table)
 app.command("import", epilog=read_back.EPILOG)(read_back.import_table)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rich.table import Table as Grid
 
     from calib.table.table import Table
+    from calib.table.version import Stored
     from calib.validation.validate import Validation
 
 EPILOG = example(
@@ -79,21 +80,22 @@ def validate(
     held = limits_of_stops(limits)
     mapping = channel_map_of(channel_map)
     results, runs = [], []
+    told = f"{stored.id} ({stored.state.word})"
     plural = "s" * (len(logs) > 1)
-    with progress(f"validating {stored.id} on {len(logs)} log{plural}", len(logs)) as done:
+    with progress(f"validating {told} on {len(logs)} log{plural}", len(logs)) as done:
         for path in logs:
             runs.append(read_log(path, mapping))
             refuse_twice(runs)
             results.append(validate_one(used, runs[-1], car, held, mass=weight))
             done()
-    summary = to_dict(stored.id, results, used.warnings)
+    summary = to_dict(stored, results)
     warn(all_warnings(used.warnings, results))
     if out is not None:
         _write(results, summary, out)
     if json:
         emit_json(summary)
     else:
-        _report(results)
+        _report(stored, results)
     if not all(result.passed for result in results):
         raise typer.Exit(FAILED)
 
@@ -126,11 +128,12 @@ def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -
         say(f"wrote {path}")
 
 
-def _report(results: "list[Validation]") -> None:
+def _report(stored: "Stored", results: "list[Validation]") -> None:
     from calib.table.budget import advice_lines
     from calib.validation.validate import CALIBRATION, NO_HOLDOUT, agreement
 
     emit(_grid(results))
+    emit(f"table {stored.id}, {stored.state.words}")
     emit(f"mass {results[0].mass}")
     for result in results:
         for j in result.judgements:

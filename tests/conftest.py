@@ -6,6 +6,7 @@ import pytest
 from hypothesis import settings
 
 from calib.fitting.fit import fit
+from calib.table.state import Decision
 from calib.table.store import Store
 from calib.table.table import Table
 from calib.table.version import Stored
@@ -36,7 +37,8 @@ def store(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def stored(table: Table, store: Path) -> Stored:
-    return Store(store).save(table)
+    """sedan@1, released."""
+    return Store(store).save(table, Decision("released", "made for a test"))
 
 
 @dataclass(frozen=True)

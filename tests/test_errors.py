@@ -16,10 +16,12 @@ CODES = {
     "ModelError": 3,
     "SettingsError": 3,
     "ExchangeError": 3,
+    "KeyFileError": 3,
     "BatchError": 2,
     "StoreError": 4,
-    "TableNotFound": 4,
+    "TableNotFound": 2,
     "DamagedTable": 4,
+    "SignatureRefused": 4,
 }
 
 

@@ -13,6 +13,7 @@ CALIB = Path(__file__).parents[1] / "calib"
 ROOMS = """
     errors names units toml schema schema_errors files intent publish digest warning settings
     settings_file
+    signing
     statistics
     physics
     logs
@@ -42,6 +43,7 @@ FILES = sorted({p.relative_to(CALIB.parent) for p in CALIB.rglob("*.py")} - {FAC
 HEAVY = {
     *("numpy", "pandas", "scipy", "matplotlib", "pyarrow"),
     *("asammdf", "can", "cantools", "distributed", "jinja2"),
+    "cryptography",
 }
 
 

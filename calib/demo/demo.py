@@ -113,9 +113,7 @@ def run_study(study: PaperStudy, source: Path, out: Path, say: Say) -> StudyOutc
     if study.vehicle != "vehicle.toml":
         other = read_vehicle(source / study.vehicle)
     results = validate(stored.table, held, other, DEFAULTS)
-    write_results(
-        results, to_dict(stored.id, results, stored.table.warnings), out / "results" / study.folder
-    )
+    write_results(results, to_dict(stored, results), out / "results" / study.folder)
     say(f"validated {stored.id} on {', '.join(log.name for log in held)}")
     draw(stored, fitted, held, other, out / "figures")
     return StudyOutcome(study, stored, tuple(results), tuple(held))

@@ -24,7 +24,8 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
         "verdict": found.verdict,
         "identity": found.identity.given(),
         "vehicle": found.table.vehicle.name,
-        "table": {"id": stored.id, "digest": stored.digest},
+        "table": {"id": stored.id, "digest": stored.digest, "state": stored.state.word},
+        "accepted_warnings": found.accepted or None,
         "golden": found.golden or None,
         "program": f"brake-cal {__version__}",
         "counts": found.counts(),
@@ -37,7 +38,7 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
             for log in logs
         ]
         + [{"log": r.log, "digest": r.digest, "role": r.role} for r in found.results],
-        "validation": validation_dict(stored.id, list(found.results), found.table.warnings),
+        "validation": validation_dict(stored, list(found.results)),
         "remarks": list(found.table.remarks),
         "caveats": [warning_dict(warning) for warning in found.caveats],
         "files": files,

@@ -29,6 +29,7 @@ def junit_xml(found: StationOutcome, stored: Stored) -> bytes:
         "verdict": found.verdict,
         "table": stored.id,
         "digest": stored.digest,
+        "state": stored.state.word,
         **found.identity.given(),
     }
     for name, value in stated.items():

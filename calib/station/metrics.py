@@ -14,6 +14,7 @@ from calib.physics.forces import front_biased_up_to
 from calib.signals.driving_record import driving_record
 from calib.station.golden import distance, ratios_to
 from calib.station.sides import side_difference
+from calib.table.listing import band_width
 from calib.table.table import MEASURED, Table
 from calib.validation.validate import Validation, agreement
 
@@ -63,7 +64,7 @@ def metrics_of(car: Car) -> dict[str, float | None]:
     out: dict[str, float | None] = {
         "ramp_deceleration": table.quality["deceleration_max"],
         "measured_share": float(np.mean(table.paper.flag == MEASURED)),
-        "band_width": _band_width(table),
+        "band_width": band_width(table),
         "ramp_eta_zero": _largest([_eta_zero(log) for log in car.ramps]),
         "pad_scale": cal.pad_scale.value,
         "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
@@ -83,13 +84,6 @@ def metrics_of(car: Car) -> dict[str, float | None]:
     out["golden_pads_r"] = ratios.rear - 1.0 if ratios else None
     out["golden_stiffness"] = ratios.stiffness - 1.0 if ratios else None
     return {name: out[name] for name in METRICS}
-
-
-def _band_width(table: Table) -> float | None:
-    d = table.difference
-    at = int(np.argmax(np.abs(d.D)))
-    half = 0.5 * float(d.upper[at] - d.lower[at])
-    return half / abs(float(d.D[at])) if d.D[at] else None
 
 
 def _eta_zero(log: Log) -> float | None:

@@ -37,7 +37,11 @@ def report_html(found: StationOutcome, stored: Stored) -> str:
         verdict=found.verdict,
         heading=HEADINGS[found.verdict],
         summary=summary(found),
-        identity=[("Vehicle", table.vehicle.name), *given, ("Table", stored.id)],
+        identity=[
+            ("Vehicle", table.vehicle.name),
+            *given,
+            ("Table", f"{stored.id}, {stored.state.why}"),
+        ],
         next_steps=[(check.verdict, in_full(check), action(check.figure)) for check in bad],
         warnings=[_warning(warning) for warning in found.warnings],
         of_car=[(c.meaning, value_of(c), c.verdict, *_ranges(c)) for c in of_car],

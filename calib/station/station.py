@@ -15,6 +15,7 @@ from calib.station.identity import Identity
 from calib.station.metrics import METRICS as OF_CAR
 from calib.station.metrics import Car, metrics_of
 from calib.station.warnings import car_warnings
+from calib.table.state import DRAFT, REJECTED, RELEASED, Decision, Evidence
 from calib.table.table import Table
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.validation.metrics import METRICS as OF_STOPS
@@ -64,7 +65,8 @@ class StationOutcome:
 
     ``logs`` of the ramps and coasts first, as given; ``results`` of the hold-outs in their order;
     ``caveats`` warnings of `brake-cal check` on a log, which are no verdict on the car; ``golden``
-    the id of the golden table, "" without one.
+    the id of the golden table, "" without one; ``accepted`` the reason why warnings are accepted,
+    "" where they are not; ``by`` the person who answers for it, "" for the user of the computer.
     """
 
     table: Table
@@ -76,6 +78,8 @@ class StationOutcome:
     checks: tuple[Check, ...]
     caveats: tuple[PlausibilityWarning, ...] = ()
     golden: str = ""
+    accepted: str = ""
+    by: str = ""
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
@@ -93,6 +97,18 @@ class StationOutcome:
     def passed(self) -> bool:
         """Whether no check fails; warnings pass."""
         return self.verdict != FAILED
+
+    def decision(self, digest: str) -> Decision:
+        """The state that the verdict gives the table; ``digest`` of `station.json`, its evidence.
+
+        A warning alone releases nothing: the table is a draft, unless the warnings are accepted.
+        """
+        state = {PASSED: RELEASED, FAILED: REJECTED}.get(self.verdict, DRAFT)
+        reason = f"{self.verdict} at the station"
+        if self.verdict == WARNING and self.accepted:
+            state, reason = RELEASED, f"{reason}; accepted: {self.accepted}"
+        evidence = (Evidence("station.json", digest),)
+        return Decision(state, reason, self.verdict, evidence, self.by)
 
     def with_verdict(self, word: str) -> list[Check]:
         """Checks of one verdict, in order."""
@@ -147,9 +163,18 @@ def validated(
 
 
 def outcome(
-    car: Car, coasts: Sequence[Log], limits: Sequence[Limit], identity: Identity, golden: str = ""
+    car: Car,
+    coasts: Sequence[Log],
+    limits: Sequence[Limit],
+    identity: Identity,
+    golden: str = "",
+    accepted: str = "",
+    by: str = "",
 ) -> StationOutcome:
-    """Judge the car and collect all results. ``golden`` is the id of ``car.golden``."""
+    """Judge the car and collect all results. ``golden`` is the id of ``car.golden``.
+
+    ``accepted``, ``by`` as in `StationOutcome`.
+    """
     logs = (*car.ramps, *coasts, *car.stops)
     figures = metrics_of(car)
     of_car = judge(tuple(x for x in limits if x.figure in OF_CAR), figures)
@@ -165,4 +190,6 @@ def outcome(
         checks=tuple(checks),
         caveats=tuple(warning for log in logs for warning in check(log).warnings),
         golden=golden,
+        accepted=accepted,
+        by=by,
     )

@@ -1,5 +1,6 @@
 """Every file of a run at the station, made in one folder before any is published."""
 
+import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -26,15 +27,16 @@ def store_and_write(
 ) -> tuple[Stored, dict[str, Any]]:
     """Write everything into ``work``, then store the table; return it and the document.
 
-    In this order an error leaves no version without a verdict. Where another run has taken the
-    version number meanwhile, the files are written again. Raises OSError, ExchangeError,
-    StoreError.
+    The version is entered with its state in one step, so none is without a verdict. Where another
+    run has taken the version number meanwhile, the files are written again. Raises OSError,
+    ExchangeError, StoreError.
     """
     while True:
-        expected = store.foreseen(found.table)
+        expected = store.foreseen(found.table, found.decision("to be written"))
         document = write_all(found, expected, forms, date, work)
-        stored = store.save(found.table)
-        if stored.id == expected.id:
+        digest = hashlib.sha256((work / DOCUMENT).read_bytes()).hexdigest()
+        stored = store.save(found.table, found.decision(digest))
+        if (stored.id, stored.state.word) == (expected.id, expected.state.word):
             return stored, document
 
 
@@ -43,12 +45,12 @@ def write_all(
 ) -> dict[str, Any]:
     """Write everything into ``work`` and return the document of `station.json`.
 
-    A car that failed gets no exports, so that its table reaches no ECU. ``date`` is for `DATED`.
+    Only a released table is exported, so that no other reaches an ECU. ``date`` is for `DATED`.
     Raises OSError, ExchangeError.
     """
     results = list(found.results)
-    fill(results, validation_dict(stored.id, results, found.table.warnings), work)
-    if found.passed:
+    fill(results, validation_dict(stored, results), work)
+    if stored.state.released:
         _write_exports(stored, forms, date, work)
     write_whole(work / JUNIT, junit_xml(found, stored))
     write_whole(work / REPORT, report_html(found, stored).encode())
@@ -58,6 +60,6 @@ def write_all(
 
 
 def _write_exports(stored: Stored, forms: Sequence[str], date: str, work: Path) -> None:
-    quality = read_quality(work / SUMMARY, stored.id)
+    quality = read_quality(work / SUMMARY, stored)
     for form in dict.fromkeys(forms):
         export(stored, work / export_name(form), form, quality=quality, date=date)

@@ -1,14 +1,19 @@
 """The differences of two tables: curve by curve, and key by key of their records."""
 
 import json
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.table.table import Table
+from calib.statistics.intervals import Z95
+from calib.table.table import Table, Value
 
 Array = NDArray[np.float64]
+
+EQUAL, WITHIN, DIFFERENT = "equal", "equal within bands", "different"
+"""Verdicts on two tables; the second where nothing differs by more than the 95 % bands of both."""
 
 
 @dataclass(frozen=True)
@@ -40,21 +45,50 @@ class RecordChange:
 
 
 @dataclass(frozen=True)
+class ValueGap:
+    """A fitted value of ``a`` and ``b`` [1].
+
+    ``in_bands`` their distance over the combined 95 % half-width [1]; infinite for two that
+    differ and have no band.
+    """
+
+    name: str
+    a: float
+    b: float
+    in_bands: float
+
+
+@dataclass(frozen=True)
 class Difference:
     """``curves`` one gap per curve with a common axis; ``apart`` the curves without one.
 
-    ``changes`` by section of the record: vehicle, calibration, quality, provenance and so on;
-    without the sections that are equal.
+    ``values`` the pads of both; ``changes`` by section of the record: vehicle, calibration,
+    quality, provenance and so on; without the sections that are equal.
     """
 
     curves: tuple[CurveGap, ...]
     apart: tuple[str, ...]
+    values: tuple[ValueGap, ...]
     changes: dict[str, tuple[RecordChange, ...]]
 
     @property
     def identical(self) -> bool:
         """Whether neither curves nor records differ."""
         return not self.changes and not self.apart and all(g.largest == 0.0 for g in self.curves)
+
+    @property
+    def beyond(self) -> tuple[CurveGap | ValueGap, ...]:
+        """Curves and values that differ by more than the 95 % bands of both, the worst first."""
+        every: list[CurveGap | ValueGap] = [*self.curves, *self.values]
+        wide = [gap for gap in every if gap.in_bands > 1.0]
+        return tuple(sorted(wide, key=lambda gap: -gap.in_bands))
+
+    @property
+    def verdict(self) -> str:
+        """`equal`, `equal within bands` or `different`."""
+        if self.identical:
+            return EQUAL
+        return DIFFERENT if self.beyond or self.apart else WITHIN
 
 
 def diff(a: Table, b: Table) -> Difference:
@@ -66,8 +100,20 @@ def diff(a: Table, b: Table) -> Difference:
     return Difference(
         curves=tuple(gap for gap in gaps.values() if gap is not None),
         apart=tuple(name for name, gap in gaps.items() if gap is None),
+        values=_values(a, b),
         changes=_changes(a, b),
     )
+
+
+def _values(a: Table, b: Table) -> tuple[ValueGap, ...]:
+    ours, theirs = vars(a.calibration), vars(b.calibration)
+    return tuple(_value_gap(name, ours[name], theirs[name]) for name in ours)
+
+
+def _value_gap(name: str, a: Value, b: Value) -> ValueGap:
+    apart, band = abs(b.value - a.value), Z95 * math.hypot(a.sigma, b.sigma)
+    far = apart / band if band > 0.0 else math.inf if apart > 0.0 else 0.0
+    return ValueGap(name, a.value, b.value, far)
 
 
 def _axes(table: Table) -> list[tuple[str, tuple[Array, Array, Array]]]:

@@ -1,7 +1,7 @@
 """The record of a stored table as a JSON file, and the table built from it."""
 
 from dataclasses import fields
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import ConfigDict
 
@@ -84,6 +84,7 @@ class RecordFile(Address):
     version: int
     files: dict[str, str]
     record: Record
+    states: Literal["journal.jsonl"] | None = None
 
 
 def from_content(record: dict[str, Any], curves: dict[str, dict[str, Array]]) -> Table:

@@ -1,54 +1,28 @@
-"""Tables on disk: versions that are written once, never edited, and verified on load.
+"""The store: versions of tables that are written once, and the journal of their states.
 
-    tables/                       the store
-      sedan/                      a table, named after its vehicle
-        v0001/                    a version, see `calib.table.version`
-
-A version is made in a hidden directory beside it and then renamed, so a reader gets all of it or
-nothing, and of two writers one takes the next number.
+`calib.table.folders` says where they lie, `calib.table.commit` how they get there. What the store
+promises is in `calib/manual/store.md`.
 """
 
-import contextlib
-import errno
-import os
-import re
-import secrets
-import shutil
-from dataclasses import dataclass
-from difflib import get_close_matches
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from calib.errors import StoreError, TableNotFound
+from calib import __version__
+from calib.errors import StoreError
+from calib.table.commit import commit, discard, read_journal, tidy, write_journal, write_version
+from calib.table.folders import checked_name, names_in, path_of, placed_in, unplaced, versions_in
 from calib.table.invariants import violations
+from calib.table.journal import ADOPTED, CHANGED, JOURNAL, STORED, Journal
+from calib.table.lock import locked
+from calib.table.same import inputs
+from calib.table.snapshot import Snapshot, StoreEntry
+from calib.table.state import Decision, next_state
 from calib.table.table import Table
-from calib.table.version import (
-    RECORD,
-    Stored,
-    read_version,
-    stored_content,
-    sync_directory,
-    write_curves,
-    write_record,
-)
+from calib.table.version import Stored, read_version
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
-FOLDER = re.compile(r"v(\d{4,6})")
-
-
-@dataclass(frozen=True)
-class StoreEntry:
-    """One version in a listing; ``digest`` is None and ``logs`` empty where it cannot be read."""
-
-    name: str
-    version: int
-    digest: str | None
-    logs: tuple[str, ...]
-    path: Path
-
-    @property
-    def id(self) -> str:
-        """name@version."""
-        return f"{self.name}@{self.version}"
+PROGRAM = f"brake-cal {__version__}"
 
 
 @dataclass(frozen=True)
@@ -75,10 +49,10 @@ class Store:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     store = calib.Store(folder)
     ...     again = [store.save(table).id for _ in range(2)]  # one content is one version
-    ...     loaded = store.load("sedan-sim").table
+    ...     loaded = store.load("sedan-sim")
     ...     sound = [verdict.sound for verdict in store.verify()]
-    >>> again, sound, loaded.digest == table.digest
-    (['sedan-sim@1', 'sedan-sim@1'], [True], True)
+    >>> again, sound, loaded.state.word, loaded.digest == table.digest
+    (['sedan-sim@1', 'sedan-sim@1'], [True], 'draft', True)
     """
 
     def __init__(self, folder: Path | str) -> None:
@@ -87,220 +61,188 @@ class Store:
     def __repr__(self) -> str:
         return f"Store({str(self.folder)!r})"
 
-    def save(self, table: Table) -> Stored:
+    def save(self, table: Table, decision: Decision | None = None) -> Stored:
         """Write ``table`` as the next version of its name, or return the one that holds it already.
 
-        Raises StoreError when the name is not valid, the table is not sound or the store cannot be
-        written; the store is then not changed.
+        ``decision`` gives its state; without one a new version is a draft, and one that was there
+        keeps its state. Raises StoreError when the name is not valid, the table is not sound, the
+        state may not follow that of the version, or the store cannot be written; the store is then
+        not changed.
         """
-        home = self._home(table)
-        work = home / f".new-{secrets.token_hex(8)}"  # hidden: no listing shows it
+        _require_storable(table)
+        with self._writing():
+            now = self._with_older(self._snapshot())
+            known = now.identical(table)
+            if known is not None:
+                return self._judged(known, decision, now)
+            tidy(self.folder, now.journal)
+            version = now.next_number(table.name)
+            work = write_version(self.folder, table, version)
+            try:
+                stored = read_version(work, f"{table.name}@{version}")
+                journal = _entered(STORED, stored, decision or Decision(), now.journal)
+            except BaseException:
+                discard(work)
+                raise
+            commit(self.folder, journal, work)
+            return Snapshot(self.folder, journal).load(table.name, version)
+
+    def judge(self, reference: str, decision: Decision) -> Stored:
+        """Change the state of ``name@version``.
+
+        Raises TableNotFound when there is no such version, DamagedTable when it is damaged,
+        StoreError when the state may not follow the present one or the store cannot be written.
+        """
+        name, _, version = reference.partition("@")
+        with self._reading():
+            self._snapshot().number(name, version)  # before anything is made
+        with self._writing():
+            now = self._with_older(self._snapshot())
+            return self._judged(now.load(name, now.number(name, version)), decision, now)
+
+    def foreseen(self, table: Table, decision: Decision | None = None) -> Stored:
+        """What `save` will return if no other writer adds a version before; writes nothing.
+
+        Raises StoreError as `save` does.
+        """
+        from calib.table.record_file import from_content
+
+        _require_storable(table)
+        with self._reading():
+            now = self._with_older(self._snapshot())
+            known = now.identical(table)
+            if known is not None:
+                return replace(known, state=next_state(known.id, known.state, decision))
+            version = now.next_number(table.name)
+        read, path = from_content(*table.content()), placed_in(self.folder, table.name, version)
+        state = (decision or Decision()).as_state()
+        return Stored(read, table.name, version, table.digest, path, state=state)
+
+    def load(self, reference: str) -> Stored:
+        """Read and verify a table, to look at it or to judge it.
+
+        ``name`` is its newest version that is neither rejected nor withdrawn, ``name@version`` that
+        version whatever its state, or a path to a version. Raises TableNotFound when there is none,
+        StoreError when no version of the name may be meant, DamagedTable when it does not agree
+        with its digests or with the journal.
+        """
+        return self._find(reference, released=False)
+
+    def released(self, reference: str) -> Stored:
+        """Read and verify a table, to hand it out or to measure others by it.
+
+        As `load`, but ``name`` is its newest released version.
+        """
+        return self._find(reference, released=True)
+
+    def journal(self, name: str | None = None) -> Journal:
+        """The journal, of the whole store; with the versions that are older than it.
+
+        Raises TableNotFound when there is no store, or no table ``name``; DamagedTable when the
+        journal was changed.
+        """
+        with self._reading():
+            now = self._snapshot()
+            if name is not None:
+                now.known(name)
+            return self._with_older(now).journal if now.names else now.journal
+
+    def list(self) -> tuple[StoreEntry, ...]:
+        """Every version in the store, by name and version.
+
+        Raises TableNotFound when there is no store, StoreError when it cannot be read.
+        """
+        with self._reading():
+            now = self._snapshot()
+            return tuple(now.entry(name, v) for name in now.names for v in now.versions(name))
+
+    def verify(self, name: str | None = None) -> tuple[StoreVerdict, ...]:
+        """Compare versions with digests, invariants and journal, of one table or of all.
+
+        One verdict per version that is or ever was, and one for each that the journal does not
+        know. Raises TableNotFound when there is no store, or no table of that name; DamagedTable
+        when the journal cannot be trusted.
+        """
+        with self._reading():
+            now = self._snapshot()
+            names = {*now.names, *names_in(self.folder)} if name is None else {now.known(name)}
+            return tuple(
+                StoreVerdict(f"{one}@{version}", now.flaws(one, version))
+                for one in sorted(names)
+                for version in now.with_strays(one)
+            )
+
+    def unfinished(self) -> tuple[Path, ...]:
+        """Folders that a writer has begun, or that a stopped one left; the next writer clears."""
+        return tuple(unplaced(self.folder))
+
+    def _find(self, reference: str, released: bool) -> Stored:
+        path = path_of(reference)
+        store = self if path is None else Store(path.resolve().parent.parent)
+        with store._reading():
+            return store._snapshot().find(reference, released)
+
+    def _snapshot(self) -> Snapshot:
+        return Snapshot(self.folder, read_journal(self.folder))
+
+    def _with_older(self, now: Snapshot) -> Snapshot:
+        """The store with the versions that are older than the journal, where it is still empty.
+
+        Raises DamagedTable where one of them is not older: then the journal is missing.
+        """
+        journal = now.journal
+        if journal.entries:
+            return now
+        for name in names_in(self.folder):
+            for version in versions_in(self.folder / name):
+                entry = now.entry(name, version)
+                if entry.stored is not None:
+                    journal = _entered(ADOPTED, entry.stored, Decision(), journal)
+                elif JOURNAL in entry.flaw:
+                    now.load(name, version)
+        return Snapshot(self.folder, journal)
+
+    def _judged(self, stored: Stored, decision: Decision | None, now: Snapshot) -> Stored:
+        """Enter a change of state, unless it is one that the journal has already."""
+        if decision is None or next_state(stored.id, stored.state, decision) == stored.state:
+            return stored
+        journal = _entered(CHANGED, stored, decision, now.journal)
+        tidy(self.folder, now.journal)
+        write_journal(self.folder, journal)
+        return replace(stored, state=journal.state(stored.name, stored.version))
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
         try:
-            version = _identical(home, _versions(home), table.digest) or _add(table, home, work)
+            with locked(self.folder):
+                yield
         except OSError as error:
             raise StoreError(
                 f"cannot be written ({error.strerror})", where=self.folder, do="nothing was stored"
             ) from error
-        finally:
-            shutil.rmtree(work, ignore_errors=True)
-            with contextlib.suppress(OSError):
-                home.rmdir()  # only when this call made it and put nothing there
-        return self.load(f"{table.name}@{version}")
 
-    def foreseen(self, table: Table) -> Stored:
-        """What `save` will return if no other writer adds a version before; writes nothing.
-
-        Raises StoreError when the name is not valid, the table is not sound or the store cannot be
-        read.
-        """
-        from calib.table.record_file import from_content
-
-        home = self._home(table)
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
         try:
-            versions = _versions(home)
-        except OSError as error:
-            raise StoreError(f"cannot be read ({error.strerror})", where=self.folder) from error
-        version = _identical(home, versions, table.digest) or max(versions, default=0) + 1
-        record, curves = table.content()
-        read = from_content(record, curves)
-        return Stored(read, table.name, version, table.digest, home / _folder(version))
-
-    def load(self, reference: str) -> Stored:
-        """Read and verify a table: ``name`` (its latest), ``name@version`` or a path to a version.
-
-        Raises TableNotFound when there is none, DamagedTable when it does not agree with its
-        digests.
-        """
-        path = _path_of(reference)
-        if path is not None:
-            return read_version(path)
-        name, at, version = reference.partition("@")
-        home = self.folder / self._known_name(name)
-        versions = _versions(home)
-        if not at:
-            return read_version(home / _folder(max(versions)), f"{name}@{max(versions)}")
-        if not version.isdecimal() or int(version) not in versions:
-            raise TableNotFound(
-                f"no version {version!r} of {name!r}",
-                where=self.folder,
-                expected="one of " + ", ".join(map(str, versions)),
-            )
-        return read_version(home / _folder(int(version)), f"{name}@{int(version)}")
-
-    def list(self) -> tuple[StoreEntry, ...]:
-        """Every version in the store, by name and version, without verifying any of them.
-
-        Raises TableNotFound when there is no store, StoreError when it cannot be read.
-        """
-        homes = [self.folder / name for name in self._names()]
-        return tuple(
-            _entry(home.name, version, home / _folder(version))
-            for home in homes
-            for version in _versions(home)
-        )
-
-    def verify(self, name: str | None = None) -> tuple[StoreVerdict, ...]:
-        """Recompute digests and invariants, of one table or of all.
-
-        One verdict per version, and one per missing version. Raises TableNotFound when there is no
-        store, or no table of that name.
-        """
-        names = self._names() if name is None else (self._known_name(name),)
-        return tuple(
-            StoreVerdict(f"{name}@{version}", _version_flaws(self.folder / name, name, version))
-            for name in names
-            for version in range(1, max(_versions(self.folder / name)) + 1)
-        )
-
-    def _home(self, table: Table) -> Path:
-        """Directory of the versions of ``table``. Raises StoreError if it may not be stored."""
-        home = self.folder / _checked_name(table.name)
-        if found := violations(table):
-            raise StoreError(
-                f"the table is not sound and was not stored: {'; '.join(found)}",
-                where=table.name,
-                expected="a table that `brake-cal tables verify` passes",
-            )
-        return home
-
-    def _known_name(self, name: str) -> str:
-        """Return ``name`` if the store has a table of that name. Raises TableNotFound."""
-        known = self._names()
-        if _checked_name(name) in known:
-            return name
-        near = get_close_matches(name, known, n=1)
-        raise TableNotFound(
-            f"no table {name!r}",
-            where=self.folder,
-            expected="one of " + ", ".join(known) if known else "a table: the store is empty",
-            do=f"did you mean {near[0]!r}?" if near else "",
-        )
-
-    def _names(self) -> tuple[str, ...]:
-        """Names of the tables, in order. Raises TableNotFound where there is no store."""
-        if not self.folder.is_dir():
-            raise TableNotFound(
-                "no table store here",
-                where=self.folder,
-                do="`brake-cal fit` makes one, --store names another",
-            )
-        try:
-            homes = (p for p in self.folder.iterdir() if NAME.fullmatch(p.name) and _versions(p))
-            return tuple(sorted(p.name for p in homes))
+            yield
         except OSError as error:
             raise StoreError(f"cannot be read ({error.strerror})", where=self.folder) from error
 
 
-def _version_flaws(home: Path, name: str, version: int) -> tuple[str, ...]:
-    path = home / _folder(version)
-    if not path.is_dir():
-        return ("missing: a later version is there, this one is not",)
-    try:
-        return violations(read_version(path, f"{name}@{version}").table)
-    except StoreError as error:
-        return (error.what,)
-
-
-def _checked_name(name: str) -> str:
-    """Return ``name`` if it is a valid name of a table, which is always a folder of the store."""
-    if not NAME.fullmatch(name) or ".." in name:
+def _require_storable(table: Table) -> None:
+    checked_name(table.name)
+    if found := violations(table):
         raise StoreError(
-            f"{name!r} cannot name a table",
-            expected="letters, digits and . _ - only, at most 100, a letter or digit first",
+            f"the table is not sound and was not stored: {'; '.join(found)}",
+            where=table.name,
+            expected="a table that `brake-cal tables verify` passes",
         )
-    return name
 
 
-def _folder(version: int) -> str:
-    return f"v{version:04d}"
-
-
-def _versions(home: Path) -> list[int]:
-    """Version numbers in a table's directory, ascending; empty without the directory."""
-    if not home.is_dir():
-        return []
-    found = [(p, FOLDER.fullmatch(p.name)) for p in home.iterdir()]
-    numbers = [int(match[1]) for p, match in found if match and p.is_dir()]
-    return sorted(n for n in numbers if n > 0 and (home / _folder(n)).is_dir())
-
-
-def _path_of(reference: str) -> Path | None:
-    """Directory of the version that ``reference`` names as a path; None when it is not a path."""
-    path = Path(reference)
-    if path.name == RECORD:
-        path = path.parent
-    elif os.sep not in reference and not (path / RECORD).is_file():
-        return None
-    if not path.is_dir():
-        raise TableNotFound(
-            "no such directory", where=reference, expected="name, name@version or path"
-        )
-    if not (path / RECORD).is_file() and not any(path.glob("*.parquet")):
-        raise TableNotFound(
-            f"no {RECORD} in it",
-            where=reference,
-            expected="the directory of one version, like v0001",
-        )
-    return path
-
-
-def _add(table: Table, home: Path, work: Path) -> int:
-    """Write the files under ``work`` and rename it to the next free version, which is returned."""
-    work.mkdir(parents=True)
-    write_curves(table, work)
-    while True:
-        # One listing for both decisions: if another writer adds a version after it, the rename
-        # fails, and the next round has the new version.
-        versions = _versions(home)
-        if (same := _identical(home, versions, table.digest)) is not None:
-            return same
-        version = max(versions, default=0) + 1
-        write_record(table, version, work)
-        try:
-            # A rename never replaces a directory with files in it: it fails if the number is taken.
-            os.rename(work, home / _folder(version))
-        except OSError as error:
-            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
-                raise
-        else:
-            sync_directory(home)
-            return version
-
-
-def _identical(home: Path, versions: list[int], digest: str) -> int | None:
-    """Version that already holds the content ``digest``, None if there is none.
-
-    A version that cannot be read is skipped: `verify` reports it, and it does not prevent a save.
-    """
-    for version in reversed(versions):
-        if _entry(home.name, version, home / _folder(version)).digest == digest:
-            return version
-    return None
-
-
-def _entry(name: str, version: int, path: Path) -> StoreEntry:
-    try:
-        digest, logs = stored_content(path)
-    except StoreError:
-        return StoreEntry(name, version, None, (), path)
-    return StoreEntry(name, version, digest, logs, path)
+def _entered(event: str, stored: Stored, decision: Decision, journal: Journal) -> Journal:
+    """The journal with an event of a version."""
+    given = "" if event == CHANGED else inputs(stored.table.content()[0])
+    return journal.added(
+        event, stored.name, stored.version, stored.digest, stored.record, decision,
+        inputs=given, program=PROGRAM,
+    )  # fmt: skip

@@ -1,12 +1,14 @@
 """One version of a table as a directory: a record, one Parquet file per curve, digests.
 
-    v0001/record.json           {id, version, digest, parents, files, record}
+    v0001/record.json           {id, version, digest, parents, files, states, record}
           difference.parquet    D(eta)
           paper.parquet         f1(eta), f2(eta)
           tyre.parquet          g(slip)
 
 ``digest`` is that of the table's content and does not depend on the file format; ``files`` holds
-the SHA-256 of each Parquet file, so that a damaged file is detected before it is parsed.
+the SHA-256 of each Parquet file, so that a damaged file is detected before it is parsed. ``states``
+names the journal that holds the state of the version; a version older than the journal has no such
+key.
 """
 
 import hashlib
@@ -18,7 +20,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from calib.digest import content_digest
 from calib.errors import DamagedTable, StoreError
+from calib.files import sync
 from calib.table.curve_file import Array, curve_bytes, read_curve
+from calib.table.journal import JOURNAL, without_duplicates
+from calib.table.state import UNKNOWN, State
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -32,13 +37,22 @@ CURVES = ("difference", "paper", "tyre")
 
 @dataclass(frozen=True)
 class Stored:
-    """A table with its address. ``digest`` is that of its content, ``path`` its directory."""
+    """A table with its address.
+
+    ``digest`` is that of its content, ``path`` its directory, ``record`` the SHA-256 of its record
+    file, "" of one that is not written yet; ``journaled`` whether that file names a journal;
+    ``existed`` whether `Store.save` found it there already.
+    """
 
     table: Table
     name: str
     version: int
     digest: str
     path: Path
+    record: str = ""
+    journaled: bool = False
+    state: State = UNKNOWN
+    existed: bool = False
 
     def __repr__(self) -> str:
         return f"{self.id} in {self.path}\n{self.table!r}"
@@ -63,9 +77,9 @@ def write_record(table: Table, version: int, path: Path) -> None:
         f"{name}.parquet": hashlib.sha256(_bytes(path / f"{name}.parquet")).hexdigest()
         for name in CURVES
     }
-    document = _document(record, table.digest, version, digests)
+    document = {**_document(record, table.digest, version, digests), "states": JOURNAL}
     _write(path / RECORD, (json.dumps(document, indent=2, sort_keys=True) + "\n").encode())
-    sync_directory(path)
+    sync(path)
 
 
 def read_version(path: Path, promised: str | None = None) -> Stored:
@@ -78,7 +92,7 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
 
     data = _bytes(path / RECORD)
     file = _checked(data, RecordFile, path)
-    document = json.loads(data)
+    document = _single_keys(data, path)
     record = document["record"]
     try:
         curves = {name: _curve_file(path / f"{name}.parquet", file.files) for name in CURVES}
@@ -88,33 +102,23 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(path, f"{RECORD}: not the record of these curves ({error!r})") from error
     expected = _document(record, file.digest, file.version, file.files)
-    stored = Stored(table, table.name, file.version, file.digest, path)
+    if file.states is not None:
+        expected["states"] = JOURNAL
+    stored = Stored(
+        table,
+        table.name,
+        file.version,
+        file.digest,
+        path,
+        record=hashlib.sha256(data).hexdigest(),
+        journaled=file.states is not None,
+    )
     changed = sorted(k for k in {*expected, *document} if expected.get(k) != document.get(k))
     if changed:
         raise _damaged(path, f"{RECORD}: {', '.join(changed)} not in agreement with the record")
     if promised not in (None, stored.id):
         raise _damaged(path, f"{RECORD}: holds {stored.id} in the place of {promised}")
     return stored
-
-
-def stored_content(path: Path) -> tuple[str, tuple[str, ...]]:
-    """Digest and names of the parent logs in the record, not verified.
-
-    Raises StoreError when the record cannot be read.
-    """
-    from calib.table.record_file import Address
-
-    address = _checked(_bytes(path / RECORD), Address, path)
-    return address.digest, tuple(log.name for log in address.parents)
-
-
-def sync_directory(path: Path) -> None:
-    """Flush the names in a directory to disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 def _document(
@@ -138,6 +142,14 @@ def _checked(data: bytes, schema: "type[S]", path: Path) -> "S":
         return validated_json(data, schema, None, DamagedTable)
     except DamagedTable as error:
         raise _damaged(path, f"{RECORD}: {error}") from error
+
+
+def _single_keys(data: bytes, path: Path) -> dict[str, Any]:
+    try:
+        document: dict[str, Any] = json.loads(data, object_pairs_hook=without_duplicates)
+    except ValueError as error:
+        raise _damaged(path, f"{RECORD}: {error}") from error
+    return document
 
 
 def _curve_file(path: Path, digests: dict[str, str]) -> dict[str, Array]:

@@ -24,6 +24,7 @@ from calib.signals.blocks import blocks
 from calib.signals.one_axle import braked_alone
 from calib.table.budget import AxleBudget, summary
 from calib.table.table import Table
+from calib.table.version import Stored
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
 from calib.validation.warnings import limit_warnings, warnings_of
@@ -285,19 +286,19 @@ def agreement(results: list[Validation]) -> Agreement | None:
     return Agreement(float(mean[0]), float(mean[1]), float(spread[0]), float(spread[1]))
 
 
-def to_dict(
-    table_id: str, results: list[Validation], of_table: Iterable[PlausibilityWarning] = ()
-) -> dict[str, object]:
+def to_dict(stored: Stored, results: list[Validation]) -> dict[str, object]:
     """`summary.json`: every metric, judgement and baseline of every log, and the verdict.
 
-    ``of_table`` warnings of its fit, which speak against every estimate with it.
+    Its warnings begin with those of the table, which speak against every estimate with it.
     """
     together = agreement(results)
     return {
         "schema": 1,
-        "table": table_id,
+        "table": stored.id,
+        "digest": stored.digest,
+        "state": stored.state.word,
         "mass": asdict(results[0].mass) if results else None,
-        "warnings": [warning_dict(w) for w in all_warnings(of_table, results)],
+        "warnings": [warning_dict(w) for w in all_warnings(stored.table.warnings, results)],
         "verdict": PASSED if all(r.passed for r in results) else FAILED,
         "logs": [
             {

@@ -26,4 +26,6 @@ def test_diff_names_changed_keys(tables, two):
 
 
 def test_diff_of_the_same_says_so(tables, two):
-    assert tables("diff", "sedan@1", "sedan@1").out == "sedan@1 and sedan@1 hold the same\n"
+    assert tables("diff", "sedan@1", "sedan@1").out == (
+        "sedan@1 (released) and sedan@1 (released) are equal\n"
+    )

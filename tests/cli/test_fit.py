@@ -51,7 +51,7 @@ def test_a_table_is_stored_and_told(brake_cal, log, store):
     assert stored.table.calibration.pad_friction_f.value == pytest.approx(0.36, rel=0.02)
     assert ran.err == "fitting sedan-2up from 1 log\n"
     first, front, *_ = ran.out.splitlines()
-    assert first.split() == ["table", "sedan-2up@1", f"({stored.path})"]
+    assert first.split() == ["table", "sedan-2up@1,", "draft", f"({stored.path})"]
     pads = stored.table.calibration.pad_friction_f
     low, high = pads.ci95
     assert front == f"front pads {pads.value:.4f}  (95 % {low:.4f} to {high:.4f})"

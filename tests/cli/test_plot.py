@@ -149,7 +149,7 @@ def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
         (("sedan@1", "--vehicle", WRONG), 2, "only with a TABLE and a LOG"),
         (("sedan@1", "--out", "none/a.png"), 2, "no directory none"),
         (("nothing.csv",), 3, "no such file"),
-        (("sedna",), 4, "did you mean 'sedan'"),
+        (("sedna",), 2, "did you mean 'sedan'"),
     ],
 )
 def test_what_cannot_be_drawn_says_why(plot, arguments, code, says):

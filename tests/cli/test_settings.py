@@ -47,7 +47,7 @@ def test_without_a_file_it_says_where_it_looked(project, brake_cal, tmp_path, mo
     assert found["settings"]["store"] == {"value": "tables", "source": "built-in"}
     assert found["settings"]["vehicle"] == {"value": None, "source": "built-in"}
     assert found["settings"]["require_signed"] == {"value": False, "source": "built-in"}
-    assert found["settings"]["by"] == {"value": "ada", "source": "environment:LOGNAME"}
+    assert found["settings"]["by"] == {"value": "ada", "source": "environment"}
 
 
 def test_each_setting_says_where_it_comes_from(project, brake_cal):

@@ -36,9 +36,9 @@ def test_show_json_holds_the_whole_table(tables, two, document):
     assert shown["peak"] == pytest.approx({"eta": 1.005, "D": C * 0.005})
 
 
-def test_show_of_an_unknown_table_ends_with_4(tables, two):
+def test_show_of_an_unknown_table_ends_with_2(tables, two):
     ran = tables("show", "sedna", "--json")
-    assert (ran.code, ran.out) == (4, "")
+    assert (ran.code, ran.out) == (2, "")
     assert "did you mean 'sedan'" in ran.err
 
 

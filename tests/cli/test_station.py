@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import pytest
 
 from calib.table.store import Store
+from calib.table.table import Value
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 RAMP, REPEAT, COAST, DRY, ONTO_BASALT, WET, VEHICLE = (
@@ -105,8 +106,8 @@ def test_warnings_pass(station, tmp_path):
         (("--export", "cdfx"), 2, "give one, so that the same run gives the same bytes"),
         (("--date", "31.3.2025"), 2, "is not a date"),
         (("--vin", ""), 2, "is empty"),
-        (("--golden", "sedan-2up"), 2, "names no version"),
-        (("--golden", "sedan@1"), 4, "no table store here"),
+        (("--golden", "sedan-2up"), 2, "no table store here"),
+        (("--golden", "sedan@1"), 2, "no table store here"),
         (("--limits", "none.toml"), 3, "no such file"),
         (("--coast", DRY), 3, "will not do for a fit"),
         (("--coast", RAMP), 3, "give each run once"),
@@ -185,10 +186,11 @@ def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
 def test_a_version_taken_in_between_is_not_claimed(station, tmp_path, monkeypatch):
     save = Store.save
 
-    def late(store, table):
+    def late(store, table, decision=None):
         if not (store.folder / table.name).exists():
-            save(store, replace(table, remarks=("another car",)))
-        return save(store, table)
+            other = replace(table.calibration, pad_scale=Value(0.9, 0.01))
+            save(store, replace(table, calibration=other))
+        return save(store, table, decision)
 
     monkeypatch.setattr(Store, "save", late)
     ran = station("--json")
@@ -202,9 +204,11 @@ def test_a_version_taken_in_between_is_not_claimed(station, tmp_path, monkeypatc
 
 def test_a_damaged_store_is_told(station, tmp_path):
     assert station().code == 0
-    curve = tmp_path / "tables/sedan-2up/v0001/tyre.parquet"
-    curve.write_bytes(b"x" + curve.read_bytes()[1:])
-    assert station().code == 4
+    journal = tmp_path / "tables/journal.jsonl"
+    journal.write_bytes(journal.read_bytes().replace(b"passed", b"failed"))
+    ran = station()
+    assert ran.code == 4
+    assert "journal.jsonl: line 1: was changed" in ran.err
 
 
 def test_a_stated_mass_counts_in_the_ramp_and_in_the_stops(station, tmp_path):

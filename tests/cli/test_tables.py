@@ -21,7 +21,7 @@ def test_list_of_an_empty_store_says_so(brake_cal, tmp_path, document):
     ran = brake_cal("tables", "list", "--store", tmp_path)
     assert (ran.code, ran.out) == (0, f"{tmp_path} holds no table\n")
     ran = brake_cal("tables", "list", "--store", tmp_path, "--json")
-    assert document(ran) == {"store": str(tmp_path), "tables": []}
+    assert document(ran) == {"schema": 1, "store": str(tmp_path), "tables": []}
 
 
 def test_the_store_is_tables_unless_told_otherwise(brake_cal, two, monkeypatch):
@@ -29,7 +29,7 @@ def test_the_store_is_tables_unless_told_otherwise(brake_cal, two, monkeypatch):
     assert "wagon@1" in brake_cal("tables", "list").out
 
 
-def test_without_a_store_it_ends_with_4(brake_cal, tmp_path):
+def test_without_a_store_it_ends_with_2(brake_cal, tmp_path):
     ran = brake_cal("tables", "list", "--store", tmp_path / "none", "--json")
-    assert (ran.code, ran.out) == (4, "")
+    assert (ran.code, ran.out) == (2, "")
     assert "no table store here" in ran.err

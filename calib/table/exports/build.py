@@ -1,5 +1,7 @@
 """A version of a table as a `Dataset`, on all of its rows or on the best selection of them."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from calib.errors import ExchangeError
@@ -7,7 +9,7 @@ from calib.physics.vehicle import Axle
 from calib.table.exports.breakpoints import FEWEST, Indices, misfit, place
 from calib.table.exports.dataset import Axis, Curve, Dataset, Scalar
 from calib.table.exports.labels import label, prefix
-from calib.table.exports.quality import UNPROVED, Quality
+from calib.table.exports.quality import PRELIMINARY, UNPROVED, Quality
 from calib.table.table import Array, Table
 from calib.table.version import Stored
 
@@ -43,7 +45,8 @@ def build(stored: Stored, points: int | None = None, quality: Quality = UNPROVED
         axes=tuple(axes),
         curves=tuple(curves),
         scalars=tuple(_scalars(table, stored.version, first)),
-        quality=quality,
+        quality=quality if stored.state.released else replace(quality, state=PRELIMINARY),
+        release=stored.state,
     )
 
 

@@ -46,6 +46,8 @@ def write_c_header(data: Dataset, bits: int | None = None) -> bytes:
         " */",
     ]
     lines += [f"#ifndef {guard}", f"#define {guard}", ""]
+    lines += ["/* 1U only for a released version */"]
+    lines += [f"#define {data.prefix.upper()}_RELEASED ({int(data.release.released)}U)", ""]
     lines += ["#include <stdint.h>", ""] if bits else []
     for axis in data.axes:
         lines.append(f"#define {_size(axis)} ({len(axis.values)}U)")

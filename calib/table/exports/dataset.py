@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from calib.table.exports.breakpoints import Misfit
 from calib.table.exports.quality import Quality
+from calib.table.state import State
 from calib.table.table import Array
 
 CLAMP = (
@@ -15,6 +16,10 @@ CLAMP = (
     "the estimator marks such samples as not valid"
 )
 """Values of a look-up beyond the ends, as in `calib.estimation.lookup`."""
+
+
+NOT = "NOT RELEASED, not for use in a vehicle: "
+"""Before the state of a version that is not released, in every format."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,7 @@ class Dataset:
     """The exported data of one version of a table.
 
     ``id`` name@version; ``digest`` of the whole table; ``program`` that fitted it; ``quality``
-    result of a validation, None if none was given.
+    result of a validation; ``release`` the state of the version.
     """
 
     id: str
@@ -96,6 +101,7 @@ class Dataset:
     curves: tuple[Curve, ...]
     scalars: tuple[Scalar, ...]
     quality: Quality
+    release: State
 
     def axis(self, label: str) -> Axis:
         """The axis of that label."""
@@ -130,6 +136,7 @@ class Dataset:
             **{f"breakpoints {a.label}": placed(a) for a in self.axes},
             "validation": self.quality.words,
             "state": self.quality.state,
+            "release": ("" if self.release.released else NOT) + self.release.why,
             "objects": str(self.blocks),
             "checksum": self.content().checksum,
         }

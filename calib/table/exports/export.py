@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
-from calib.errors import ExchangeError
+from calib.errors import ExchangeError, StoreError
 from calib.files import write_whole
 from calib.table.exports.build import build
 from calib.table.exports.dataset import Dataset
@@ -41,6 +41,7 @@ def export(
     bits: int | None = None,
     quality: Quality = UNPROVED,
     date: str | None = None,
+    unreleased: bool = False,
 ) -> Exported:
     """Write a version of a table to the file ``path``; an existing file is replaced.
 
@@ -53,9 +54,10 @@ def export(
     bits : of the fixed point, 8, 16 or 32; for c-header.
     quality : result of a validation, see `calib.table.exports.quality.read_quality`.
     date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
+    unreleased : write a version that is not released, too; the file then says so.
 
-    Raises ExchangeError where the format is not known or cannot hold the numbers, OSError if the
-    file cannot be written.
+    Raises StoreError for a version that is not released, ExchangeError where the format is not
+    known or cannot hold the numbers, OSError if the file cannot be written.
 
     >>> import tempfile
     >>> from pathlib import Path
@@ -65,10 +67,13 @@ def export(
     >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     stored = calib.Store(folder).save(table)
-    ...     written = calib.export(stored, Path(folder) / "car.dcm", points=16)
+    ...     dcm = Path(folder) / "car.dcm"
+    ...     written = calib.export(stored, dcm, points=16, unreleased=True)
     >>> written.form, written.data.id, [len(axis.values) for axis in written.data.axes]
     ('dcm', 'sedan-sim@1', [16, 16])
     """
+    if not (stored.state.released or unreleased):
+        raise _not_released(stored)
     path = Path(path)
     form = format_of(path.name) if form is None else format_named(form)
     if bits is not None and form not in FIXED_POINT:
@@ -78,3 +83,13 @@ def export(
     content = FORMATS[form](order)
     write_whole(path, content)
     return Exported(path, form, data, content)
+
+
+def _not_released(stored: Stored) -> StoreError:
+    return StoreError(
+        f"is {stored.state.words}",
+        where=stored.id,
+        expected="a released version",
+        do=f"release it with `brake-cal tables release {stored.id} --reason ...`, "
+        "or hand it out as it is with --unreleased: the file then says so",
+    )

@@ -12,6 +12,7 @@ from calib.table.exports.labels import printable
 
 if TYPE_CHECKING:
     from calib.table.exports.summary_file import SummaryFile
+    from calib.table.version import Stored
 
 CALIBRATED, CHECKED, PRELIMINARY = "calibrated", "checked", "prelimCalibrated"
 
@@ -29,18 +30,18 @@ UNPROVED = Quality(CALIBRATED, "none given with this export")
 """Quality of a table without a validation."""
 
 
-def read_quality(path: Path, table: str) -> Quality:
-    """Quality of ``table`` (name@version) from the summary.json of `validate --out`.
+def read_quality(path: Path, stored: "Stored") -> Quality:
+    """Quality of a version from the summary.json of `validate --out`.
 
     Raises ExchangeError when it is no such file or is of another table.
     """
     summary = _summary(path)
     held = [log for log in summary.logs if log.role == "hold-out"]
-    if summary.table != table:
+    if summary.table != stored.id or summary.digest not in (None, stored.digest):
         raise ExchangeError(
-            f"is the validation of {summary.table}",
+            f"is the validation of {_called(summary)}",
             where=path,
-            expected=f"one of {table}",
+            expected=f"one of {stored.id}, digest {stored.digest[:12]}",
             do="validate this version",
         )
     if not held:
@@ -48,6 +49,11 @@ def read_quality(path: Path, table: str) -> Quality:
     verdict, outcomes = summary.verdict, [f"{log.log} {log.verdict}" for log in held]
     words = f"{verdict} on {len(held)} hold-out log{'s' * (len(held) > 1)}: {', '.join(outcomes)}"
     return Quality(CHECKED if verdict == "passed" else PRELIMINARY, printable(words), verdict)
+
+
+def _called(summary: "SummaryFile") -> str:
+    known = f", digest {summary.digest[:12]}" if summary.digest else ""
+    return f"{summary.table}{known}"
 
 
 def _summary(path: Path) -> "SummaryFile":

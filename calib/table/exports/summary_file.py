@@ -23,5 +23,6 @@ class SummaryFile(FileSchema):
     model_config = ConfigDict(extra="ignore")
 
     table: str
+    digest: str | None = None
     verdict: Literal["passed", "failed"]
     logs: list[LogOutcome]

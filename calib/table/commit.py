@@ -1,0 +1,96 @@
+"""How a version gets into a store: made aside, entered in the journal, moved to its place.
+
+The journal's line is what counts. A writer that is stopped before it leaves a folder that the next
+writer deletes; one that is stopped after it leaves a version that every reader finds and the next
+writer moves. All of it happens under the lock of the store.
+"""
+
+import os
+import shutil
+from contextlib import suppress
+from pathlib import Path
+
+from calib.files import sync, write_whole
+from calib.table.folders import NEW, folder_of, unplaced
+from calib.table.journal import HEAD, JOURNAL, Journal, damaged, parse
+from calib.table.table import Table
+from calib.table.version import write_curves, write_record
+
+
+def read_journal(folder: Path) -> Journal:
+    """The journal of a store; an empty one where there is none.
+
+    Raises DamagedTable where it is torn or was changed, OSError where it cannot be read.
+    """
+    # The head first: a writer may add a line between the two.
+    head = _bytes(folder / HEAD)
+    data = _bytes(folder / JOURNAL)
+    if data is None:
+        if head is not None:
+            raise damaged(f"missing, and {HEAD} is there", folder / JOURNAL)
+        return Journal()
+    return parse(data, head, folder / JOURNAL)
+
+
+def write_journal(folder: Path, journal: Journal) -> None:
+    """Replace the journal by a longer one. Raises OSError."""
+    write_whole(folder / JOURNAL, journal.content())
+    write_whole(folder / HEAD, journal.head_content())
+    sync(folder)
+
+
+def tidy(folder: Path, journal: Journal) -> None:
+    """Finish or undo what stopped writers left. The caller holds the lock. Raises OSError."""
+    for path in unplaced(folder):
+        home, name = path.parent, path.name.removeprefix(NEW)
+        known = {folder_of(version) for version in journal.of(home.name)}
+        if name in known and not (home / name).exists():
+            os.rename(path, home / name)
+        else:
+            shutil.rmtree(path)
+    for file in (JOURNAL, HEAD):
+        for path in folder.glob(f".{file}.*"):
+            path.unlink()
+
+
+def write_version(folder: Path, table: Table, version: int) -> Path:
+    """Write a version aside, where no listing shows it, and return its folder. Raises OSError."""
+    work = folder / table.name / f"{NEW}{folder_of(version)}"
+    try:
+        work.mkdir(parents=True)
+        write_curves(table, work)
+        write_record(table, version, work)
+    except BaseException:
+        discard(work)
+        raise
+    return work
+
+
+def commit(folder: Path, journal: Journal, work: Path) -> None:
+    """Enter a version in the journal and move it to its place.
+
+    If it is not entered, ``work`` is deleted. Raises OSError.
+    """
+    try:
+        write_journal(folder, journal)
+    except BaseException:
+        if _bytes(folder / JOURNAL) != journal.content():
+            discard(work)
+        raise
+    with suppress(OSError):  # it is stored: readers find it aside, the next writer moves it
+        os.rename(work, work.parent / work.name.removeprefix(NEW))
+        sync(work.parent)
+
+
+def discard(work: Path) -> None:
+    """Delete a version that was not entered, and its table's folder if that is then empty."""
+    shutil.rmtree(work, ignore_errors=True)
+    with suppress(OSError):
+        work.parent.rmdir()
+
+
+def _bytes(path: Path) -> bytes | None:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        return None

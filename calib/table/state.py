@@ -1,0 +1,139 @@
+"""The state of a version: may its numbers be used, who said so, and on what evidence.
+
+    draft ──> released ──> withdrawn
+      │          │  ^          ^
+      └──────> rejected ───────┘
+
+A version begins as a draft, or in the state that its decision gives. A rejected version becomes
+released only on new evidence. A withdrawn version stays withdrawn.
+"""
+
+import getpass
+from dataclasses import dataclass
+
+from calib.errors import StoreError
+from calib.signing.statement import STATES
+
+DRAFT, RELEASED, REJECTED, WITHDRAWN = STATES
+
+CHANGES = {
+    DRAFT: (RELEASED, REJECTED, WITHDRAWN),
+    RELEASED: (RELEASED, REJECTED, WITHDRAWN),
+    REJECTED: (REJECTED, RELEASED, WITHDRAWN),
+    WITHDRAWN: (),
+}
+"""The states that may follow each state; the same state on new evidence."""
+
+UNUSABLE = (REJECTED, WITHDRAWN)
+"""A bare name never means a version in one of these states."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A file on which a state rests: its name without folder, and the SHA-256 of its bytes."""
+
+    name: str
+    sha256: str
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What is said of a version, and by whom.
+
+    ``state`` one of `STATES`; ``reason`` in words; ``verdict`` of the evidence: passed, warning or
+    failed, "" without one; ``by`` "" for the user of the computer.
+    """
+
+    state: str = DRAFT
+    reason: str = ""
+    verdict: str = ""
+    evidence: tuple[Evidence, ...] = ()
+    by: str = ""
+
+    @property
+    def person(self) -> str:
+        """Who says it."""
+        return self.by or user()
+
+    def as_state(self) -> "State":
+        """The state that it gives, without a time."""
+        return State(self.state, "", self.person, self.reason, self.verdict, self.evidence)
+
+
+@dataclass(frozen=True)
+class State:
+    """The state of a version since ``at`` (ISO 8601, UTC), by whom, why, and on what evidence.
+
+    ``stored_at``: when the version was stored; ``seen``: SHA-256 of every file that a state of the
+    version ever rested on. Both times are of the clock of the computer that
+    wrote them, and "" for a version that no journal knows; ``by`` and ``reason`` are then "", too.
+    """
+
+    word: str = DRAFT
+    at: str = ""
+    by: str = ""
+    reason: str = ""
+    verdict: str = ""
+    evidence: tuple[Evidence, ...] = ()
+    stored_at: str = ""
+    seen: frozenset[str] = frozenset()
+
+    @property
+    def released(self) -> bool:
+        """Whether the version may be handed out."""
+        return self.word == RELEASED
+
+    @property
+    def usable(self) -> bool:
+        """Whether a bare name may mean the version."""
+        return self.word not in UNUSABLE
+
+    @property
+    def why(self) -> str:
+        """The state with its reason, in one line that depends on no clock and no computer."""
+        return f"{self.word}: {self.reason}" if self.reason else self.word
+
+    @property
+    def words(self) -> str:
+        """The state with its reason, person and date, in one line."""
+        told = [f"by {self.by}"] * bool(self.by) + [self.at[:10]] * bool(self.at)
+        return f"{self.why} ({', '.join(told)})" if told else self.why
+
+
+UNKNOWN = State()
+"""State of a version that no journal knows: a draft."""
+
+
+def next_state(version: str, now: State, decision: Decision | None) -> State:
+    """State of a version after a decision; ``now`` where that says nothing new.
+
+    Raises StoreError where the new state may not follow.
+    """
+    if decision is None or decision.state == DRAFT:
+        return now
+    new = decision.state
+    if now.word == new and now.evidence == decision.evidence:
+        return now  # the same command again
+    if new not in CHANGES[now.word]:
+        raise StoreError(
+            f"is {now.words}; it stays withdrawn",
+            where=version,
+            do="fit the car again: a new log makes a new version",
+        )
+    if (now.word, new) == (REJECTED, RELEASED) and now.seen >= {
+        one.sha256 for one in decision.evidence
+    }:
+        raise StoreError(
+            f"is {now.words}; it is released only on new evidence",
+            where=version,
+            do="validate it on another stop, and give the summary.json with --evidence",
+        )
+    return decision.as_state()
+
+
+def user() -> str:
+    """Name of the user of this computer; "unknown" where it has none."""
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return "unknown"

@@ -1,0 +1,118 @@
+"""`brake-cal tables list` and `find`: the versions of a store, told apart."""
+
+from datetime import date
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+import calib
+from cli.console import emit, emit_json
+from cli.grid import grid
+from cli.options import STORE, Json, Store, example
+
+if TYPE_CHECKING:
+    from calib.table.listing import Row
+
+LIST = example("brake-cal tables list", "brake-cal tables list --state released")
+FIND = example("brake-cal tables find 0815")
+
+
+def list_tables(
+    state: Annotated[
+        str | None, typer.Option(metavar="S", help="draft, released, rejected or withdrawn.")
+    ] = None,
+    serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None,
+    vin: Annotated[str | None, typer.Option(metavar="V", help="Vehicle identification.")] = None,
+    since: Annotated[
+        str | None, typer.Option(metavar="YYYY-MM-DD", help="Stored on this day or later.")
+    ] = None,
+    store: Store = STORE,
+    json: Json = False,
+) -> None:
+    """List every version of every table."""
+    from calib.table.listing import chosen
+
+    _check(state, since)
+    every = _rows(store)
+    rows = chosen(every, state, serial, vin, since)
+    if json:
+        emit_json({"schema": 1, "store": store, "tables": rows})
+    elif rows:
+        _print(rows)
+    else:
+        emit(f"{store} holds no {'such table' if every else 'table'}")
+
+
+def find(
+    serial: Annotated[str, typer.Argument(metavar="SERIAL", help="Serial number or VIN.")],
+    store: Store = STORE,
+    json: Json = False,
+) -> None:
+    """Find the tables of one car by its serial number or VIN."""
+    from calib.table.listing import chosen
+
+    every = _rows(store)
+    by_serial, by_vin = chosen(every, serial=serial), chosen(every, vin=serial)
+    rows = [row for row in every if row in by_serial or row in by_vin]
+    if not rows:
+        raise typer.BadParameter(_none(serial, every), param_hint="SERIAL")
+    if json:
+        emit_json({"schema": 1, "store": store, "tables": rows})
+    else:
+        _print(rows)
+
+
+def _rows(store: Path) -> "list[Row]":
+    from calib.table.listing import row_of
+
+    return [row_of(entry) for entry in calib.Store(store).list()]
+
+
+def _check(state: str | None, since: str | None) -> None:
+    from calib.signing.statement import STATES
+    from calib.toml import did_you_mean
+
+    if state is not None and state not in STATES:
+        near = did_you_mean(state, STATES)
+        raise typer.BadParameter(
+            f"{state!r} is none of {', '.join(STATES)}{'; ' + near if near else ''}",
+            param_hint="--state",
+        )
+    if since is not None:
+        try:
+            date.fromisoformat(since)
+        except ValueError:
+            raise typer.BadParameter(
+                f"{since!r} is not a date such as 2025-03-31", param_hint="--since"
+            ) from None
+
+
+def _none(serial: str, every: "list[Row]") -> str:
+    from calib.toml import did_you_mean
+
+    known = sorted({text for row in every for text in (row.serial, row.vin) if text})
+    near = did_you_mean(serial, known)
+    return f"no table of {serial!r}{'; ' + near if near else ''}; {len(known)} numbers are known"
+
+
+def _print(rows: "list[Row]") -> None:
+    heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range", "band", "verdict")
+    table = grid(*heads, fold=True)
+    for row in rows:
+        if row.flaw:
+            table.add_row(row.id, row.state, row.date[:10], "", f"cannot be used: {row.flaw}")
+            continue
+        warned = f"{row.warnings} warning{'s' * (row.warnings > 1)}" if row.warnings else ""
+        table.add_row(
+            row.id,
+            row.state,
+            row.date[:10],
+            " ".join(filter(None, (row.serial, row.vin))),
+            ", ".join(row.logs),
+            "/".join(f"{x:.3f}" for x in row.pads or ()),
+            "{:.2f}-{:.2f} g".format(*row.decelerations or (0.0, 0.0)),
+            "" if row.band_width is None else f"{100 * row.band_width:.0f} %",
+            ", ".join(filter(None, (row.verdict, warned))),
+        )
+    emit(table)

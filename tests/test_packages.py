@@ -1,0 +1,17 @@
+"""What is installed is what stands in the checkout: the packages are listed by hand."""
+
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def test_every_package_of_the_checkout_is_installed():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        listed = tomllib.load(file)["tool"]["setuptools"]["packages"]
+    there = {
+        ".".join(init.relative_to(ROOT).parts[:-1])
+        for top in ("calib", "cli")
+        for init in (ROOT / top).rglob("__init__.py")
+    }
+    assert {name for name in listed if name != "calib.demo.sample_logs"} == there
