@@ -7,6 +7,7 @@
     │   ├── ChannelMapError   a channel map
     │   ├── LimitsError       a limits file
     │   ├── ModelError        a model file
+    │   ├── SettingsError     the settings of a project
     │   ├── ExchangeError     a calibration file (DCM, CDF) or its validation summary
     │   └── KeyFileError      a key file, its password, or what keys need
     ├── BatchError            exit code 2: the folder or the workers of a batch
@@ -65,6 +66,10 @@ class LimitsError(InputError):
 
 class ModelError(InputError):
     """A model file is unreadable or names an unknown effect."""
+
+
+class SettingsError(InputError):
+    """A settings file is unreadable or has an unknown key."""
 
 
 class ExchangeError(InputError):

@@ -1,47 +1,68 @@
 """Write files completely or not at all; print their names safely."""
 
+import fcntl
 import os
 import re
-import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write ``content`` to ``path`` in one step.
+    """Write ``content`` to ``path`` in one step; it is on the disk when this returns.
 
-    A reader gets the old file or the new one, never a part. Raises OSError if the directory cannot
-    be written.
+    A reader gets the old file or the new one, never a part. The new file is made as
+    ``.<name>.new``; one that a killed run left is used again. Raises OSError if the directory
+    cannot be written.
     """
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
+    new = path.with_name(f".{path.name}.new")
+    with locked(new) as file:
+        try:
+            file.truncate()
             file.write(content)
-        os.chmod(name, 0o666 & ~_umask())
-        os.replace(name, path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+            file.flush()
+            os.fsync(file.fileno())
+            os.replace(new, path)
+        except BaseException:
+            new.unlink(missing_ok=True)
+            raise
+    sync(path.parent)
 
 
 @contextmanager
-def workshop(out: Path) -> Iterator[Path]:
-    """Make a hidden temporary folder in ``out``; it is always deleted afterwards.
+def locked(path: Path, wait: bool = True) -> Iterator[BinaryIO]:
+    """Open the file ``path``, made if missing, for one process at a time.
 
-    It is inside ``out``, because the parent folder may be on another file system. If ``out`` did
-    not exist before and stays empty, it is deleted too. Raises OSError at once if ``out`` cannot be
-    written.
+    The kernel releases the lock when the process ends, however it ends. The holder may rename or
+    delete the file; the next one then makes a new file. Raises BlockingIOError if another process
+    has it and ``wait`` is false, OSError if it cannot be opened.
     """
-    made = not out.exists()
-    out.mkdir(parents=True, exist_ok=True)
+    mode = fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB
+    while True:
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
+        with os.fdopen(handle, "r+b") as file:
+            fcntl.flock(file, mode)
+            if _is_at(file, path):
+                yield file
+                return
+
+
+def _is_at(file: BinaryIO, path: Path) -> bool:
+    """Whether ``path`` is still this open file: its last holder may have renamed or deleted it."""
     try:
-        with tempfile.TemporaryDirectory(prefix=".making-", dir=out) as work:
-            yield Path(work)
+        return os.path.samestat(os.fstat(file.fileno()), os.lstat(path))
+    except FileNotFoundError:
+        return False
+
+
+def sync(path: Path) -> None:
+    """Wait until a file, or the names in a folder, are on the disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
     finally:
-        if made:
-            with suppress(OSError):
-                out.rmdir()
+        os.close(handle)
 
 
 def printable(text: str) -> str:
@@ -54,10 +75,3 @@ def printable(text: str) -> str:
     """
     whole = text.encode("utf-8", "backslashreplace").decode()
     return re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda sign: f"\\x{ord(sign[0]):02x}", whole)
-
-
-def _umask() -> int:
-    """The permission mask that ``open`` applies; mkstemp makes files private instead."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

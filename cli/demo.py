@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 from cli.console import emit, emit_json, say
 from cli.grid import grid
 from cli.options import Json, example, out_folder
-from cli.outputs import refuse_file
+from cli.outputs import ready_folder
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -29,7 +29,7 @@ def demo(
     from calib.demo.demo import hidden_story, run, section_five, section_four
     from calib.diagnosis.document import to_dict
 
-    refuse_file(out)
+    ready_folder(out)
     out.mkdir(parents=True, exist_ok=True)
     outcomes = run(out, say)
     by_folder = {outcome.study.folder: outcome for outcome in outcomes}

@@ -8,8 +8,8 @@ from typer.core import TyperCommand
 
 from cli.console import emit, emit_json, say
 from cli.inputs import channel_map_of
-from cli.options import Json, Map, example, out_folder, vehicle_file
-from cli.outputs import refuse_file, refuse_overwriting, stems_of, writing
+from cli.options import Json, Map, example, needed_vehicle, out_folder
+from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
 
 if TYPE_CHECKING:
     from calib.diagnosis.diagnose import Diagnosis
@@ -42,7 +42,7 @@ class Greedy(TyperCommand):
 def diagnose(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Logs to search in.")],
     *,
-    vehicle: Annotated[Path, vehicle_file("Vehicle file with datasheet values.")],
+    vehicle: Annotated[Path, needed_vehicle("Vehicle file with datasheet values")],
     out: Annotated[Path, out_folder("Write diagnosis, model and report here.")],
     holdout: Annotated[
         list[Path] | None,
@@ -61,7 +61,7 @@ def diagnose(
 
     kept = holdout or []
     stems = stems_of(kept, HOLDOUT)
-    refuse_file(out)
+    ready_folder(out)
     refuse_overwriting((out / file for file in files_of(stems)), [*logs, *kept], [vehicle])
     car = read_vehicle(vehicle)
     mapping = channel_map_of(channel_map)

@@ -7,11 +7,12 @@ import typer
 
 from cli.console import emit, emit_json, json_text, progress, say
 from cli.options import Json, example, out_folder
-from cli.outputs import refuse_file, writing
+from cli.outputs import ready_folder, writing
 
 if TYPE_CHECKING:
     from calib.fleet.summary import Summary
 
+DOCUMENT = "fleet.json"
 SHOWN = 10
 """Number of outliers that are printed; fleet.json has all."""
 
@@ -53,7 +54,7 @@ def report(
     from calib.fleet.summary import summarise
     from calib.reports.fleet import document
 
-    refuse_file(out)
+    ready_folder(out)
     opened = open_fleet(results, order)
     say(f"reading {len(opened.logs)} rows, in the order of {opened.ordered_by}")
     found = summarise(opened, tuple(metric or ()))
@@ -69,33 +70,31 @@ def _write(found: "Summary", results: Path, out: Path) -> None:
     """Draw all files first, then write them."""
     from calib.files import printable, write_whole
     from calib.plots.fleet import picture_name
+    from calib.publish import publish, workshop
     from calib.reports.fleet import document, report_html
 
     pictures = _pictures(found)
     title = printable(f"{results.absolute().parent.name}/{results.name}")
-    contents = {out / picture_name(name): picture for name, picture in pictures.items()} | {
-        out / "fleet.json": json_text(document(found)).encode(),
-        out / "report.html": report_html(found, title, pictures).encode(),
+    contents = {picture_name(name): picture for name, picture in pictures.items()} | {
+        DOCUMENT: json_text(document(found)).encode(),
+        "report.html": report_html(found, title, pictures).encode(),
     }
-    with writing(out):
-        out.mkdir(parents=True, exist_ok=True)
-        left = _earlier(out) - contents.keys()
-        for path, content in contents.items():
-            write_whole(path, content)
-        for path in left:
-            path.unlink(missing_ok=True)
+    with writing(out), workshop(out) as work:
+        for name, content in contents.items():
+            write_whole(work / name, content)
+        publish(work, out, DOCUMENT, _earlier)
     say(f"wrote {out}: report.html, fleet.json, {len(pictures)} pictures")
 
 
-def _earlier(out: Path) -> set[Path]:
+def _earlier(out: Path) -> set[str]:
     """Pictures of an earlier report here."""
     import json
 
     from calib.plots.fleet import picture_name
 
     try:
-        figures = json.loads((out / "fleet.json").read_text(encoding="utf-8"))["figures"]
-        return {out / picture_name(name) for name in figures}
+        figures = json.loads((out / DOCUMENT).read_text(encoding="utf-8"))["figures"]
+        return {picture_name(name) for name in figures}
     except (OSError, ValueError, TypeError, KeyError):
         return set()
 

@@ -1,5 +1,6 @@
 """The job of `batch` and `watch`: the command for each log, and its options."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -8,8 +9,9 @@ import typer
 
 from calib.fleet.command import Command
 from cli.inputs import channel_map_of, limits_of_stops, tables_of, vehicle_of
-from cli.options import STORE, Map, Store, limits_file, out_folder, vehicle_file
-from cli.outputs import refuse_file
+from cli.options import NO_VEHICLE, STORE, Map, Store, limits_file, out_folder, vehicle_file
+from cli.outputs import ready_folder
+from cli.project import from_settings
 
 if TYPE_CHECKING:
     from calib.fleet.job import Job
@@ -34,6 +36,13 @@ Commands = Annotated[
         help="What to do with each log.",
     ),
 ]
+
+
+def _is(command: Command) -> Callable[[typer.Context], bool]:
+    """Whether the job is ``command``; an argument is read before options that are not given."""
+    return lambda context: context.params.get("command") is command
+
+
 Out = Annotated[Path, out_folder("Write results.parquet and journal here.")]
 Workers = Annotated[
     int | None,
@@ -53,14 +62,26 @@ class JobOptions:
         typer.Option("--table", metavar="TABLE", help="validate: name, name@version or path."),
     ] = None
     store: Store = STORE
-    vehicle: Annotated[Path | None, vehicle_file("fit, validate: vehicle file.")] = None
-    limits: Annotated[Path | None, limits_file("validate: limits for pass or fail.")] = None
+    vehicle: Annotated[
+        Path | None,
+        vehicle_file(
+            "fit, validate: vehicle file; of the settings for fit only.",
+            callback=from_settings("vehicle", when=_is(Command.FIT)),
+        ),
+    ] = None
+    limits: Annotated[
+        Path | None,
+        limits_file(
+            "validate: limits for pass or fail.",
+            callback=from_settings("limits", when=_is(Command.VALIDATE)),
+        ),
+    ] = None
     channel_map: Map = None
 
     def job(self, command: Command, out: Path) -> "Job":
         """Read the inputs once for all logs. Refuse missing inputs and those that are not used."""
         self._check(command)
-        refuse_file(out)
+        ready_folder(out)
         from calib.fleet.job import Job
         from calib.validation.validate import require_same_vehicle
 
@@ -80,7 +101,7 @@ class JobOptions:
         if command is Command.VALIDATE and self.table is None:
             raise typer.BadParameter("validate needs a table", param_hint="--table")
         if command is Command.FIT and self.vehicle is None:
-            raise typer.BadParameter("fit needs a vehicle file", param_hint="--vehicle")
+            raise typer.BadParameter(f"fit needs a vehicle; {NO_VEHICLE}", param_hint="--vehicle")
         of = {
             "--table": (self.table, (Command.VALIDATE,)),
             "--limits": (self.limits, (Command.VALIDATE,)),

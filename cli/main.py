@@ -22,6 +22,7 @@ from cli import (
     plot,
     repeatability,
     schema,
+    settings,
     simulate,
     station,
     tables,
@@ -70,6 +71,7 @@ app.command(epilog=simulate.EPILOG)(simulate.simulate)
 app.command(epilog=diagnose.EPILOG, cls=diagnose.Greedy)(diagnose.diagnose)
 app.command(epilog=effects.EPILOG)(effects.effects)
 app.command(epilog=schema.EPILOG)(schema.schema)
+app.command(epilog=settings.EPILOG)(settings.settings)
 app.command(epilog=repeatability.EPILOG)(repeatability.repeatability)
 app.command(epilog=batch.EPILOG)(batch.batch)
 app.command(epilog=watch.EPILOG)(watch.watch)

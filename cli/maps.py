@@ -8,7 +8,7 @@ import typer
 from cli.console import complain, emit, emit_json, say
 from cli.grid import facts_grid
 from cli.inputs import channel_map_of
-from cli.options import Json, Map, example, out_file
+from cli.options import Json, example, map_file, out_file
 from cli.outputs import refuse_folder, refuse_overwriting, writing
 
 if TYPE_CHECKING:
@@ -48,7 +48,9 @@ def suggest(
         float | None,
         typer.Option(metavar="M", help="Radius [m] for wheel speeds in km/h.", min=0.1, max=1.0),
     ] = None,
-    channel_map: Map = None,
+    channel_map: Annotated[
+        Path | None, map_file("Its file format; not that of the settings.")
+    ] = None,
     out: Annotated[Path | None, out_file("Map file to write.", "M.toml")] = None,
     json: Json = False,
 ) -> None:

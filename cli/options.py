@@ -12,11 +12,30 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
+from cli.project import from_settings
+
 STORE = Path("tables")
 """Default of `Store`."""
+NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
+"""What to do where a vehicle is needed and none was named."""
 
-Store = Annotated[Path, typer.Option("--store", metavar="DIR", help="Directory of the tables.")]
-Map = Annotated[Path | None, typer.Option("--map", metavar="M.toml", help="Channel map, and DBC.")]
+Store = Annotated[
+    Path,
+    typer.Option(
+        "--store",
+        metavar="DIR",
+        help="Directory of the tables.",
+        callback=from_settings("store"),
+    ),
+]
+
+
+def map_file(text: str = "Channel map, and DBC.", *, callback: Any = None) -> Any:
+    """Option ``--map``."""
+    return typer.Option("--map", metavar="M.toml", help=text, callback=callback)
+
+
+Map = Annotated[Path | None, map_file(callback=from_settings("map"))]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout.")]
 KnownModel = Annotated[
     Path | None,
@@ -34,7 +53,12 @@ Mass = Annotated[
 ]
 By = Annotated[
     str | None,
-    typer.Option("--by", metavar="NAME", help="Who says so; else the user of this computer."),
+    typer.Option(
+        "--by",
+        metavar="NAME",
+        help="Who says so; else the person of the settings, or the user of this computer.",
+        callback=from_settings("by"),
+    ),
 ]
 Reason = Annotated[str, typer.Option("--reason", metavar="TEXT", help="Why, for the journal.")]
 TableVersion = Annotated[
@@ -42,14 +66,26 @@ TableVersion = Annotated[
 ]
 
 
-def vehicle_file(text: str = "Vehicle file.") -> Any:
+def vehicle_file(text: str, *, callback: Any = None) -> Any:
     """Option ``--vehicle``."""
-    return typer.Option("--vehicle", metavar="V.toml", help=text)
+    return typer.Option("--vehicle", metavar="V.toml", help=text, callback=callback)
 
 
-def limits_file(text: str) -> Any:
+def needed_vehicle(text: str = "Vehicle file") -> Any:
+    """Option ``--vehicle`` of a command that needs one, from the option or from the settings."""
+    return typer.Option(
+        "--vehicle",
+        metavar="V.toml",
+        help=f"{text}; else that of the settings.",
+        default_factory=lambda: None,
+        show_default=False,
+        callback=from_settings("vehicle", f"missing; {NO_VEHICLE}"),
+    )
+
+
+def limits_file(text: str, *, callback: Any = None) -> Any:
     """Option ``--limits``."""
-    return typer.Option("--limits", metavar="L.toml", help=text)
+    return typer.Option("--limits", metavar="L.toml", help=text, callback=callback)
 
 
 def out_folder(text: str) -> Any:
@@ -62,7 +98,7 @@ def out_file(text: str, metavar: str = "FILE") -> Any:
     return typer.Option("--out", metavar=metavar, help=text)
 
 
-VehicleFile = Annotated[Path, vehicle_file()]
+VehicleFile = Annotated[Path, needed_vehicle()]
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:

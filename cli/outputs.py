@@ -6,13 +6,23 @@ from pathlib import Path
 
 import typer
 
+from cli.console import say
+
 OUT = "--out"
 
 
-def refuse_file(out: Path | None) -> None:
-    """Refuse an existing file where a folder will be written."""
-    if out is not None and out.exists() and not out.is_dir():
+def ready_folder(out: Path | None) -> None:
+    """Refuse a file where a folder will be written; settle what a killed run left in the folder."""
+    from calib.publish import settle
+
+    if out is None:
+        return
+    if out.exists() and not out.is_dir():
         raise typer.BadParameter(f"{out} is a file", param_hint=OUT)
+    with writing(out):
+        settled = settle(out)
+    if settled:
+        say(f"settled what a run that was killed had left in {out}")
 
 
 def refuse_folder(out: Path) -> None:

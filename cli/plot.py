@@ -36,7 +36,7 @@ def plot(
     out: Annotated[Path | None, out_file("File to write: .png, .svg or .pdf.")] = None,
     store: Store = STORE,
     vehicle: Annotated[
-        Path | None, vehicle_file("Vehicle whose pads are the nominal ones.")
+        Path | None, vehicle_file("Vehicle whose pads are the nominal ones; never the settings'.")
     ] = None,
     figure: Annotated[
         str | None,

@@ -9,7 +9,8 @@ from cli.console import emit, emit_json, json_text, progress, say
 from cli.grid import grid
 from cli.inputs import channel_map_of
 from cli.options import Json, Map, example, limits_file, out_folder, vehicle_file
-from cli.outputs import refuse_file, writing
+from cli.outputs import ready_folder, writing
+from cli.project import from_settings
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -24,6 +25,7 @@ EPILOG = example(
     "brake-cal repeatability ramps/*/*/*.csv --folders car/station --vehicle car.toml",
 )
 FAILED = 1
+DOCUMENT = "repeatability.json"
 
 
 def repeatability(
@@ -33,7 +35,11 @@ def repeatability(
     ] = None,
     *,
     vehicle: Annotated[
-        Path | None, vehicle_file("Vehicle, if the plan names none per log.")
+        Path | None,
+        vehicle_file(
+            "Vehicle, if the plan names none per log; else that of the settings.",
+            callback=from_settings("vehicle"),
+        ),
     ] = None,
     plan: Annotated[
         Path | None, typer.Option(metavar="P.csv", help="Columns log, car, station, vehicle.")
@@ -48,7 +54,9 @@ def repeatability(
     eta: Annotated[
         float, typer.Option(metavar="PERCENT", help="eta - 1 where D, f1 and f2 are compared [%].")
     ] = 0.15,
-    limits: Annotated[Path | None, limits_file("Limits of grr and ndc.")] = None,
+    limits: Annotated[
+        Path | None, limits_file("Limits of grr and ndc; never the settings'.")
+    ] = None,
     out: Annotated[Path | None, out_folder("Write repeatability.json and .png here.")] = None,
     channel_map: Map = None,
     json: Json = False,
@@ -62,7 +70,7 @@ def repeatability(
     from calib.validation.limits_file import read_limits
 
     _check_names(quantity or [], list(METRICS))
-    refuse_file(out)
+    ready_folder(out)
     held = read_limits(limits, known_limits()) if limits else DEFAULTS
     places = _places(logs or [], plan, folders)
     mapping = channel_map_of(channel_map)
@@ -193,15 +201,16 @@ def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
     from calib.files import write_whole
     from calib.plots.repeatability import sheet
     from calib.plots.save import render
+    from calib.publish import publish, workshop
 
     contents = {
-        "repeatability.json": json_text(document).encode(),
+        DOCUMENT: json_text(document).encode(),
         "repeatability.png": render(sheet(found).overview(), ".png"),
     }
-    with writing(out):
-        out.mkdir(parents=True, exist_ok=True)
+    with writing(out), workshop(out) as work:
         for name, content in contents.items():
-            write_whole(out / name, content)
+            write_whole(work / name, content)
+        publish(work, out, DOCUMENT)
     say(f"wrote {out}: {', '.join(contents)}")
 
 

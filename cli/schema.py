@@ -85,11 +85,18 @@ def _summary() -> "type[Section]":
     return SummaryFile
 
 
+def _settings() -> "type[Section]":
+    from calib.settings_file import SettingsFile
+
+    return SettingsFile
+
+
 SCHEMAS: "dict[str, tuple[str, Callable[[], type[Section]]]]" = {
     "vehicle": ("vehicle.toml: masses, lengths and brakes of a car", _vehicle),
     "model": ("model.toml: pads, tyre, effects and roads of a simulation", _model),
     "limits": ("limits.toml: the allowed range of each metric", _limits),
     "channel-map": ("map.toml: which column of a foreign log is which channel", _channel_map),
+    "settings": ("brake-cal.toml: what options say that are not given", _settings),
     "table": ("record.json: a stored table without its curves", _table),
     "summary": ("summary.json of a validation, as far as an export reads it", _summary),
 }

@@ -7,8 +7,9 @@ import typer
 
 from cli.console import emit, emit_json, say
 from cli.inputs import quantity_of
-from cli.options import Json, Map, VehicleFile, example, out_file
+from cli.options import Json, VehicleFile, example, map_file, out_file
 from cli.outputs import refuse_folder, refuse_overwriting
+from cli.project import from_settings
 
 if TYPE_CHECKING:
     from calib.logs.log import Log
@@ -20,6 +21,10 @@ EPILOG = example(
 )
 SPEED, RATE = "120 km/h", 200.0
 """Default first speed of a manoeuvre."""
+
+
+def _with_log(context: typer.Context) -> bool:
+    return context.params.get("log") is not None
 
 
 def simulate(
@@ -49,7 +54,9 @@ def simulate(
     noise: Annotated[
         int | None, typer.Option(metavar="SEED", min=0, help="Add sensor noise with this seed.")
     ] = None,
-    channel_map: Map = None,
+    channel_map: Annotated[
+        Path | None, map_file(callback=from_settings("map", when=_with_log))
+    ] = None,
     json: Json = False,
 ) -> None:
     """Drive a model of the vehicle with the pressure of a LOG, or through a manoeuvre.

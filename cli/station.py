@@ -24,7 +24,8 @@ from cli.options import (
     limits_file,
     out_folder,
 )
-from cli.outputs import refuse_file, refuse_overwriting, stems_of, writing
+from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
+from cli.project import from_settings
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -63,7 +64,13 @@ class IdentityOptions:
     serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None
     vin: Annotated[str | None, typer.Option(metavar="V", help="Vehicle identification.")] = None
     name: Annotated[
-        str | None, typer.Option("--station", metavar="NAME", help="Name of the station.")
+        str | None,
+        typer.Option(
+            "--station",
+            metavar="NAME",
+            help="Name of the station.",
+            callback=from_settings("station"),
+        ),
     ] = None
     rxswin: Annotated[
         str | None, typer.Option(metavar="R", help="Software identification, UN R156.")
@@ -86,7 +93,12 @@ class ExportOptions:
 
     exports: Annotated[
         list[str] | None,
-        typer.Option("--export", metavar="F", help="Export as `tables export`; repeatable."),
+        typer.Option(
+            "--export",
+            metavar="F",
+            help="Export as `tables export`; repeatable.",
+            callback=from_settings("export"),
+        ),
     ] = None
     date: Annotated[
         str | None, typer.Option(metavar="YYYY-MM-DD", help="Date in the history of a cdfx.")
@@ -125,13 +137,17 @@ def station(
     *,
     vehicle: VehicleFile,
     out: Annotated[Path, out_folder("Write all files here.")],
-    limits: Annotated[Path | None, limits_file("Limits, see `brake-cal limits init`.")] = None,
+    limits: Annotated[
+        Path | None,
+        limits_file("Limits, see `brake-cal limits init`.", callback=from_settings("limits")),
+    ] = None,
     more: MoreLogs,
     golden: Annotated[
         str | None,
         typer.Option(
             metavar="TABLE",
             help="Golden table of the model; a bare name is its newest released version.",
+            callback=from_settings("golden"),
         ),
     ] = None,
     accept: Annotated[
@@ -157,10 +173,10 @@ def station(
     version.
     """
     from calib.checks.gates import refuse_twice
-    from calib.files import workshop
     from calib.logs.read import read_log
     from calib.physics.vehicle_file import read_vehicle
-    from calib.station.folder import publish
+    from calib.publish import workshop
+    from calib.station.folder import publish_run
     from calib.station.metrics import Car
     from calib.station.station import outcome, table_of, validated
     from calib.station.write import store_and_write
@@ -190,7 +206,7 @@ def station(
     found = outcome(judged, coast_logs, held, identity, named, accept or "", by or "")
     with writing(out), workshop(out) as work:
         stored, document = store_and_write(found, calib.Store(store), forms, ecu.date or "", work)
-        paths = publish(work, out)
+        paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
     warn(found.warnings)
     if json:
@@ -203,13 +219,12 @@ def station(
 
 def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
     """Every file that will be written; refuses two files of the same name."""
-    from calib.station.folder import FIXED
-    from calib.station.write import export_name
+    from calib.station.folder import FIXED, export_name
 
     stems = stems_of(holdouts, "HOLDOUT", "hold-outs")
     if "table" in stems:
         raise typer.BadParameter("a hold-out named table takes the export's place; rename it")
-    refuse_file(out)
+    ready_folder(out)
     exports = [export_name(form) for form in forms]
     return [out / name for name in (*FIXED, *exports, *(f"{stem}.parquet" for stem in stems))]
 

@@ -21,7 +21,8 @@ from cli.options import (
     out_folder,
     vehicle_file,
 )
-from cli.outputs import refuse_file, refuse_overwriting, stems_of, writing
+from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
+from cli.project import from_settings
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -43,11 +44,15 @@ def validate(
     *,
     store: Store = STORE,
     vehicle: Annotated[
-        Path | None, vehicle_file("Vehicle with other nominal pads than the table's.")
+        Path | None,
+        vehicle_file("Other nominal pads than the table's; never the settings' vehicle."),
     ] = None,
     model: KnownModel = None,
     mass: Mass = None,
-    limits: Annotated[Path | None, limits_file("Limits that decide pass or fail.")] = None,
+    limits: Annotated[
+        Path | None,
+        limits_file("Limits that decide pass or fail.", callback=from_settings("limits")),
+    ] = None,
     out: Annotated[Path | None, out_folder("Write LOG.parquet and summary.json here.")] = None,
     channel_map: Map = None,
     json: Json = False,
@@ -111,7 +116,7 @@ def _check_out(logs: list[Path], out: Path | None) -> None:
         return
     stems = stems_of(logs, "LOG")
     refuse_overwriting((out / f"{stem}.parquet" for stem in stems), logs)
-    refuse_file(out)
+    ready_folder(out)
 
 
 def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -> None:

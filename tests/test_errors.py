@@ -14,6 +14,7 @@ CODES = {
     "ChannelMapError": 3,
     "LimitsError": 3,
     "ModelError": 3,
+    "SettingsError": 3,
     "ExchangeError": 3,
     "KeyFileError": 3,
     "BatchError": 2,

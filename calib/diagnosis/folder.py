@@ -3,16 +3,15 @@
 DIR/diagnosis.json  model.toml  report.html  sim/before/<log>.csv  sim/after/<log>.csv
 """
 
-import os
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
 from calib.diagnosis.diagnose import Diagnosis
-from calib.files import workshop, write_whole
+from calib.files import write_whole
 from calib.logs.log import Log
 from calib.logs.write import write_csv
 from calib.names import WHEELS
+from calib.publish import publish, workshop
 
 DOCUMENT, MODEL, REPORT = "diagnosis.json", "model.toml", "report.html"
 COLUMNS = ("time", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
@@ -26,25 +25,18 @@ def files_of(stems: list[str]) -> list[Path]:
 
 
 def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> list[Path]:
-    """Write everything to ``out`` and return the paths.
+    """Write everything to ``out``, the document last, and return the paths.
 
-    The files are made in a hidden folder within ``out`` and then moved into place, one by one.
-    Other files in ``out`` stay. Raises OSError if ``out`` cannot be written.
+    Replays of an earlier run that are not made again are removed. Other files in ``out`` stay.
+    Raises OSError if ``out`` cannot be written.
     """
-    made = not out.exists()
     with workshop(out) as work:
         _fill(found, document, report, work)
-        files = files_of([log.name for log in found.measured])
-        try:
-            for file in files:
-                (out / file).parent.mkdir(parents=True, exist_ok=True)
-            for file in files:
-                os.replace(work / file, out / file)
-        except BaseException:
-            if made:
-                shutil.rmtree(out, ignore_errors=True)
-            raise
-    return [out / file for file in files]
+        return publish(work, out, DOCUMENT, _replays)
+
+
+def _replays(out: Path) -> list[str]:
+    return [path.relative_to(out).as_posix() for path in out.glob("sim/*/*.csv")]
 
 
 def _fill(found: Diagnosis, document: str, report: str, work: Path) -> None:

@@ -6,35 +6,37 @@ The verdict is moved into place last: without a station.json the run is not comp
 """
 
 import json
-import os
 from contextlib import suppress
 from pathlib import Path
+
+from calib.publish import publish
+from calib.table.exports.formats import ENDINGS
 
 DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
 FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
 
 
-def publish(work: Path, out: Path) -> list[Path]:
+def export_name(form: str) -> str:
+    """File name of an export of the format ``form``."""
+    return f"table.{ENDINGS[form]}"
+
+
+EXPORTS = frozenset(map(export_name, ENDINGS))
+"""Every file that can be an export of a run."""
+
+
+def publish_run(work: Path, out: Path) -> list[Path]:
     """Move everything from ``work`` into ``out``, the verdict last; return the paths.
 
-    Files of an earlier run that this one did not make again are removed: an export must not stay
-    when the car fails now. Other files in ``out`` stay. If a move fails, the files that were
-    already moved are removed. Raises OSError.
+    Every export, and every file that an earlier verdict lists, is removed if this run did not make
+    it again: an export must not stay when the car fails now. Other files in ``out`` stay. Raises
+    OSError, see `calib.publish.publish`.
     """
-    names = sorted((p.name for p in work.iterdir()), key=lambda name: name == DOCUMENT)
-    stale = _listed(out) - set(names)
-    (out / DOCUMENT).unlink(missing_ok=True)
-    for name in stale:
-        (out / name).unlink(missing_ok=True)
-    try:
-        for name in names:
-            os.replace(work / name, out / name)
-    except BaseException:
-        for name in names:
-            if not (work / name).exists():
-                (out / name).unlink(missing_ok=True)
-        raise
-    return [out / name for name in names]
+    return publish(work, out, DOCUMENT, _stale)
+
+
+def _stale(out: Path) -> set[str]:
+    return _listed(out) | EXPORTS
 
 
 def _listed(out: Path) -> set[str]:

@@ -7,25 +7,19 @@ from typing import Any
 
 from calib.files import write_whole
 from calib.station.document import to_dict, to_text
-from calib.station.folder import DOCUMENT, JUNIT, REPORT
+from calib.station.folder import DOCUMENT, JUNIT, REPORT, export_name
 from calib.station.junit import junit_xml
 from calib.station.report import report_html
 from calib.station.station import StationOutcome
 from calib.table.exports.export import export
-from calib.table.exports.formats import ENDINGS
 from calib.table.exports.quality import read_quality
 from calib.table.store import Store
 from calib.table.version import Stored
-from calib.validation.results import SUMMARY, write_results
+from calib.validation.results import SUMMARY, fill
 from calib.validation.validate import to_dict as validation_dict
 
 DATED = ("cdfx",)
 """Formats that hold the date on which they were written."""
-
-
-def export_name(form: str) -> str:
-    """File name of an export of the format ``form``."""
-    return f"table.{ENDINGS[form]}"
 
 
 def store_and_write(
@@ -55,7 +49,7 @@ def write_all(
     Raises OSError, ExchangeError.
     """
     results = list(found.results)
-    write_results(results, validation_dict(stored, results), work)
+    fill(results, validation_dict(stored, results), work)
     if stored.state.released:
         _write_exports(stored, forms, date, work)
     write_whole(work / JUNIT, junit_xml(found, stored))

@@ -10,11 +10,11 @@ import shutil
 from contextlib import suppress
 from pathlib import Path
 
-from calib.files import write_whole
+from calib.files import sync, write_whole
 from calib.table.folders import NEW, folder_of, unplaced
 from calib.table.journal import HEAD, JOURNAL, Journal, damaged, parse
 from calib.table.table import Table
-from calib.table.version import sync_directory, write_curves, write_record
+from calib.table.version import write_curves, write_record
 
 
 def read_journal(folder: Path) -> Journal:
@@ -36,7 +36,7 @@ def write_journal(folder: Path, journal: Journal) -> None:
     """Replace the journal by a longer one. Raises OSError."""
     write_whole(folder / JOURNAL, journal.content())
     write_whole(folder / HEAD, journal.head_content())
-    sync_directory(folder)
+    sync(folder)
 
 
 def tidy(folder: Path, journal: Journal) -> None:
@@ -79,7 +79,7 @@ def commit(folder: Path, journal: Journal, work: Path) -> None:
         raise
     with suppress(OSError):  # it is stored: readers find it aside, the next writer moves it
         os.rename(work, work.parent / work.name.removeprefix(NEW))
-        sync_directory(work.parent)
+        sync(work.parent)
 
 
 def discard(work: Path) -> None:

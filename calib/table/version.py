@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from calib.digest import content_digest
 from calib.errors import DamagedTable, StoreError
+from calib.files import sync
 from calib.table.curve_file import Array, curve_bytes, read_curve
 from calib.table.journal import JOURNAL, without_duplicates
 from calib.table.state import UNKNOWN, State
@@ -78,7 +79,7 @@ def write_record(table: Table, version: int, path: Path) -> None:
     }
     document = {**_document(record, table.digest, version, digests), "states": JOURNAL}
     _write(path / RECORD, (json.dumps(document, indent=2, sort_keys=True) + "\n").encode())
-    sync_directory(path)
+    sync(path)
 
 
 def read_version(path: Path, promised: str | None = None) -> Stored:
@@ -118,15 +119,6 @@ def read_version(path: Path, promised: str | None = None) -> Stored:
     if promised not in (None, stored.id):
         raise _damaged(path, f"{RECORD}: holds {stored.id} in the place of {promised}")
     return stored
-
-
-def sync_directory(path: Path) -> None:
-    """Flush the names in a directory to disk."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 def _document(

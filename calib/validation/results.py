@@ -4,14 +4,12 @@ Units are in the metadata of each column, so that any Parquet reader can show th
 written completely or not at all.
 """
 
-import contextlib
 import json
-import os
-import tempfile
 from pathlib import Path
 
 from calib.estimation.estimator import COLUMNS, Estimate
 from calib.files import write_whole
+from calib.publish import publish, workshop
 from calib.validation.validate import Validation
 
 SUMMARY = "summary.json"
@@ -36,23 +34,17 @@ def write_result(e: Estimate, path: Path) -> None:
 def write_results(results: list[Validation], summary: dict[str, object], out: Path) -> list[Path]:
     """Write ``out``/<log>.parquet for every log and ``out``/summary.json; return the paths.
 
-    All are made in a hidden directory first and then moved into place, so that a full disk leaves
-    none of them. Raises OSError if ``out`` cannot be written.
+    All of them or none, the summary last. Results of other logs in ``out`` stay. Raises OSError if
+    ``out`` cannot be written.
     """
-    made = not out.exists()
-    out.mkdir(parents=True, exist_ok=True)
-    try:
-        with tempfile.TemporaryDirectory(prefix=".new-", dir=out) as work:
-            names = [f"{result.log}.parquet" for result in results]
-            for name, result in zip(names, results, strict=True):
-                write_result(result.estimate, Path(work) / name)
-            text = json.dumps(summary, indent=2, allow_nan=False) + "\n"
-            write_whole(Path(work) / SUMMARY, text.encode())
-            for name in (*names, SUMMARY):
-                os.replace(Path(work) / name, out / name)
-    except BaseException:
-        if made:
-            with contextlib.suppress(OSError):
-                out.rmdir()
-        raise
-    return [out / name for name in (*names, SUMMARY)]
+    with workshop(out) as work:
+        fill(results, summary, work)
+        return publish(work, out, SUMMARY)
+
+
+def fill(results: list[Validation], summary: dict[str, object], work: Path) -> None:
+    """Write the files of `write_results` into the folder ``work``. Raises OSError."""
+    for result in results:
+        write_result(result.estimate, work / f"{result.log}.parquet")
+    text = json.dumps(summary, indent=2, allow_nan=False) + "\n"
+    write_whole(work / SUMMARY, text.encode())

@@ -34,8 +34,8 @@ import cli.main
 from calib.logs.read import read_log
 from calib.station.advice import LIMITS
 from calib.station.metrics import Car
-from calib.files import workshop
-from calib.station.folder import publish
+from calib.publish import workshop
+from calib.station.folder import publish_run
 from calib.station.identity import Identity
 from calib.station.report import report_html
 from calib.station.station import outcome, table_of, validated
@@ -60,7 +60,7 @@ with workshop(out / "car") as work:
     mark("report, drawn")
     write_all(found, stored, ["dcm"], "", work)
     mark("files, with the report once more")
-    publish(work, out / "car")
+    publish_run(work, out / "car")
 print(json.dumps({name: t - before for (_, before), (name, t) in zip(marks, marks[1:])}))
 """
 

@@ -6,16 +6,25 @@ from pathlib import Path
 import pytest
 import typer
 
-from cli.outputs import refuse_file, refuse_folder, refuse_overwriting, stems_of, writing
+from cli.outputs import ready_folder, refuse_folder, refuse_overwriting, stems_of, writing
 
 
 def test_a_file_where_a_folder_is_meant(tmp_path):
-    refuse_file(None)
-    refuse_file(tmp_path)
-    refuse_file(tmp_path / "new")
+    ready_folder(None)
+    ready_folder(tmp_path)
+    ready_folder(tmp_path / "new")
     (tmp_path / "file").touch()
     with pytest.raises(typer.BadParameter, match="is a file"):
-        refuse_file(tmp_path / "file")
+        ready_folder(tmp_path / "file")
+
+
+def test_what_a_killed_run_left_is_settled_and_told(tmp_path, capsys):
+    (tmp_path / ".making-0123").mkdir()
+    ready_folder(tmp_path)
+    assert not list(tmp_path.iterdir())
+    assert "a run that was killed" in capsys.readouterr().err
+    ready_folder(tmp_path)
+    assert capsys.readouterr().err == ""
 
 
 def test_a_folder_or_no_folder_where_a_file_is_meant(tmp_path):

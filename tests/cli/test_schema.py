@@ -12,7 +12,7 @@ SAMPLES = ROOT / "sample_logs"
 VEHICLES = sorted(SAMPLES.rglob("vehicle*.toml"))
 MAPS = sorted((SAMPLES / "real").glob("*.toml"))
 RECORDS = sorted((ROOT / "tables").rglob("record.json"))
-KINDS = ("vehicle", "model", "limits", "channel-map", "table", "summary")
+KINDS = ("vehicle", "model", "limits", "channel-map", "settings", "table", "summary")
 MODEL = """
 schema = 1
 [pads]

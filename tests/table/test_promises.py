@@ -322,7 +322,7 @@ def test_a_stopped_writer_leaves_a_whole_version_or_none(store):
     assert not list(store.folder.glob(".journal*"))
 
 
-@pytest.mark.parametrize("at", ["write_curves", "write_record", "write_whole", "sync_directory"])
+@pytest.mark.parametrize("at", ["write_curves", "write_record", "write_whole", "sync"])
 def test_a_full_disk_stores_nothing_and_a_moved_version_is_kept(three, monkeypatch, at):
     def full(*_):
         raise OSError(28, "No space left on device")
@@ -332,7 +332,7 @@ def test_a_full_disk_stores_nothing_and_a_moved_version_is_kept(three, monkeypat
         patch.setattr(calib.table.commit, at, full)
         with pytest.raises(StoreError, match="No space left"):
             three.save(made_table(30.0))
-    entered = at == "sync_directory"  # the journal is whole by then
+    entered = at == "sync"  # the journal is whole by then
     assert len(three.list()) == (4 if entered else 3)
     assert entered or files_under(three.folder) == before
     assert all(verdict.sound for verdict in three.verify())

@@ -1,0 +1,53 @@
+"""Settings of a project: what its file says, and where the file is.
+
+brake-cal.toml      in the working folder or one above it; the first one found counts
+"""
+
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+NAME = "brake-cal.toml"
+VARIABLE = "BRAKE_CAL_SETTINGS"
+"""Environment variable: the path of a settings file; empty for none."""
+
+_KEY = re.compile(r"RW[A-Za-z0-9+/]{54}")
+"""The second line of a public key of minisign."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a settings file says; None for what it does not say. Paths lead from where we are.
+
+    ``store``: folder of tables. ``vehicle``, ``map``, ``limits``: files. ``station``: its name.
+    ``golden``: name@version or path of a table. ``export``: formats. ``public_key``: path, or the
+    key itself as text. ``by``: name of the person.
+    """
+
+    store: Path | None = None
+    vehicle: Path | None = None
+    map: Path | None = None
+    limits: Path | None = None
+    station: str | None = None
+    golden: str | None = None
+    export: tuple[str, ...] | None = None
+    public_key: Path | str | None = None
+    require_signed: bool | None = None
+    by: str | None = None
+
+
+def is_key(text: str) -> bool:
+    """Whether a text is a public key of minisign and not a path to one."""
+    return _KEY.fullmatch(text) is not None
+
+
+def folders_to_search(start: Path) -> list[Path]:
+    """``start`` and every folder above it, in the order in which they are looked into."""
+    return [start, *start.parents]
+
+
+def find_settings(start: Path) -> Path | None:
+    """The settings file in ``start`` or in the nearest folder above it; None if there is none."""
+    found = (folder / NAME for folder in folders_to_search(start))
+    return next((path for path in found if os.path.isfile(path)), None)

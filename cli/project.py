@@ -1,0 +1,105 @@
+"""Values of options that were not given: those of the project's settings file.
+
+An option asks for its value through `from_settings`, so no command looks for a settings file. The
+file is read once in a run of the program, and only if an option asks.
+"""
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from cli.console import say
+
+if TYPE_CHECKING:
+    from calib.settings import Settings
+
+KEY = "cli.project"
+
+
+@dataclass(frozen=True)
+class Project:
+    """The settings that count here; ``file`` is None where none was found.
+
+    ``named`` tells whether the environment names the file. ``searched``: the folders that were
+    looked into.
+    """
+
+    settings: "Settings"
+    file: Path | None
+    named: bool
+    searched: tuple[Path, ...]
+
+
+def find_project() -> Project:
+    """Find and read the settings file. Raises SettingsError if it is not valid."""
+    from calib.settings import VARIABLE, Settings, find_settings, folders_to_search
+    from calib.settings_file import read_settings
+
+    named = os.environ.get(VARIABLE)
+    if named is not None:
+        file = Path(named) if named else None
+        return Project(read_settings(file) if file else Settings(), file, True, ())
+    here = _here()
+    searched = tuple(folders_to_search(here)) if here else ()
+    found = find_settings(here) if here else None
+    file = Path(os.path.relpath(found)) if found else None
+    return Project(read_settings(file) if file else Settings(), file, False, searched)
+
+
+def _here() -> Path | None:
+    """The working folder; None if somebody has deleted it."""
+    try:
+        return Path.cwd()
+    except FileNotFoundError:
+        return None
+
+
+def project(context: typer.Context) -> Project:
+    """The settings of this run of the program, read once."""
+    if KEY not in context.meta:  # which all contexts of a run share
+        context.meta[KEY] = find_project()
+    found: Project = context.meta[KEY]
+    return found
+
+
+def from_settings(
+    name: str,
+    needed: str = "",
+    when: Callable[[typer.Context], bool] = lambda context: True,
+) -> Callable[..., Any]:
+    """Callback of an option that takes its value from a setting where it is not given.
+
+    Parameters
+    ----------
+    name : field of `calib.settings.Settings`.
+    needed : what is missing where neither gives a value, a usage error; "" if it may be missing.
+    when : whether the setting applies, from the arguments of the command that were given.
+    """
+
+    def value_of(context: typer.Context, option: typer.CallbackParam, value: Any) -> Any:
+        source = context.get_parameter_source(str(option.name))
+        if context.resilient_parsing or source is None or source.name != "DEFAULT":
+            return value
+        if when(context):
+            found = project(context)
+            setting = getattr(found.settings, name)
+            if setting is not None:
+                _tell(context, found)
+                return [*setting] if isinstance(setting, tuple) else setting
+        if needed and value is None:
+            raise typer.BadParameter(needed, context, param_hint=option.opts[0])
+        return value
+
+    return value_of
+
+
+def _tell(context: typer.Context, found: Project) -> None:
+    """Say once that a settings file is used."""
+    told = f"{KEY}.told"
+    if not context.meta.get(told):
+        context.meta[told] = True
+        say(f"settings of {found.file}")

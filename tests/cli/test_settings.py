@@ -1,0 +1,203 @@
+"""The settings of a project: where they come from, and which command takes them."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from calib.settings import NAME, VARIABLE
+from calib.table.store import Store
+from tests.support.tables import made_table
+
+SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
+RAMP, COAST, STOP = (
+    SEDAN / f"{name}.csv" for name in ("ramp_wet_asphalt", "coast", "dry_asphalt_stop")
+)
+TOLD = "settings of ../brake-cal.toml"
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A project with a vehicle, with the working folder in `sub`; writes its settings."""
+    shutil.copy(SEDAN / "vehicle.toml", tmp_path / "car.toml")
+    (tmp_path / "sub").mkdir()
+    monkeypatch.chdir(tmp_path / "sub")
+    monkeypatch.delenv(VARIABLE, raising=False)
+
+    def write(text):
+        (tmp_path / NAME).write_text(f"schema = 1\n{text}")
+        return tmp_path
+
+    return write
+
+
+def of(ran):
+    return json.loads(ran.out)["settings"]
+
+
+def test_without_a_file_it_says_where_it_looked(project, brake_cal, tmp_path, monkeypatch):
+    monkeypatch.setenv("LOGNAME", "ada")
+    ran = brake_cal("settings")
+    assert ran.code == 0
+    assert f"no {NAME} in {tmp_path / 'sub'}, {tmp_path}, " in ran.err
+    found = json.loads(brake_cal("settings", "--json").out)
+    assert found["file"] is None
+    assert found["searched"][:2] == [str(tmp_path / "sub"), str(tmp_path)]
+    assert found["settings"]["store"] == {"value": "tables", "source": "built-in"}
+    assert found["settings"]["vehicle"] == {"value": None, "source": "built-in"}
+    assert found["settings"]["require_signed"] == {"value": False, "source": "built-in"}
+    assert found["settings"]["by"] == {"value": "ada", "source": "environment"}
+
+
+def test_each_setting_says_where_it_comes_from(project, brake_cal):
+    project('vehicle = "car.toml"\nby = "Bea"\n[station]\nexport = ["dcm", "json"]\n')
+    ran = brake_cal("settings", "--json")
+    found = of(ran)
+    source = f"file:../{NAME}"
+    assert found["vehicle"] == {"value": "../car.toml", "source": source}
+    assert found["station.export"] == {"value": ["dcm", "json"], "source": source}
+    assert found["by"] == {"value": "Bea", "source": source}
+    assert found["store"]["source"] == "built-in"
+    rows = [line.split() for line in brake_cal("settings").out.splitlines()]
+    assert ["vehicle", "../car.toml", source] in rows
+    assert ["station.export", "dcm,", "json", source] in rows
+    assert ["require_signed", "false", "built-in"] in rows
+
+
+def test_the_environment_names_another_file_or_none(project, brake_cal, tmp_path, monkeypatch):
+    project('store = "a"\n')
+    (tmp_path / "other.toml").write_text('schema = 1\nstore = "b"\n')
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "other.toml"))
+    assert of(brake_cal("settings", "--json"))["store"]["value"] == "../b"
+    monkeypatch.setenv(VARIABLE, "")
+    ran = brake_cal("settings", "--json")
+    assert of(ran)["store"] == {"value": "tables", "source": "built-in"}
+    assert VARIABLE in brake_cal("settings").err
+    monkeypatch.setenv(VARIABLE, "none.toml")
+    ran = brake_cal("settings")
+    assert ran.code == 3
+    assert "none.toml: no such file" in ran.err
+
+
+@pytest.mark.parametrize("command", [("settings",), ("fit", RAMP), ("tables", "list")])
+def test_a_wrong_file_ends_with_3_and_all_its_errors(project, brake_cal, command):
+    project('stoer = "x"\nlimits = 3\n')
+    ran = brake_cal(*command)
+    assert ran.code == 3
+    assert "2 errors" in ran.err
+    assert "did you mean 'store'?" in ran.err
+    assert ran.out == ""
+
+
+def test_fit_takes_vehicle_and_store(project, brake_cal, tmp_path):
+    project('vehicle = "car.toml"\nstore = "shelf"\n')
+    ran = brake_cal("fit", RAMP, COAST, "--json")
+    assert ran.code == 0, ran.err
+    assert ran.err.count(TOLD) == 1
+    assert [entry.id for entry in Store(tmp_path / "shelf").list()] == ["sedan-2up@1"]
+    ran = brake_cal("tables", "list", "--json")
+    assert [row["id"] for row in json.loads(ran.out)["tables"]] == ["sedan-2up@1"]
+    assert ran.err == f"{TOLD}\n"
+
+
+def test_an_option_wins(project, brake_cal, tmp_path):
+    project('vehicle = "none.toml"\nstore = "shelf"\n')
+    options = ("--vehicle", tmp_path / "car.toml", "--store", tmp_path / "mine")
+    ran = brake_cal("fit", RAMP, COAST, *options)
+    assert ran.code == 0, ran.err
+    assert "settings" not in ran.err  # none was used
+    assert (tmp_path / "mine").is_dir()
+    assert not (tmp_path / "shelf").exists()
+
+
+def test_an_option_wins_that_says_the_built_in_value(project, brake_cal, tmp_path):
+    project('store = "shelf"\n')
+    Store("tables").save(made_table())
+    ran = brake_cal("tables", "list", "--store", "tables", "--json")
+    assert len(json.loads(ran.out)["tables"]) == 1
+    assert ran.err == ""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("fit", RAMP),
+        ("simulate", RAMP, "--out", "sim.csv"),
+        ("diagnose", RAMP, "--out", "found"),
+        ("station", RAMP, STOP, "--out", "car"),
+        ("batch", "fit", RAMP, "--out", "many"),
+    ],
+)
+def test_without_a_vehicle_both_ways_are_told(project, brake_cal, command):
+    project("")
+    ran = brake_cal(*command)
+    assert ran.code == 2
+    for part in ("--vehicle V.toml", 'vehicle = "V.toml"', NAME):
+        assert part in " ".join(ran.err.split())
+    assert not [*Path().iterdir()]
+
+
+def test_simulate_takes_the_vehicle_and_no_map_without_a_log(project, brake_cal):
+    project('vehicle = "car.toml"\nmap = "none.toml"\n')
+    ran = brake_cal("simulate", "--manoeuvre", "stop", "--out", "sim.csv")
+    assert ran.code == 0, ran.err
+    ran = brake_cal("simulate", RAMP, "--out", "again.csv")
+    assert ran.code == 3
+    assert "none.toml" in ran.err
+
+
+def test_check_takes_the_map(project, brake_cal, tmp_path):
+    project('map = "map.toml"\n')
+    text = RAMP.read_text()
+    Path("log.csv").write_text(text.replace("p_mc [bar]", "brake [bar]", 1))
+    assert "brake" in Path("log.csv").read_text().splitlines()[0]
+    (tmp_path / "map.toml").write_text('schema = 1\n[channels.p_mc]\nsource = "brake"\n')
+    ran = brake_cal("check", "log.csv")
+    assert ran.code == 0, ran.err
+    assert TOLD in ran.err
+
+
+def test_map_suggest_does_not_take_the_map(project, brake_cal):
+    project('map = "sub/map.toml"\n')  # which it is about to write
+    ran = brake_cal("map", "suggest", RAMP, "--out", "map.toml")
+    assert ran.code == 0, ran.err
+    assert Path("map.toml").is_file()
+
+
+def test_validate_takes_the_limits_and_not_the_vehicle(project, brake_cal, tmp_path):
+    project('vehicle = "car.toml"\nstore = "shelf"\n')
+    assert brake_cal("fit", RAMP, COAST).code == 0
+    project('vehicle = "none.toml"\nstore = "shelf"\nlimits = "line.toml"\n')
+    (tmp_path / "line.toml").write_text("schema = 1\n[limits]\nvalid_share = { min = 1.1 }\n")
+    ran = brake_cal("validate", "sedan-2up", STOP)
+    assert ran.code == 1, ran.err
+    assert "valid_share" in ran.out
+    for job, code in (("validate", 1), ("check", 0)):
+        table = ("--table", "sedan-2up") if job == "validate" else ()
+        ran = brake_cal("batch", job, STOP, *table, "--workers", 1, "--out", job)
+        assert ran.code == code, ran.err
+
+
+def test_station_takes_its_section(project, brake_cal, tmp_path):
+    project(
+        'vehicle = "car.toml"\nstore = "shelf"\n'
+        '[station]\nname = "line 2"\ngolden = "sedan-2up@1"\nexport = ["dcm"]\n'
+    )
+    assert brake_cal("fit", RAMP, COAST).code == 0
+    stops = (STOP, SEDAN / "transition_dry_to_basalt.csv", "--coast", COAST)
+    ran = brake_cal("station", RAMP, *stops, "--out", "car", "--json")
+    assert ran.code == 0, ran.err
+    document = json.loads(ran.out)
+    assert document["identity"]["station"] == "line 2"
+    assert document["golden"]
+    assert Path("car/table.dcm").is_file()
+    ran = brake_cal("station", RAMP, *stops, "--out", "car", "--station", "9", "--export", "json")
+    assert ran.code == 0, ran.err
+    assert json.loads(Path("car/station.json").read_text())["identity"]["station"] == "9"
+    assert {p.name for p in Path("car").glob("table.*")} == {"table.json"}
+
+
+def test_help_needs_no_settings(project, brake_cal):
+    project("[")
+    assert brake_cal("fit", "--help").code == 0
