@@ -25,15 +25,15 @@ def read_journal(folder: Path) -> Journal:
     # The head first: a writer may add a line between the two.
     head = _bytes(folder / HEAD)
     data = _bytes(folder / JOURNAL)
-    if data is None:
-        if head is not None:
-            raise damaged(f"missing, and {HEAD} is there", folder / JOURNAL)
-        return Journal()
-    return parse(data, head, folder / JOURNAL)
+    if data is None and head not in (None, Journal().head_content()):
+        raise damaged(f"missing, and {HEAD} is there", folder / JOURNAL)
+    return parse(data or b"", head, folder / JOURNAL)
 
 
 def write_journal(folder: Path, journal: Journal) -> None:
     """Replace the journal by a longer one. Raises OSError."""
+    if not (folder / HEAD).exists():  # a journal without a head is one whose head was lost
+        write_whole(folder / HEAD, Journal().head_content())
     write_whole(folder / JOURNAL, journal.content())
     write_whole(folder / HEAD, journal.head_content())
     sync(folder)

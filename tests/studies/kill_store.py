@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from functools import partial
 from pathlib import Path
 
 from calib.table.state import Decision
@@ -77,9 +78,8 @@ def by_change(kills: int, rng: random.Random, folder: Path) -> Counter[str]:
         word = rng.choice(("released", "rejected"))
         before = rng.randrange(22)
         counts["kills"] += 1
-        counts["met a write"] += killed(
-            lambda t=table, w=word: store.save(t, Decision(w, "study", by="study")), before
-        )
+        save = partial(store.save, table, Decision(word, "study", by="study"))
+        counts["met a write"] += killed(save, before)
         look(store, told, counts)
     return counts
 
