@@ -16,6 +16,7 @@ CODES = {
     "ModelError": 3,
     "ExchangeError": 3,
     "BatchError": 2,
+    "RevisionError": 2,
     "StoreError": 4,
     "TableNotFound": 4,
     "DamagedTable": 4,

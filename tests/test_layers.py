@@ -21,7 +21,7 @@ ROOMS = """
     table
     plausibility
     fitting
-    simulation
+    simulation revisions
     estimation
     validation
     diagnosis gauge

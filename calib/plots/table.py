@@ -17,7 +17,7 @@ from calib.plots.ramp import points
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DASHED, DOTTED, FRONT, IDENTIFIED, NOMINAL, REAR, Stroke, band
 from calib.table.pads_budget import pads_budget
-from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
+from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,6 +29,7 @@ FLAGS = {
     MEASURED: ("measured", "-", 1.6),
     INTERPOLATED: ("interpolated", DASHED, 1.1),
     EXTRAPOLATED: ("extrapolated", DOTTED, 1.1),
+    BY_HAND: ("set by hand", "-", 3.0),
 }
 """Word, line style and width of each flag of a cell."""
 

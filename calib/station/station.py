@@ -64,7 +64,8 @@ class StationOutcome:
 
     ``logs`` of the ramps and coasts first, as given; ``results`` of the hold-outs in their order;
     ``caveats`` warnings of `brake-cal check` on a log, which are no verdict on the car; ``golden``
-    the id of the golden table, "" without one.
+    the id of the golden table, "" without one; ``golden_cars`` of how many cars it is the mean, 0
+    for a table of one car.
     """
 
     table: Table
@@ -76,6 +77,7 @@ class StationOutcome:
     checks: tuple[Check, ...]
     caveats: tuple[PlausibilityWarning, ...] = ()
     golden: str = ""
+    golden_cars: int = 0
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
@@ -165,4 +167,5 @@ def outcome(
         checks=tuple(checks),
         caveats=tuple(warning for log in logs for warning in check(log).warnings),
         golden=golden,
+        golden_cars=car.golden.spread.cars if car.golden and car.golden.spread else 0,
     )

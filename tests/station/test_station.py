@@ -38,7 +38,10 @@ def with_pads(front, rear):
     )
 
 
-GOLDEN = {f"golden_{name}" for name in ("distance", "bands", "pads_f", "pads_r", "stiffness")}
+SIGMA = {f"golden_sigma_{name}" for name in ("d", "level", "ratio", "stiffness")}
+GOLDEN = SIGMA | {
+    f"golden_{name}" for name in ("distance", "bands", "pads_f", "pads_r", "stiffness")
+}
 
 
 @pytest.fixture(scope="module")
