@@ -28,11 +28,15 @@ def diff(
     difference = compare(first.table, second.table)
     if json:
         parts = {"a": first.id, "b": second.id, "identical": difference.identical}
-        emit_json({**parts, **vars(difference)})
+        hands = {"by_hand": {"a": first.table.by_hand, "b": second.table.by_hand}}
+        emit_json({**parts, **vars(difference), **hands})
     elif difference.identical:
         emit(f"{first.id} and {second.id} hold the same")
     else:
         _print_difference(difference, first.id, second.id)
+        for stored in (first, second):
+            for one in stored.table.by_hand:
+                emit(f"{stored.id}: {one}")
 
 
 def _print_difference(difference: "Difference", a: str, b: str) -> None:

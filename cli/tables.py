@@ -3,7 +3,7 @@
 import typer
 
 import calib
-from cli import diff, export, read_back, show, verify
+from cli import derive, diff, export, merge, read_back, show, verify
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import STORE, Json, Store, example
@@ -38,3 +38,5 @@ app.command(epilog=diff.EPILOG)(diff.diff)
 app.command(epilog=verify.EPILOG)(verify.verify)
 app.command("export", epilog=export.EPILOG)(export.export_table)
 app.command("import", epilog=read_back.EPILOG)(read_back.import_table)
+app.command(epilog=merge.EPILOG)(merge.merge)
+app.command(epilog=derive.EPILOG)(derive.derive)

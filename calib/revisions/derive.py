@@ -13,16 +13,28 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib import __version__
 from calib.errors import RevisionError
-from calib.physics.forces import axle_loads, paper_curves
+from calib.physics.forces import axle_loads
 from calib.revisions.keys import Setting, key_of, settings_of
 from calib.revisions.mean_pads import RATIO
 from calib.table.by_hand import SetByHand
 from calib.table.pad_levels import pad_levels, pad_scale
-from calib.table.table import BY_HAND, Calibration, Table, TableReference, TyrePosterior, Value
+from calib.table.table import (
+    BY_HAND,
+    Calibration,
+    DifferenceCurve,
+    PaperCurves,
+    Table,
+    TableReference,
+    TyrePosterior,
+    Value,
+)
 from calib.table.version import Stored
+
+Array = NDArray[np.float64]
 
 CURVES_ONLY = (
     "D, f1 and f2 are what an ECU reads; `validate` estimates with the tyre of the table, which "
@@ -60,7 +72,11 @@ def derive(parent: Stored, written: Iterable[str], reason: str, by: str = "") ->
     table, before = parent.table, parent.table
     settings = settings_of(table, written)
     for setting in settings:
-        table = _with_pad(table, setting) if setting.row is None else _with_row(table, setting)
+        table = (
+            _with_pad(table, setting)
+            if setting.row is None
+            else _with_row(table, setting, setting.row)
+        )
     said = (reason.strip(), by.strip())
     keys = [(setting.name, setting.row) for setting in settings]
     set_ = tuple(SetByHand(*_change(before, table, *key), *said) for key in keys)
@@ -108,34 +124,45 @@ def _read(table: Table, name: str, row: int | None) -> float:
     return float(table.difference.D[row] if name == "D" else getattr(table.paper, name)[row])
 
 
-def _with_row(table: Table, setting: Setting) -> Table:
+def _with_row(table: Table, setting: Setting, row: int) -> Table:
     """The table with D, f1 and f2 of a row moved, and their bands along."""
-    row, d, p = setting.row, table.difference, table.paper
+    d, p = table.difference, table.paper
     F_zf, F_zr = (float(x) for x in axle_loads(table.vehicle, p.z[row]))
     F_z = F_zf + F_zr
-    by_curve = {"D": 1.0, "f1": F_z / F_zr, "f2": -F_z / F_zf}  # (18)
-    step = np.zeros(d.D.size)
-    step[row] = setting.value * by_curve[setting.name] - d.D[row]
-    if abs(d.D[row] + step[row]) > 1.0:
+    per = {"D": 1.0, "f1": F_z / F_zr, "f2": -F_z / F_zf}[setting.name]  # (18)
+    D = setting.value * per
+    if abs(D) > 1.0:
         raise RevisionError(
             f"{setting.value:g} has no meaning for {key_of(table, setting.name, row)}: D would be "
-            f"{d.D[row] + step[row]:.3g}",
+            f"{D:.3g}",
             expected="a D of -1 to 1",
         )
-    marked = np.where(step != 0.0, BY_HAND, d.flag)
-    d = replace(d, D=d.D + step, lower=d.lower + step, upper=d.upper + step, flag=marked)
-    f1, f2 = paper_curves(table.vehicle, p.z, step)
-    p = replace(
-        p,
-        f1=p.f1 + f1,
-        f1_lower=p.f1_lower + f1,
-        f1_upper=p.f1_upper + f1,
-        f2=p.f2 + f2,
-        f2_lower=p.f2_lower + f2,
-        f2_upper=p.f2_upper + f2,
-        flag=np.where(step != 0.0, BY_HAND, p.flag),
+    forces = {"f1": D * F_zr / F_z, "f2": -D * F_zf / F_z, setting.name: setting.value}
+    d = replace(
+        d,
+        D=_at(d.D, row, D),
+        flag=_at(d.flag, row, BY_HAND),
+        **{end: _at(band, row, float(band[row] + D - d.D[row])) for end, band in _bands(d, "")},
     )
-    return replace(table, difference=d, paper=p)
+    moved = {"flag": _at(p.flag, row, BY_HAND)}
+    for name in ("f1", "f2"):
+        old = getattr(p, name)
+        moved[name] = _at(old, row, forces[name])
+        step = forces[name] - old[row]
+        moved |= {
+            end: _at(band, row, float(band[row] + step)) for end, band in _bands(p, f"{name}_")
+        }
+    return replace(table, difference=d, paper=replace(p, **moved))
+
+
+def _bands(curve: DifferenceCurve | PaperCurves, first: str) -> list[tuple[str, Array]]:
+    names = (f"{first}lower", f"{first}upper")
+    return [(name, getattr(curve, name)) for name in names]
+
+
+def _at(column: Array, row: int, value: float) -> Array:
+    """A column with one value replaced."""
+    return np.asarray(np.where(np.arange(column.size) == row, value, column))
 
 
 def _with_pad(table: Table, setting: Setting) -> Table:
