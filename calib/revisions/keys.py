@@ -24,6 +24,9 @@ PADS = ("pad_friction_f", "pad_friction_r")
 CURVES = ("D", "f1", "f2")
 KNOWN = (*PADS, *(f"{curve}[ETA]" for curve in CURVES))
 
+EXACT = 1e-9
+"""Distance [1] within which an eta is that of a row: of what is written, all digits agree."""
+
 WRITTEN = re.compile(r"(?P<curve>\w+)\[(?P<eta>[^\]]*)\]")
 
 
@@ -101,8 +104,8 @@ def _row(table: Table, key: str, written: str) -> int:
         raise RevisionError(f"{key}: {written!r} is no eta", expected="a number") from None
     digits = len(written.partition(".")[2])
     near = np.argsort(np.abs(eta - wanted), kind="stable")
-    fits = [i for i in near[:2].tolist() if abs(round(float(eta[i]), digits) - wanted) < 1e-12]
-    if len(fits) == 1:
+    fits = [i for i in near[:2].tolist() if abs(round(float(eta[i]), digits) - wanted) < EXACT]
+    if len(fits) == 1 or abs(eta[near[0]] - wanted) < EXACT:
         return _set_row(eta[fits[0]], fits[0], key)
     shown = " and ".join(f"{x:.8g}" for x in sorted(eta[near[:2]].tolist()))
     if fits:

@@ -4,8 +4,9 @@
     f1, f2   from the mean D at the load split of the mean z(eta): (18) holds in every row
     g(slip)  0 to where the shortest ends
 
-A band is that of one more car of the model: scatter between cars, error of the mean, and what all
-cars share. The scatter goes with Student's t of one degree of freedom less than there are cars.
+A band is that of the table of one more car: scatter between cars, error of the mean, noise of one
+run, and what all cars share. All but the last go with Student's t of one degree of freedom less
+than there are cars.
 """
 
 from collections.abc import Sequence
@@ -96,7 +97,7 @@ def mean_tyre(tables: Sequence[Table], weights: Array) -> TyreCurve:
 
 def half_width(found: RandomEffects, shared: Array, weights: Array) -> Array:
     """Half width of the 95 % band of one more car; ``shared`` variances (k, n)."""
-    of_cars = quantile95(found.freedom) * found.predicted
+    of_cars = quantile95(found.freedom) * found.one_more
     return np.asarray(np.hypot(of_cars, Z95 * np.sqrt(weights @ shared)))
 
 

@@ -1,8 +1,8 @@
 """The mean pads and tyre of several cars: posterior, calibration and budget of the mean table.
 
 All of them are of one more car of the model, as the bands of the curves. In the budget the part
-`cars` is how cars differ, with the error of the mean; the other parts are those that all cars
-share, as large as in one car: a mean does not make them smaller.
+`cars` is how cars differ, with the error of the mean and the noise of one run; the other parts are
+those that all cars share, as large as in one car: a mean does not make them smaller.
 """
 
 from collections.abc import Sequence
@@ -71,7 +71,7 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> MeanPads:
 
 def inflated(found: RandomEffects) -> Array:
     """Sigma of one more car (n,) whose normal 95 % interval is that of Student's t."""
-    return np.asarray(quantile95(found.freedom) / Z95 * found.predicted)
+    return np.asarray(quantile95(found.freedom) / Z95 * found.one_more)
 
 
 def _scatter(tables: Sequence[Table], levels: Sequence[PadLevels], weights: Array) -> RandomEffects:

@@ -7,9 +7,9 @@
 The error of the mean is that of Hartung and Knapp (2001, doi:10.1002/sim.791): from the scatter
 itself, with Student's t of k - 1 degrees of freedom. A normal interval with an estimated
 ``between``, as DerSimonian and Laird have it, is far too narrow for few things; this one is exact
-where all v_i are equal and ``between`` is not cut at zero. It is never less than what the v_i
-alone give (Roever, Knapp and Friede 2015, doi:10.1186/s12874-015-0091-1): things that agree by
-chance say nothing better.
+where all v_i are equal. Things that agree by chance would make it too narrow: it is never narrower
+than the normal interval (Wiksten, Ruecker and Schwarzer 2016, doi:10.1002/sim.6879; Jackson et al.
+2017, doi:10.1002/sim.7411).
 
 Not true where the errors e_i of the things are correlated: what they share is no part of v_i, and
 has to be added to the error of the mean.
@@ -19,6 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from calib.statistics.intervals import Z95
 
 Array = NDArray[np.float64]
 
@@ -37,12 +39,14 @@ class RandomEffects:
     """Mean of k things, for each of n quantities. Shapes (n,), in the quantities' units.
 
     ``sigma`` standard error of the mean, to be used with Student's t of ``freedom`` = k - 1;
-    ``between`` variance between the things; ``weights`` (k, n), their sum is 1.
+    ``between`` variance between the things; ``own`` mean of their own variances; ``weights``
+    (k, n), their sum is 1.
     """
 
     mean: Array
     sigma: Array
     between: Array
+    own: Array
     weights: Array
     freedom: int
 
@@ -52,9 +56,13 @@ class RandomEffects:
         return np.asarray(quantile95(self.freedom) * self.sigma)
 
     @property
-    def predicted(self) -> Array:
-        """Standard deviation of the true value of one more thing about the mean found."""
-        return np.sqrt(self.between + self.sigma**2)
+    def one_more(self) -> Array:
+        """Standard deviation of one more thing, measured like these, about the mean found.
+
+        With Student's t of ``freedom`` it is exact where all v_i are equal. For the true value of
+        the thing it is too wide: how much of the scatter is noise is not well known.
+        """
+        return np.sqrt(self.between + self.sigma**2 + self.own)
 
 
 def random_effects(values: Array, variances: Array, weights: Array | None = None) -> RandomEffects:
@@ -76,8 +84,9 @@ def random_effects(values: Array, variances: Array, weights: Array | None = None
     w = np.broadcast_to(w, x.shape)
     mean = (w * x).sum(axis=0)
     scatter = (w * (x - mean) ** 2).sum(axis=0) / (k - 1)  # Hartung and Knapp
-    model = (w**2 * (between + v)).sum(axis=0)
-    return RandomEffects(mean, np.sqrt(np.maximum(scatter, model)), between, w, k - 1)
+    model = (w**2 * (between + v)).sum(axis=0) * (Z95 / quantile95(k - 1)) ** 2
+    sigma = np.sqrt(np.maximum(scatter, model))
+    return RandomEffects(mean, sigma, between, (w * v).sum(axis=0), w, k - 1)
 
 
 def between_variance(values: Array, variances: Array) -> Array:
@@ -88,7 +97,7 @@ def between_variance(values: Array, variances: Array) -> Array:
     for _ in range(STEPS):
         w = 1.0 / np.maximum(between + v, SETTLED * scale)
         mean = (w * x).sum(axis=0) / w.sum(axis=0)
-        # Viechtbauer 2005, (11): the fixed point of the restricted likelihood
+        # the fixed point of the restricted likelihood
         new = (w**2 * ((x - mean) ** 2 - v)).sum(axis=0) / (w**2).sum(axis=0) + 1.0 / w.sum(axis=0)
         new = np.maximum(new, 0.0)
         done = np.all(np.abs(new - between) <= SETTLED * scale)

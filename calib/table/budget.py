@@ -7,7 +7,7 @@
     zeros          radii at rest, as the lead-in gives them; clock of v
     load_geometry  radius under load, load that the body moves late
     unlike_pads    whether they changed since the ramp, and front against rear
-    cars           how cars of one model differ: of a table that is the mean of several
+    cars           how cars of one model differ: in a table that is the mean of several
     ramp           what an older table left open and does not split
     noise          sensors, road, what no tyre curve follows
 
