@@ -81,8 +81,9 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
 
 
 def _note(table: Table, ramps: Ramps) -> str:
-    logs = ", ".join(log.name for log in table.provenance.logs)
-    note = f"Digest {table.digest[:16]}, made of {logs} with {table.provenance.program}. "
+    origin = table.provenance
+    of = ", ".join([p.id for p in origin.parents] or [log.name for log in origin.logs])
+    note = f"Digest {table.digest[:16]}, made of {of} with {table.provenance.program}. "
     note += "Bands are 95 %."
     if ramps:
         note += (

@@ -77,7 +77,7 @@ def derive(parent: Stored, written: Iterable[str], reason: str, by: str = "") ->
             if setting.row is None
             else _with_row(table, setting, setting.row)
         )
-    said = (reason.strip(), by.strip())
+    said = (" ".join(reason.split()), " ".join(by.split()))
     keys = [(setting.name, setting.row) for setting in settings]
     set_ = tuple(SetByHand(*_change(before, table, *key), *said) for key in keys)
     for one in set_:

@@ -80,13 +80,23 @@ def random_effects(values: Array, variances: Array, weights: Array | None = None
     if k < 2:
         raise ValueError("one thing alone has no scatter")
     between = between_variance(x, v)
-    w = _weights(v, between, _scale(x, v)) if weights is None else weights[:, None] / weights.sum()
-    w = np.broadcast_to(w, x.shape)
+    best = _weights(v, between, _scale(x, v))
+    w = best if weights is None else np.broadcast_to(weights[:, None] / weights.sum(), x.shape)
     mean = (w * x).sum(axis=0)
-    scatter = (w * (x - mean) ** 2).sum(axis=0) / (k - 1)  # Hartung and Knapp
-    model = (w**2 * (between + v)).sum(axis=0) * (Z95 / quantile95(k - 1)) ** 2
-    sigma = np.sqrt(np.maximum(scatter, model))
+    variance = between + v
+    sigma = np.sqrt(_scatter(x, variance, best) * (w**2 * variance).sum(axis=0))
     return RandomEffects(mean, sigma, between, (w * v).sum(axis=0), w, k - 1)
+
+
+def _scatter(x: Array, variance: Array, best: Array) -> Array:
+    """Scatter of the things over what their ``variance`` expects (n,), that of Hartung and Knapp.
+
+    ``best`` weights of the mean. At least so much that Student's interval is the normal one.
+    """
+    freedom = x.shape[0] - 1
+    square = (x - (best * x).sum(axis=0)) ** 2
+    seen = np.divide(square, variance, out=np.zeros_like(x), where=variance > 0.0).sum(axis=0)
+    return np.asarray(np.maximum(seen / freedom, (Z95 / quantile95(freedom)) ** 2))
 
 
 def between_variance(values: Array, variances: Array) -> Array:

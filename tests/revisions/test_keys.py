@@ -54,7 +54,7 @@ def test_what_means_nothing_is_refused(table, written, says):
 
 def test_too_few_digits_fit_two_rows(fitted):
     low, high = fitted.difference.eta[20:22]
-    with pytest.raises(RevisionError, match="fits two rows, .* and .*; write more digits"):
+    with pytest.raises(RevisionError, match=r"fits two rows, .* and .*; write more digits"):
         settings_of(fitted, [f"D[{0.5 * (low + high):.3f}]=0.05"])
     for row in (20, 21):
         written = f"D[{fitted.difference.eta[row]:.5f}]=0.05"

@@ -112,8 +112,8 @@ def test_given_weights_are_kept():
     found = random_effects(x, v, np.array([2.0, 1.0, 1.0]))
     assert found.weights[:, 0].tolist() == [0.5, 0.25, 0.25]
     assert found.mean[0] == 1.0
-    # 0.5 * 1 + 0.25 * 1 + 0.25 * 9 over two degrees of freedom
-    assert found.sigma[0] == pytest.approx(math.sqrt(3.0 / 2.0))
+    # the three scatter by 16/3 about 4/3; so does each, and the weights' squares add up to 3/8
+    assert found.sigma[0] == pytest.approx(math.sqrt(16.0 / 3.0 * 3.0 / 8.0))
 
 
 def test_one_thing_has_no_scatter():
@@ -133,6 +133,14 @@ def test_a_sigma_is_as_rare_as_the_t_that_it_stands_for(freedom, value):
 def test_an_infinite_t_is_a_large_finite_sigma():
     assert 30.0 < as_sigma(math.inf, 1) < 40.0
     assert as_sigma(-math.inf, 5) < -30.0
+
+
+@pytest.mark.parametrize(("first", "most"), [(1.0, 0.965), (2.0, 0.97), (6.0, 0.985)])
+def test_with_weights_that_are_not_the_best_the_interval_is_not_too_narrow(first, most):
+    rng = np.random.default_rng(8)
+    x = rng.normal(0.0, 2.0, (4, 4000))
+    found = random_effects(x, np.full_like(x, 0.01), np.array([first, 1.0, 1.0, 1.0]))
+    assert 0.94 < np.mean(np.abs(found.mean) <= found.half_width) < most
 
 
 @pytest.mark.parametrize("k", [2, 3, 5, 10])
