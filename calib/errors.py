@@ -11,6 +11,7 @@
     │   ├── ExchangeError     a calibration file (DCM, CDF) or its validation summary
     │   └── KeyFileError      a key file, its password, or what keys need
     ├── BatchError            exit code 2: the folder or the workers of a batch
+    ├── RevisionError         exit code 2: tables that cannot be merged, a value that cannot be set
     └── StoreError            exit code 4: the table store, or a table in it
         ├── TableNotFound     no table of that name or version: exit code 2
         ├── DamagedTable      the content does not match its digest
@@ -82,6 +83,12 @@ class KeyFileError(InputError):
 
 class BatchError(BrakeCalError):
     """A batch cannot start: other settings, folder in use, no scheduler, unfit workers."""
+
+    exit_code = 2
+
+
+class RevisionError(BrakeCalError):
+    """Tables cannot be merged, or a value cannot be set in one."""
 
     exit_code = 2
 

@@ -42,6 +42,7 @@ def diff(
                 "verdict": difference.verdict,
                 "identical": difference.identical,
                 **vars(difference),
+                "by_hand": {"a": first.table.by_hand, "b": second.table.by_hand},
             }
         )
         return
@@ -51,6 +52,9 @@ def diff(
         emit(f"  {_words(gap)}")
     if not difference.identical:
         _print_difference(difference, first.id, second.id)
+        for stored in (first, second):
+            for cell in stored.table.by_hand:
+                emit(f"{stored.id}: {cell}")
 
 
 def _words(gap: "CurveGap | ValueGap") -> str:

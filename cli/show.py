@@ -6,6 +6,7 @@ import calib
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import STORE, Json, Store, TableVersion, example
+from cli.origin import origin_facts
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -81,6 +82,7 @@ def _facts(stored: "Stored") -> str:
         ("digest", stored.digest),
         ("vehicle", f"{vehicle.name}, {vehicle.mass:g} kg, wheelbase {vehicle.wheelbase:g} m"),
         *table.provenance.identity.items(),
+        *origin_facts(table),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
         *(
             (effect, f"{parameter} {_interval(value)} {_unit(effect, parameter)}".rstrip())

@@ -18,6 +18,7 @@ CODES = {
     "ExchangeError": 3,
     "KeyFileError": 3,
     "BatchError": 2,
+    "RevisionError": 2,
     "StoreError": 4,
     "TableNotFound": 2,
     "DamagedTable": 4,

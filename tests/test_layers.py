@@ -23,7 +23,7 @@ ROOMS = """
     table
     plausibility
     fitting
-    simulation
+    simulation revisions
     estimation
     validation
     diagnosis gauge

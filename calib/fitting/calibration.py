@@ -16,16 +16,20 @@ def calibration(vehicle: Vehicle, found: Identified, level: Parts) -> Calibratio
     their geometric mean, moves against it with the ratio by half the difference of the shares.
     """
     scale = float(np.mean(found.pad_scale))
+    ratio = Value(found.posterior.value("log_pad_ratio"), found.posterior.sigma("log_pad_ratio"))
+    return calibration_of(vehicle, scale, ratio, level)
+
+
+def calibration_of(vehicle: Vehicle, scale: float, ratio: Value, level: Parts) -> Calibration:
+    """The same from the ``scale`` of both axles [1] and the logarithm of their ``ratio``."""
     relative = float(np.sqrt(sum(level.values())))
-    rho = found.posterior.value("log_pad_ratio")
-    sigma_rho = found.posterior.sigma("log_pad_ratio")
-    share = front_share(vehicle, rho)
-    half = float(np.exp(0.5 * rho))
+    share = front_share(vehicle, ratio.value)
+    half = float(np.exp(0.5 * ratio.value))
     mu_f = scale * vehicle.front.pad_friction * half
     mu_r = scale * vehicle.rear.pad_friction / half
     return Calibration(
-        pad_scale=Value(scale, scale * float(np.hypot(relative, (share - 0.5) * sigma_rho))),
-        pad_log_ratio=Value(rho, sigma_rho),
-        pad_friction_f=Value(mu_f, mu_f * float(np.hypot(relative, (1.0 - share) * sigma_rho))),
-        pad_friction_r=Value(mu_r, mu_r * float(np.hypot(relative, share * sigma_rho))),
+        pad_scale=Value(scale, scale * float(np.hypot(relative, (share - 0.5) * ratio.sigma))),
+        pad_log_ratio=ratio,
+        pad_friction_f=Value(mu_f, mu_f * float(np.hypot(relative, (1.0 - share) * ratio.sigma))),
+        pad_friction_r=Value(mu_r, mu_r * float(np.hypot(relative, share * ratio.sigma))),
     )

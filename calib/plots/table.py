@@ -17,7 +17,7 @@ from calib.plots.ramp import points
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DASHED, DOTTED, FRONT, IDENTIFIED, NOMINAL, REAR, Stroke, band
 from calib.table.pads_budget import pads_budget
-from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
+from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,6 +29,7 @@ FLAGS = {
     MEASURED: ("measured", "-", 1.6),
     INTERPOLATED: ("interpolated", DASHED, 1.1),
     EXTRAPOLATED: ("extrapolated", DOTTED, 1.1),
+    BY_HAND: ("set by hand", "-", 3.0),
 }
 """Word, line style and width of each flag of a cell."""
 
@@ -80,8 +81,9 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
 
 
 def _note(table: Table, ramps: Ramps) -> str:
-    logs = ", ".join(log.name for log in table.provenance.logs)
-    note = f"Digest {table.digest[:16]}, made of {logs} with {table.provenance.program}. "
+    origin = table.provenance
+    of = ", ".join([p.id for p in origin.parents] or [log.name for log in origin.logs])
+    note = f"Digest {table.digest[:16]}, made of {of} with {table.provenance.program}. "
     note += "Bands are 95 %."
     if ramps:
         note += (

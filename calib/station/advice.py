@@ -28,6 +28,9 @@ def _row(
 _DRIVE_RAMP = "Drive the ramp again: a second of coasting, then pressure rising over 5 s to 0.5 g."
 _PADS = "Look at pads, discs and calipers of the car, and whether the vehicle file is of this model"
 _SAME = "Drive two stops again with warm, dry pads on one road; if they still differ, look at"
+_RARE = (
+    "one good car in 370 is farther away; only a golden table made by tables merge knows its fleet"
+)
 
 ADVICE: tuple[Advice, ...] = (
     _row("ramp_deceleration", (0.35, None), (0.40, None), "g",
@@ -79,6 +82,14 @@ ADVICE: tuple[Advice, ...] = (
          "Look at the rear pads and calipers, the scale of p_mc and the load of the car."),
     _row("golden_stiffness", (-0.40, 0.60), (-0.25, 0.35), "1",
          "tyres of one type on one track agree within their bands; a wet track is softer",
+         "Look at type and pressure of the tyres, the track, and the wheel speed sensors."),
+    _row("golden_sigma_d", (None, None), (-3.0, 3.0), "sigma", _RARE,
+         "Compare with brake-cal tables diff: other tyres, a wet track or other brakes?"),
+    _row("golden_sigma_level", (None, None), (-3.0, 3.0), "sigma", _RARE,
+         "Look at pads, the scale of p_mc and the load of the car."),
+    _row("golden_sigma_ratio", (None, None), (-3.0, 3.0), "sigma", _RARE,
+         "Look at the pads and calipers of one axle against those of the other."),
+    _row("golden_sigma_stiffness", (None, None), (-3.0, 3.0), "sigma", _RARE,
          "Look at type and pressure of the tyres, the track, and the wheel speed sensors."),
     _row("valid_share", (0.70, None), (0.80, None), "1",
          "an estimator whose samples are seldom valid is of no use",

@@ -27,6 +27,7 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
         "table": {"id": stored.id, "digest": stored.digest, "state": stored.state.word},
         "accepted_warnings": found.accepted or None,
         "golden": found.golden or None,
+        **({"golden_cars": found.golden_cars} if found.golden_cars else {}),
         "program": f"brake-cal {__version__}",
         "counts": found.counts(),
         "warnings": [warning_dict(warning) for warning in found.warnings],

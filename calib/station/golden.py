@@ -35,8 +35,8 @@ class Distance:
 def distance(table: Table, golden: Table) -> Distance | None:
     """Largest departure of D(eta); None where less than half of the golden range is common."""
     ours, theirs = table.difference, golden.difference
-    end = float(min(ours.eta[-1], theirs.eta[-1]))
-    if end - 1.0 < OVERLAP * (float(theirs.eta[-1]) - 1.0):
+    end = common_end(table, golden)
+    if end is None:
         return None
     # both are linear between their rows, so the largest departure is at a row of one of them
     rows = np.union1d(ours.eta, theirs.eta)
@@ -51,6 +51,13 @@ def distance(table: Table, golden: Table) -> Distance | None:
         bands=largest / width if width > 0.0 else np.inf if largest > 0.0 else 0.0,
         at=float(eta[worst]),
     )
+
+
+def common_end(table: Table, golden: Table) -> float | None:
+    """Eta [1] up to which both have D; None where less than half of the golden range is common."""
+    golden_end = float(golden.difference.eta[-1])
+    end = min(float(table.difference.eta[-1]), golden_end)
+    return None if end - 1.0 < OVERLAP * (golden_end - 1.0) else end
 
 
 @dataclass(frozen=True)

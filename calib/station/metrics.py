@@ -12,6 +12,7 @@ from calib.checks.wheel_checks import axles_of
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
 from calib.signals.driving_record import driving_record
+from calib.station.fleet_sigma import fleet_sigma
 from calib.station.golden import distance, ratios_to
 from calib.station.sides import side_difference
 from calib.table.listing import band_width
@@ -36,6 +37,10 @@ METRICS: dict[str, str] = {
     "golden_pads_f": "front pad friction over that of the golden table, less 1 [1]",
     "golden_pads_r": "rear pad friction over that of the golden table, less 1 [1]",
     "golden_stiffness": "slip stiffness of the tyres over that of the golden table, less 1 [1]",
+    "golden_sigma_d": "departure of D from a golden table of several cars, in sigma of its fleet",
+    "golden_sigma_level": "the same of the pad level, both axles, in sigma",
+    "golden_sigma_ratio": "the same of the pad ratio, front over rear, in sigma",
+    "golden_sigma_stiffness": "the same of the slip stiffness of the tyres, in sigma",
 }
 """Every metric of the car, with its meaning."""
 
@@ -83,6 +88,11 @@ def metrics_of(car: Car) -> dict[str, float | None]:
     out["golden_pads_f"] = ratios.front - 1.0 if ratios else None
     out["golden_pads_r"] = ratios.rear - 1.0 if ratios else None
     out["golden_stiffness"] = ratios.stiffness - 1.0 if ratios else None
+    fleet = fleet_sigma(table, car.golden) if car.golden else None
+    out["golden_sigma_d"] = fleet.D if fleet else None
+    out["golden_sigma_level"] = fleet.pad_level if fleet else None
+    out["golden_sigma_ratio"] = fleet.pad_ratio if fleet else None
+    out["golden_sigma_stiffness"] = fleet.stiffness if fleet else None
     return {name: out[name] for name in METRICS}
 
 

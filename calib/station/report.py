@@ -72,13 +72,18 @@ def report_html(found: StationOutcome, stored: Stored) -> str:
         ],
         provenance=[
             ("Table", f"{stored.id}, SHA-256 {stored.digest}"),
-            ("Golden table", found.golden or "none given"),
+            ("Golden table", _golden(found)),
             ("Program", f"brake-cal {__version__}"),
         ],
         logs=[(name, role, digest[:16]) for name, role, digest in sources],
         settings=[(name, f"{value:g}") for name, value in table.provenance.settings.items()],
         remarks=[*table.remarks, *map(str, found.caveats)],
     )
+
+
+def _golden(found: StationOutcome) -> str:
+    mean = f", mean of {found.golden_cars} cars" if found.golden_cars else ""
+    return f"{found.golden}{mean}" if found.golden else "none given"
 
 
 def _warning(w: PlausibilityWarning) -> tuple[str, ...]:

@@ -65,8 +65,9 @@ class StationOutcome:
 
     ``logs`` of the ramps and coasts first, as given; ``results`` of the hold-outs in their order;
     ``caveats`` warnings of `brake-cal check` on a log, which are no verdict on the car; ``golden``
-    the id of the golden table, "" without one; ``accepted`` the reason why warnings are accepted,
-    "" where they are not; ``by`` the person who answers for it, "" for the user of the computer.
+    the id of the golden table, "" without one; ``golden_cars`` of how many cars it is the mean, 0
+    for a table of one car; ``accepted`` the reason why warnings are accepted, "" where they are
+    not; ``by`` the person who answers for it, "" for the user of the computer.
     """
 
     table: Table
@@ -80,6 +81,7 @@ class StationOutcome:
     golden: str = ""
     accepted: str = ""
     by: str = ""
+    golden_cars: int = 0
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
@@ -192,4 +194,5 @@ def outcome(
         golden=golden,
         accepted=accepted,
         by=by,
+        golden_cars=car.golden.spread.cars if car.golden and car.golden.spread else 0,
     )

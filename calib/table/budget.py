@@ -7,6 +7,7 @@
     zeros          radii at rest, as the lead-in gives them; clock of v
     load_geometry  radius under load, load that the body moves late
     unlike_pads    whether they changed since the ramp, and front against rear
+    cars           how cars of one model differ: in a table that is the mean of several
     ramp           what an older table left open and does not split
     noise          sensors, road, what no tyre curve follows
 
@@ -35,6 +36,7 @@ ADVICE = {
     "give the effect pitch_coupling if it is known",
     "unlike_pads": "log v if it is not logged, and brake longer and harder: that tells front from "
     "rear pads",
+    "cars": "fit a table of this car, or merge more cars",
     "ramp": "fit the table again: this one does not say what its pads rest on",
     "noise": "brake longer, with finer wheel speeds",
 }

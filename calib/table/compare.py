@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -166,7 +167,7 @@ def _in_bands(gap: Array, band: Array) -> float:
 
 
 def _changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
-    first, second = _flat(a.content()[0]), _flat(b.content()[0])
+    first, second = _flat(_record(a)), _flat(_record(b))
     changes: dict[str, list[RecordChange]] = {}
     for key in sorted({*first, *second}):
         if first.get(key) != second.get(key):
@@ -175,6 +176,14 @@ def _changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
                 RecordChange(rest or section, first.get(key), second.get(key))
             )
     return {section: tuple(found) for section, found in changes.items()}
+
+
+def _record(table: Table) -> dict[str, Any]:
+    """The record without the spread of D, which is a column: one number for each row."""
+    record, _ = table.content()
+    if "spread" in record:
+        del record["spread"]["D"]
+    return record
 
 
 def _flat(value: object, path: str = "") -> dict[str, str]:

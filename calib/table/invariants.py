@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 
 from calib.digest import canonical_json
 from calib.physics.forces import axle_loads
-from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED, Table
+from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
 Array = NDArray[np.float64]
 
 CONSTRAINT_TOLERANCE = 1e-9
 """Tolerance of (18) [1]: a million times the rounding error of f1 and f2, which are below 1."""
+
+FLAGS = (MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND)
 
 DIGEST = re.compile(r"[0-9a-f]{64}")
 
@@ -28,7 +30,10 @@ def violations(table: Table) -> tuple[str, ...]:
     shapes = tuple(_shapes(table))
     if shapes:  # the next checks need columns of equal length
         return shapes
-    checks = (_finite, _axes, _bands, _flags, _zero, _constraint, _covariance, _parents)
+    checks = (
+        *(_finite, _axes, _bands, _flags, _zero, _constraint, _covariance, _parents),
+        *(_spread, _by_hand),
+    )
     return tuple(flaw for check in checks for flaw in check(table))
 
 
@@ -86,7 +91,7 @@ def _bands(table: Table) -> Iterator[str]:
 
 def _flags(table: Table) -> Iterator[str]:
     for curve, columns in _columns(table):
-        if not np.all(np.isin(columns["flag"], (MEASURED, INTERPOLATED, EXTRAPOLATED))):
+        if not np.all(np.isin(columns["flag"], FLAGS)):
             yield f"{curve}.flag: a value that is no flag"
         if not np.all(columns["count"] >= 0.0):
             yield f"{curve}.count: negative"
@@ -131,3 +136,25 @@ def _parents(table: Table) -> Iterator[str]:
     for log in table.provenance.logs:
         if not DIGEST.fullmatch(log.digest):
             yield f"provenance: the digest of {log.name} is not a SHA-256"
+    for parent in table.provenance.parents:
+        if not DIGEST.fullmatch(parent.digest):
+            yield f"provenance: the digest of {parent.id} is not a SHA-256"
+
+
+def _spread(table: Table) -> Iterator[str]:
+    spread = table.spread
+    if spread is None:
+        return
+    if spread.cars < 2:
+        yield f"spread: of {spread.cars} cars, which have none"
+    if len(spread.D) != table.difference.eta.size:
+        yield f"spread: {len(spread.D)} rows of D, the table has {table.difference.eta.size}"
+    scalars = (spread.pad_level, spread.pad_ratio, spread.stiffness)
+    if any(min(s.between, s.of_mean) < 0.0 for s in (*spread.D, *scalars)):
+        yield "spread: a negative standard deviation"
+
+
+def _by_hand(table: Table) -> Iterator[str]:
+    marked = any(np.any(columns["flag"] == BY_HAND) for _, columns in _columns(table))
+    if marked and not table.by_hand:
+        yield "by_hand: cells are marked as set by hand, and nobody set them"

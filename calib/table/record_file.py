@@ -11,7 +11,9 @@ from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle import Axle, Vehicle
 from calib.schema import FileSchema, Section, validated_json
 from calib.table.budget import TableBudget
+from calib.table.by_hand import SetByHand
 from calib.table.curve_file import Array
+from calib.table.spread import Spread
 from calib.table.table import (
     Calibration,
     DifferenceCurve,
@@ -57,6 +59,8 @@ class Record(FileSchema):
     empirical: EmpiricalTerm | tuple[EmpiricalTerm, ...] = ()
     warnings: tuple[PlausibilityWarning, ...] = ()
     budget: TableBudget | None = None
+    spread: Spread | None = None
+    by_hand: tuple[SetByHand, ...] = ()
 
 
 class Parent(Section):

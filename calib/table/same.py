@@ -23,7 +23,7 @@ RESULTS = ("calibration", "effects", "noise", "posterior", "quality")
 
 def inputs(record: dict[str, Any]) -> str:
     """SHA-256 over everything in a record that was given to the fit, and over the program."""
-    given = {name: record[name] for name in ("name", "vehicle", "provenance")}
+    given = {name: record.get(name) for name in ("name", "vehicle", "provenance", "by_hand")}
     return hashlib.sha256(canonical_json(given)).hexdigest()
 
 

@@ -24,13 +24,15 @@ from calib.physics.tyre import Tyre
 from calib.physics.vehicle import Vehicle
 from calib.statistics.intervals import Z95
 from calib.table.budget import TableBudget
+from calib.table.by_hand import SetByHand
+from calib.table.spread import Spread
 from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
 SCHEMA = 1
 
-MEASURED, INTERPOLATED, EXTRAPOLATED = 0.0, 1.0, 2.0
-"""Flags of a cell: with enough blocks, between such cells, beyond them."""
+MEASURED, INTERPOLATED, EXTRAPOLATED, BY_HAND = 0.0, 1.0, 2.0, 3.0
+"""Flags of a cell: with enough blocks, between such cells, beyond them, set by a person."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class DifferenceCurve:
     """D(eta) with D(1) = 0, on the branch where eta rises.
 
     ``eta`` [1]; ``D`` = F_f - F_r [1]; ``lower``, ``upper`` 95 % band [1]; ``count`` of blocks in
-    the cell; ``flag`` MEASURED, INTERPOLATED or EXTRAPOLATED. Shapes (n,).
+    the cell; ``flag`` MEASURED, INTERPOLATED, EXTRAPOLATED or BY_HAND. Shapes (n,).
     """
 
     eta: Array
@@ -169,17 +171,27 @@ class LogReference:
 
 
 @dataclass(frozen=True)
+class TableReference:
+    """A version that a table was made of: its name@version and the SHA-256 of its content."""
+
+    id: str
+    digest: str
+
+
+@dataclass(frozen=True)
 class Provenance:
     """Parents of a table: logs, settings, program version.
 
     ``identity`` of the car at a station: serial number, VIN and the like, see
-    `calib.station.identity`. The record of a table without one does not have the key.
+    `calib.station.identity`. ``parents`` versions that it was merged from or derived from, see
+    `calib.revisions`. The record of a table without them does not have the key.
     """
 
     logs: tuple[LogReference, ...]
     settings: dict[str, float]
     program: str
     identity: dict[str, str] = field(default_factory=dict)
+    parents: tuple[TableReference, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -189,8 +201,9 @@ class Table:
     ``effects`` holds drag and rolling resistance with their sigma; other known effects, empirical
     terms among them, are in the vehicle; ``noise`` the long-run noise density of each sensor
     [unit * s^0.5]; ``quality`` metrics of the fit; ``remarks`` for the user, in words;
-    ``warnings`` what speaks against it; ``budget`` what the pads rest on. The record of a table
-    without warnings or a budget, as older ones are, does not have the key.
+    ``warnings`` what speaks against it; ``budget`` what the pads rest on; ``spread`` how the cars
+    of a mean table differ; ``by_hand`` what a person set. The record of a table without one of the
+    last four, as older ones are, does not have the key.
     """
 
     name: str
@@ -207,6 +220,8 @@ class Table:
     provenance: Provenance
     warnings: tuple[PlausibilityWarning, ...] = ()
     budget: TableBudget | None = None
+    spread: Spread | None = None
+    by_hand: tuple[SetByHand, ...] = ()
 
     def __repr__(self) -> str:
         eta, (low, high), pads = self.paper.eta, self.paper.decelerations, self.calibration
@@ -237,12 +252,12 @@ class Table:
         for log in record["provenance"]["logs"]:
             if not log["notes"]:  # the format of older tables: without notes of a reader
                 del log["notes"]
-        if not self.warnings:  # the format of older tables
-            del record["warnings"]
-        if not self.provenance.identity:
-            del record["provenance"]["identity"]
-        if self.budget is None:
-            del record["budget"]
+        for key in ("warnings", "budget", "spread", "by_hand"):
+            if not getattr(self, key):  # the format of older tables
+                del record[key]
+        for key in ("identity", "parents"):
+            if not getattr(self.provenance, key):
+                del record["provenance"][key]
         curves = {name: record.pop(name) for name in ("difference", "paper", "tyre")}
         return {"schema": SCHEMA, **json.loads(json.dumps(record))}, curves
 

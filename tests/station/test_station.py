@@ -1,18 +1,24 @@
 """The verdict on a car: the right check fails, and only that."""
 
+import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from calib.errors import LogError
 from calib.logs.read import read_log
 from calib.physics.vehicle_file import read_vehicle
+from calib.revisions.merge import merge
 from calib.station.advice import ADVICE, LIMITS
+from calib.station.document import to_dict
 from calib.station.identity import Identity
 from calib.station.metrics import METRICS as OF_CAR
 from calib.station.metrics import Car
 from calib.station.station import outcome, table_of, validated
 from calib.station.words import in_full, sentence
+from calib.table.table import LogReference, Value
+from calib.table.version import Stored
 from calib.validation.limits import Limit
 from calib.validation.metrics import METRICS as OF_STOPS
 from tests.support.station_run import SEDAN
@@ -38,7 +44,10 @@ def with_pads(front, rear):
     )
 
 
-GOLDEN = {f"golden_{name}" for name in ("distance", "bands", "pads_f", "pads_r", "stiffness")}
+SIGMA = {f"golden_sigma_{name}" for name in ("d", "level", "ratio", "stiffness")}
+GOLDEN = SIGMA | {
+    f"golden_{name}" for name in ("distance", "bands", "pads_f", "pads_r", "stiffness")
+}
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +94,64 @@ def test_a_golden_table_of_its_own_lies_close_and_one_of_another_tyre_does_not(g
     far = run(with_pads(0.38, 0.38), golden=other)
     assert far.figures["golden_distance"] == pytest.approx(0.4 / 0.6)
     assert "golden_distance" in {c.figure for c in far.with_verdict("failed")}
+
+
+@pytest.fixture(scope="module")
+def fleet(good):
+    """A golden table of the sample car and of two with other pads and tyres."""
+    cars = [good.table, changed(good.table, 0.02, "ab"), changed(good.table, -0.02, "cd")]
+    return merge([Stored(t, "sedan", n, t.digest, Path()) for n, t in enumerate(cars, 1)], "golden")
+
+
+def changed(table, by, digest):
+    """The table of another car: its pads and its tyres are ``by`` off, in logarithms."""
+    cal, posterior = table.calibration, table.posterior
+    pads = {
+        name: Value(getattr(cal, name).value * math.exp(by), getattr(cal, name).sigma)
+        for name in ("pad_friction_f", "pad_friction_r")
+    }
+    at = posterior.names.index("log_compliance")
+    return replace(
+        table,
+        calibration=replace(cal, **pads),
+        posterior=replace(
+            posterior, mean=tuple(m + by * (i == at) for i, m in enumerate(posterior.mean))
+        ),
+        provenance=replace(
+            table.provenance, logs=(LogReference("other.csv", digest * 32, "ramp"),)
+        ),
+    )
+
+
+def test_a_golden_table_of_several_cars_knows_the_sigma_of_its_fleet(fleet):
+    found = run(with_pads(0.38, 0.38), golden=fleet)
+    sigma = {name: found.figures[name] for name in SIGMA}
+    assert all(value is not None and abs(value) < 0.5 for value in sigma.values())
+    assert {c.figure for c in found.with_verdict("passed")} >= SIGMA
+    stored = Stored(found.table, "sedan", 1, found.table.digest, Path())
+    assert to_dict(found, stored, [])["golden_cars"] == 3
+    assert to_dict(found, stored, [])["figures"]["golden_sigma_d"] == sigma["golden_sigma_d"]
+
+
+def test_sigma_of_the_fleet_can_be_limited(fleet):
+    """The mean pads of the fleet are 12 % above those of the car: six standard deviations."""
+    cal = fleet.calibration
+    front = replace(cal.pad_friction_f, value=1.12 * cal.pad_friction_f.value)
+    rear = replace(cal.pad_friction_r, value=1.12 * cal.pad_friction_r.value)
+    pads = replace(fleet.calibration, pad_friction_f=front, pad_friction_r=rear)
+    limits = (Limit("golden_sigma_level", -2.0, 2.0), Limit("golden_sigma_ratio", -2.0, 2.0))
+    found = run(with_pads(0.38, 0.38), limits, replace(fleet, calibration=pads))
+    assert {c.figure: c.verdict for c in found.checks} == {
+        "golden_sigma_level": "failed",
+        "golden_sigma_ratio": "passed",
+    }
+
+
+def test_a_golden_table_of_one_car_has_no_sigma(good):
+    found = run(with_pads(0.38, 0.38), golden=good.table)
+    assert {c.figure for c in found.with_verdict("not known")} == SIGMA
+    stored = Stored(found.table, "sedan", 1, found.table.digest, Path())
+    assert "golden_cars" not in to_dict(found, stored, [])
 
 
 def test_a_required_figure_that_is_not_known_fails():

@@ -7,10 +7,10 @@ import numpy as np
 from calib.errors import ExchangeError
 from calib.physics.vehicle import Axle
 from calib.table.exports.breakpoints import FEWEST, Indices, misfit, place
-from calib.table.exports.dataset import Axis, Curve, Dataset, Scalar
+from calib.table.exports.dataset import BY_A_PERSON, Axis, Curve, Dataset, Scalar
 from calib.table.exports.labels import label, prefix
 from calib.table.exports.quality import PRELIMINARY, UNPROVED, Quality
-from calib.table.table import Array, Table
+from calib.table.table import BY_HAND, Array, Table
 from calib.table.version import Stored
 
 UNIT = "1"
@@ -47,6 +47,8 @@ def build(stored: Stored, points: int | None = None, quality: Quality = UNPROVED
         scalars=tuple(_scalars(table, stored.version, first)),
         quality=quality if stored.state.released else replace(quality, state=PRELIMINARY),
         release=stored.state,
+        parents=tuple(parent.id for parent in table.provenance.parents),
+        by_hand=table.by_hand,
     )
 
 
@@ -77,6 +79,9 @@ def _curve(
     first: str, name: str, axis: str, meaning: str, y: Array, lower: Array, upper: Array,
     count: Array, flag: Array,
 ) -> Curve:  # fmt: skip
+    rows = int(np.count_nonzero(flag == BY_HAND))
+    if rows:
+        meaning += f", {rows} row{'s' * (rows > 1)} {BY_A_PERSON}"
     return Curve(label(first, name), axis, meaning, UNIT, y, lower, upper, count, flag)
 
 
@@ -112,6 +117,10 @@ def _scalars(table: Table, version: int, first: str) -> list[Scalar]:
         return Scalar(label(first, name), what, unit, float(value), sigma)
 
     mu_f, mu_r = pads.pad_friction_f, pads.pad_friction_r
+    keys = {one.key for one in table.by_hand}
+    of_f, of_r = (
+        BY_A_PERSON if f"pad_friction_{axle}" in keys else "of the calibration" for axle in "fr"
+    )
     return [
         scalar("version", "version of the table", "1", version),
         scalar("mass", "M_v, vehicle mass", "kg", car.mass),
@@ -120,8 +129,8 @@ def _scalars(table: Table, version: int, first: str) -> list[Scalar]:
         scalar("h", "h, height of the centre of gravity", "m", car.cg_height),
         scalar("l_w", "l_w, track width", "m", car.track_width),
         *(scalar(*row) for row in [*_wheel("f", car.front), *_wheel("r", car.rear)]),
-        scalar("mu_f", "front pad friction of the calibration", "1", mu_f.value, mu_f.sigma),
-        scalar("mu_r", "rear pad friction of the calibration", "1", mu_r.value, mu_r.sigma),
+        scalar("mu_f", f"front pad friction {of_f}", "1", mu_f.value, mu_f.sigma),
+        scalar("mu_r", f"rear pad friction {of_r}", "1", mu_r.value, mu_r.sigma),
         *(
             scalar(name, f"{name} of the tyre", "1", tyre.value(name), tyre.sigma(name))
             for name in tyre.names

@@ -14,7 +14,15 @@ table has none.
 
 from xml.etree import ElementTree as ET
 
-from calib.table.exports.dataset import Axis, Curve, Dataset, Scalar, placed, span
+from calib.table.exports.dataset import (
+    BY_A_PERSON,
+    Axis,
+    Curve,
+    Dataset,
+    Scalar,
+    placed,
+    span,
+)
 from calib.table.exports.labels import printable
 from calib.table.exports.quality import CALIBRATED
 
@@ -54,7 +62,7 @@ def write_cdfx(data: Dataset, date: str) -> bytes:
 def _axis(tree: ET.Element, axis: Axis, data: Dataset, date: str) -> None:
     instance = _instance(tree, axis.label, axis.meaning, "COM_AXIS")
     _values(instance, "SW-VALUE-CONT", axis.unit, axis.values.tolist())
-    _history(instance, data, date, f"{span(axis.values)}; {placed(axis)}")
+    _history(instance, data, date, "fitted", f"{span(axis.values)}; {placed(axis)}")
 
 
 def _curve(tree: ET.Element, curve: Curve, data: Dataset, date: str) -> None:
@@ -68,14 +76,16 @@ def _curve(tree: ET.Element, curve: Curve, data: Dataset, date: str) -> None:
         _text(content, "SW-INSTANCE-REF", axis.label)
     else:
         _values(over, "SW-AXIS-CONT", axis.unit, axis.values.tolist(), "STD_AXIS")
-    _history(instance, data, date, f"{span(curve.values)}; {placed(axis)}")
+    made = "fitted" + f", then {BY_A_PERSON} in part" * curve.meaning.endswith(BY_A_PERSON)
+    _history(instance, data, date, made, f"{span(curve.values)}; {placed(axis)}")
 
 
 def _scalar(tree: ET.Element, scalar: Scalar, data: Dataset, date: str) -> None:
     instance = _instance(tree, scalar.label, scalar.meaning, "VALUE")
     _values(instance, "SW-VALUE-CONT", scalar.unit, [scalar.value])
     known = "" if scalar.sigma is None else f"one standard deviation {scalar.sigma!r}"
-    _history(instance, data, date, known)
+    made = BY_A_PERSON if scalar.meaning.endswith(BY_A_PERSON) else "fitted"
+    _history(instance, data, date, made, known)
 
 
 def _instance(tree: ET.Element, label: str, meaning: str, category: str) -> ET.Element:
@@ -98,10 +108,10 @@ def _values(
         _text(numbers, "V", repr(value))
 
 
-def _history(instance: ET.Element, data: Dataset, date: str, known: str) -> None:
-    """History of an object: fitted, then validated where a validation was given."""
+def _history(instance: ET.Element, data: Dataset, date: str, made: str, known: str) -> None:
+    """History of an object: how it was made, then validated where a validation was given."""
     history = ET.SubElement(instance, "SW-CS-HISTORY")
-    _entry(history, CALIBRATED, data, date, "fitted" + (f"; {known}" if known else ""))
+    _entry(history, CALIBRATED, data, date, made + (f"; {known}" if known else ""))
     if data.quality.verdict is not None:
         _entry(history, data.quality.state, data, date, f"validation: {data.quality.words}")
 

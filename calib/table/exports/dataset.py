@@ -6,6 +6,7 @@ Every format writes one `Dataset`; its `Content` is the same in all formats.
 import hashlib
 from dataclasses import dataclass
 
+from calib.table.by_hand import SetByHand
 from calib.table.exports.breakpoints import Misfit
 from calib.table.exports.quality import Quality
 from calib.table.state import State
@@ -16,6 +17,9 @@ CLAMP = (
     "the estimator marks such samples as not valid"
 )
 """Values of a look-up beyond the ends, as in `calib.estimation.lookup`."""
+
+BY_A_PERSON = "set by hand"
+"""How the meaning of an object ends that a person set."""
 
 
 NOT = "NOT RELEASED, not for use in a vehicle: "
@@ -88,7 +92,8 @@ class Dataset:
     """The exported data of one version of a table.
 
     ``id`` name@version; ``digest`` of the whole table; ``program`` that fitted it; ``quality``
-    result of a validation; ``release`` the state of the version.
+    result of a validation; ``release`` the state of the version; ``parents`` ids of the tables that
+    it was made of; ``by_hand`` what a person set in it.
     """
 
     id: str
@@ -102,6 +107,8 @@ class Dataset:
     scalars: tuple[Scalar, ...]
     quality: Quality
     release: State
+    parents: tuple[str, ...] = ()
+    by_hand: tuple[SetByHand, ...] = ()
 
     def axis(self, label: str) -> Axis:
         """The axis of that label."""
@@ -132,6 +139,8 @@ class Dataset:
             "digest": self.digest,
             "program": self.program,
             "vehicle": self.vehicle,
+            **({"parents": ", ".join(self.parents)} if self.parents else {}),
+            **({BY_A_PERSON: "; ".join(map(str, self.by_hand))} if self.by_hand else {}),
             "ends": CLAMP,
             **{f"breakpoints {a.label}": placed(a) for a in self.axes},
             "validation": self.quality.words,

@@ -1,0 +1,1 @@
+"""Tables made of tables: the mean of several cars, and a table that a person corrected."""
