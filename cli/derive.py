@@ -9,7 +9,7 @@ from cli.console import emit, emit_json
 from cli.options import STORE, By, Json, Reason, Store, TableVersion, example
 
 EPILOG = example(
-    'brake-cal tables derive sedan-2up --set pad_friction_f=0.39 --reason "measured on the bench"'
+    'brake-cal tables derive escort --set pad_friction_f=0.39 --reason "measured on the bench"'
 )
 
 

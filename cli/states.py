@@ -19,7 +19,7 @@ RELEASE = example(
     "--evidence results/sedan/summary.json"
 )
 REJECT = example('brake-cal tables reject sedan-2up@1 --reason "one ramp only"')
-WITHDRAW = example('brake-cal tables withdraw sedan-2up@2 --reason "brake pads recalled"')
+WITHDRAW = example('brake-cal tables withdraw sedan-2up@1 --reason "brake pads recalled"')
 LOG = example("brake-cal tables log sedan-2up")
 
 Version = Annotated[str, typer.Argument(metavar="TABLE@N", help="name@version")]
