@@ -140,7 +140,7 @@ def _check_state(now: Snapshot, stored: Stored, statement: Statement, line: int)
     since = [entry for entry in history if entry.number > line]
     if any(entry.state != statement.state for entry in since):
         raise SignatureRefused(
-            f"signed as {statement.state}, {_told(statement.state, since)} since",
+            f"signed as {statement.state}, {_told(statement.state, since)}",
             where=stored.id,
             do=f"sign it as it is now, with `brake-cal tables sign {stored.id} --key SECRET`",
         )
@@ -150,7 +150,7 @@ def _told(first: str, since: list[Entry]) -> str:
     """The states after the ``first`` one in order, with the person of the newest."""
     states = [first, *(entry.state for entry in since)]
     words = [state for before, state in pairwise(states) if state != before]
-    return f"{' and '.join(words)} (by {since[-1].by}, {since[-1].at[:10]})"
+    return f"{' and '.join(words)} since (by {since[-1].by}, {since[-1].at[:10]})"
 
 
 def _missing(stored: Stored, public: PublicKey) -> SignatureRefused:
