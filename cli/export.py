@@ -71,7 +71,7 @@ def export_table(
 
     opened = calib.Store(store)
     stored = opened.load(table) if unreleased else opened.released(table)
-    check_signed(stored, public)
+    check_signed(table, stored, public)
     if not force:
         _refuse_foreign(out, stored)
     quality = _quality(validation, stored)

@@ -38,13 +38,16 @@ class Signing:
         return read_public_key(key) if key else None
 
 
-def check_signed(stored: "Stored", public: "public_key.PublicKey | None") -> None:
-    """Raise SignatureRefused unless a signature of the key holds; None asks for none."""
+def check_signed(table: str, stored: "Stored", public: "public_key.PublicKey | None") -> None:
+    """Raise SignatureRefused unless a signature of the key holds; None asks for none.
+
+    ``table`` is what was typed: a bare name means the newest version that may be used.
+    """
     from calib.table.trust import require_signed
 
     if public is None:
         return
-    found = require_signed(stored, public)
+    found = require_signed(stored, public, newest=table == stored.name)
     say(f"{stored.id} is signed as {found.signed.statement.state} by key {public.key_id}")
     if found.note:
         say(found.note)

@@ -175,8 +175,8 @@ def station(
     refuse_overwriting(outputs, [*ramps, *coasts, *holdouts], [vehicle, limits, channel_map])
     car, held = read_vehicle(vehicle), limits_of_car(limits)
     reference = golden_of(store, golden) if golden else None
-    if reference:
-        check_signed(reference, public)
+    if golden and reference:
+        check_signed(golden, reference, public)
         require_same_vehicle(reference.table, car, vehicle)
     mapping = channel_map_of(channel_map)
     with progress(f"fitting {car.name}, validating on {len(holdouts)}", len(holdouts) + 1) as done:

@@ -73,7 +73,7 @@ def validate(
     _check_out(logs, out)
     weight, public = mass_of(mass), signing.public()
     stored = calib.Store(store).load(table)
-    check_signed(stored, public)
+    check_signed(table, stored, public)
     car = vehicle_of(vehicle)
     require_same_vehicle(stored.table, car, vehicle, weight)
     used = _with_known(stored.table, model) if model else stored.table

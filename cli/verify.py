@@ -54,7 +54,7 @@ def verify(
 
 
 def _trusted(
-    store: calib.Store, key: str, name: str | None
+    store: "calib.Store", key: str, name: str | None
 ) -> "tuple[tuple[StoreVerdict, ...], dict[str, str], str]":
     from calib.signing.public_key import read_public_key
     from calib.table.trust import verify_signed

@@ -3,7 +3,8 @@
 The newest head of a journal that was verified with a key is kept in the user's own folder,
 `$XDG_STATE_HOME/brake-cal/seen.json`. A journal only grows: one that lacks that head is an older
 copy, or went another way. A store is known by the hash of the first line of its journal, so that it
-may be moved; and in a place where one store was seen, another one is not taken for it.
+may be moved; in a place where one store was seen, another one is not taken for it. Two stores whose
+first lines were written in one second by one person for the same table are taken for one.
 """
 
 import json

@@ -23,7 +23,7 @@ from calib.signing.sign import sign, verify
 from calib.signing.signature import Signature, parse_signature
 from calib.signing.statement import Statement, parse_statement
 from calib.table.folders import SIGNATURE, folder_of, signature_files
-from calib.table.journal import Entry
+from calib.table.journal import SIGNED, Entry
 from calib.table.snapshot import Snapshot
 from calib.table.version import RECORD, Stored
 
@@ -59,7 +59,7 @@ def held(now: Snapshot, stored: Stored, public: PublicKey) -> Signed:
     Raises SignatureRefused when there is none, or it is of another version, state or store.
     """
     refused = None
-    for path, signature in of_key(stored, public):
+    for path, signature in _of_key(stored.path.parent, stored.version, public):
         try:
             return _holding(now, stored, public, path, signature)
         except SignatureRefused as error:
@@ -67,10 +67,20 @@ def held(now: Snapshot, stored: Stored, public: PublicKey) -> Signed:
     raise refused or _missing(stored, public)
 
 
-def of_key(stored: Stored, public: PublicKey) -> list[tuple[Path, Signature]]:
+def _of_key(home: Path, version: int, public: PublicKey) -> list[tuple[Path, Signature]]:
     """The signatures that bear the number of a key, with their files. Verifies nothing."""
-    files = signature_files(stored.path.parent, stored.version)
+    files = signature_files(home, version)
     return [(p, s) for p in files if (s := _read(p)) and s.number == public.number]
+
+
+def was_signed(now: Snapshot, name: str, version: int, public: PublicKey) -> bool:
+    """Whether a key has signed a version, as a file or the journal says; it may not hold any more.
+
+    With the line in the journal a signature that was taken away is missed.
+    """
+    history = now.journal.of(name).get(version, ())
+    told = any(entry.event == SIGNED and entry.key == public.key_id for entry in history)
+    return told or bool(_of_key(now.folder / name, version, public))
 
 
 def key_ids(stored: Stored) -> tuple[str, ...]:
@@ -169,8 +179,9 @@ def _missing(stored: Stored, public: PublicKey) -> SignatureRefused:
 
 def _path(stored: Stored, public: PublicKey) -> Path:
     """The file of a key's signature: its own, else the simple name, else one with its number."""
-    mine = [path for path, _ in of_key(stored, public)]
-    simple = stored.path.parent / f"{folder_of(stored.version)}{SIGNATURE}"
+    home = stored.path.parent
+    mine = [path for path, _ in _of_key(home, stored.version, public)]
+    simple = home / f"{folder_of(stored.version)}{SIGNATURE}"
     named = simple.with_name(f"{simple.stem}.{public.key_id}{SIGNATURE}")
     return mine[0] if mine else named if simple.exists() else simple
 

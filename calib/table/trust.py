@@ -7,7 +7,7 @@ from calib.signing.public_key import PublicKey
 from calib.signing.secret_key import SecretKey
 from calib.table.folders import NEW, folder_of
 from calib.table.seen import Memory, recall
-from calib.table.signature import Signed, anchored, held, of_key
+from calib.table.signature import Signed, anchored, held, was_signed
 from calib.table.snapshot import Snapshot
 from calib.table.store import Store, StoreVerdict
 from calib.table.version import Stored
@@ -34,8 +34,12 @@ class TrustVerdict:
     note: str
 
 
-def require_signed(stored: Stored, public: PublicKey) -> Trusted:
+def require_signed(stored: Stored, public: PublicKey, newest: bool = False) -> Trusted:
     """The signature of a key that holds of a version in its store.
+
+    ``newest``: the version was chosen as the newest one that may be used. Then each newer one that
+    the key has signed must have a signature that holds, too: whoever can write the store can
+    reject a version, so that an older one takes its place, but cannot sign that.
 
     Raises SignatureRefused when there is none, when the state was changed since, when the journal
     does not contain what the key signed anywhere in the store, or is older than what this user has
@@ -47,6 +51,8 @@ def require_signed(stored: Stored, public: PublicKey) -> Trusted:
     memory.check(store.folder, now.journal, public.key_id)
     again = _at_home(now, stored)
     found = held(now, again, public)
+    if newest:
+        _check_newer(now, again, public)
     return Trusted(found, _trust(now, public, memory))
 
 
@@ -61,7 +67,7 @@ def sign(store: Store, reference: str, key: SecretKey, by: str = "") -> Trusted:
 def verify_signed(store: Store, public: PublicKey, name: str | None = None) -> TrustVerdict:
     """`Store.verify`, and the signatures of a key: every released version must have one.
 
-    So must hold each one that is there, whatever the state of its version. Raises as
+    So must each version that the key has ever signed, whatever its state. Raises as
     `require_signed` for what is wrong with the store as a whole, and as `Store.verify`.
     """
     memory = recall()
@@ -84,12 +90,18 @@ def _looked(now: Snapshot, version: str, public: PublicKey) -> tuple[str, str]:
         stored = now.load(name, int(number))
     except StoreError:
         return "", ""  # `Store.verify` says why
-    if not of_key(stored, public) and not stored.state.released:
+    if not stored.state.released and not was_signed(now, name, stored.version, public):
         return "", ""
     try:
         return held(now, stored, public).statement.state, ""
     except SignatureRefused as error:
         return "", error.what if error.where == stored.id else f"{error.where}: {error.what}"
+
+
+def _check_newer(now: Snapshot, stored: Stored, public: PublicKey) -> None:
+    for version in now.journal.of(stored.name):
+        if version > stored.version and was_signed(now, stored.name, version, public):
+            held(now, now.load(stored.name, version), public)
 
 
 def _trust(now: Snapshot, public: PublicKey, memory: Memory) -> str:

@@ -211,6 +211,17 @@ def test_a_withdrawn_golden_table_is_refused_by_its_signature(use, signed, store
     assert "signed as released, rejected since" in ran.err
 
 
+def test_a_bare_name_is_not_an_older_version(tables, signed, two, secret, public, tmp_path):
+    Store(two).judge("sedan@2", Decision("released", "good"))
+    tables("sign", "sedan@2", "--key", secret)
+    Store(two).judge("sedan@2", Decision("rejected", "wet", by="Bob"))
+    export = ("export", "--format", "json", "--out", tmp_path / "x.json", "--require-signed")
+    ran = tables(*export, "sedan", "--key", public)
+    assert (ran.code, ran.out) == (4, "")
+    assert "sedan@2: signed as released, rejected since (by Bob" in ran.err
+    assert tables(*export, "sedan@1", "--key", public).code == 0
+
+
 def test_no_document_holds_a_key(tables, signed, public):
     for command in (("list",), ("show", "sedan"), ("log", "sedan"), ("verify", "--key", public)):
         said = tables(*command, "--json").out

@@ -265,6 +265,27 @@ def test_a_signature_holds_until_the_state_changes(store, decision):
     assert passes(store)
 
 
+def test_an_older_version_is_not_offered_as_the_newest(store):
+    """Whoever can write the store can reject sedan@2, or take its signature away."""
+    store.judge("sedan@2", REJECT)
+    older = store.released("sedan")
+    assert older.version == 1
+    assert require_signed(older, ADA.public).signed.stored.version == 1  # asked for by its number
+    signature = store.folder / "sedan" / "v0002.minisig"
+    content = signature.read_bytes()
+    for says in ("sedan@2: signed as released, rejected since", "sedan@2: has no signature of key"):
+        with pytest.raises(SignatureRefused, match=says):
+            require_signed(older, ADA.public, newest=True)
+        assert not passes(store)
+        signature.unlink(missing_ok=True)
+    signature.write_bytes(content)
+    store.sign("sedan@2", ADA)
+    assert require_signed(older, ADA.public, newest=True).signed.stored.version == 1
+    never = store.save(made_table(31.0), REJECT)  # one that the key has never signed
+    shutil.rmtree(never.path)
+    assert require_signed(older, ADA.public, newest=True).signed.stored.version == 1
+
+
 def test_a_state_that_came_back_without_the_key_is_refused(store):
     """Whoever can write the store can release what was rejected, but cannot sign that."""
     store.judge("sedan@2", REJECT)
