@@ -13,8 +13,10 @@ from pathlib import Path
 import pytest
 
 import calib.table.commit
+import calib.table.store
 from calib.errors import DamagedTable, SignatureRefused, StoreError
 from calib.signing.secret_key import secret_file
+from calib.signing.sign import sign as minisig
 from calib.signing.statement import Statement
 from calib.table.state import Decision, Evidence
 from calib.table.store import Store
@@ -218,6 +220,18 @@ def test_a_statement_that_minisign_signed_over_another_record_is_refused(store, 
     assert "the data is not what was signed" in refusal(store)
 
 
+@pytest.mark.parametrize(
+    "other", [{"table": "wagon"}, {"version": 1}, {"digest": "ab" * 32}, {"state": "draft"}]
+)
+def test_a_statement_that_is_not_of_the_signed_record_is_refused(store, other):
+    """The key signed the right record, with a statement that a person wrote by hand."""
+    path = store.folder / "sedan" / "v0002.minisig"
+    line = replace(used(store).signed.statement, **other).line
+    record = (store.folder / "sedan" / "v0002" / "record.json").read_bytes()
+    path.write_bytes(minisig(ADA, record, line))
+    assert "signed as draft, it was released then" in refusal(store) or "is of " in refusal(store)
+
+
 def test_a_version_without_a_signature_of_the_key_is_refused(store):
     store.judge("wagon@1", RELEASE)
     assert refusal(store, "wagon@1").startswith(
@@ -325,6 +339,8 @@ def test_a_journal_that_does_not_contain_what_was_signed_is_refused(store, copy,
     assert "the journal was set back, or is that of another store" in refusal(store)
     with pytest.raises(SignatureRefused, match="the journal was set back"):
         sign(store, "wagon@1", ADA)
+    assert not (store.folder / "wagon" / "v0001.minisig").exists()
+    assert len(store.journal().entries) == before
     assert "the journal was set back" in refusal(store, "sedan@1")  # of whatever version
 
     replaced_by(store, new)
@@ -408,6 +424,10 @@ def test_what_is_seen_is_the_newest_line_for_each_key_and_store(store, copy, see
     verify_signed(store, ADA.public)
     found = json.loads(seen.read_text())["seen"]
     assert {(one["key"], one["lines"]) for one in found} == {(ADA.key_id, 6), (EVE.key_id, 6)}
+    longer = store.journal().entries
+    sign(store, "sedan@2", EVE)
+    set_back(store, len(longer))
+    used(store)  # what was seen with another key is no alarm
     moved = Store(store.folder.rename(store.folder.parent / "moved"))
     set_back(moved, 5)
     assert LESS in refusal(moved)
@@ -528,6 +548,30 @@ def test_a_store_that_is_older_than_its_journal_is_signed(tmp_path):
     assert [e.event for e in store.journal().entries] == ["adopted"] * 2 + ["signed"]
     assert made.statement.head == store.journal().entries[1].hash
     assert used(store, "sedan-2up@1").signed.statement.state == "draft"
+
+
+def test_a_store_gets_its_journal_before_its_first_signature(tmp_path, monkeypatch):
+    """Else a signer that is stopped leaves a signature over a journal that nobody has."""
+    shutil.copytree(ROOT / "tests" / "table" / "older" / "tables", tmp_path / "older")
+    store = Store(tmp_path / "older")
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(calib.table.store, "commit_signature", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            store.sign("sedan-2up@1", ADA)
+    assert [e.event for e in Store(store.folder).journal().entries] == ["adopted"] * 2
+    assert (store.folder / "journal.jsonl").is_file()
+
+
+def test_what_a_stopped_signer_left_is_cleared_by_the_next_one(store):
+    left = store.folder / "sedan" / ".v0002.minisig.x1y2z3"
+    left.write_bytes(b"untrusted comm")
+    used(store)
+    store.sign("wagon@1", ADA)
+    assert not left.exists()
 
 
 def test_a_path_is_signed_in_its_own_store_and_nowhere_else(store, tmp_path):
