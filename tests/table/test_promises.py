@@ -1,4 +1,4 @@
-"""Each promise of `calib/manual/store.md` by a test of its name; more in `test_signatures.py`."""
+"""Each promise of `calib/manual/store.md` by a test of its name; more in two other files."""
 
 import json
 import os
@@ -60,7 +60,7 @@ def test_every_promise_has_its_test():
     promises = re.findall(r"^## (.*)$", PAGE.read_text(), flags=re.MULTILINE)
     assert len(promises) > 20
     names = {"test_" + re.sub(r"\W+", "_", promise.lower()).strip("_") for promise in promises}
-    texts = [(HERE / f"test_{file}.py").read_text() for file in ("promises", "signatures")]
+    texts = [(HERE / f"test_{file}.py").read_text() for file in ("promises", "signatures", "seen")]
     tests = re.findall(r"^def (test_\w+)", "".join(texts), flags=re.MULTILINE)
     assert names <= set(tests)
 
