@@ -7,8 +7,9 @@ import typer
 
 import calib
 from cli.console import emit, emit_json, say
-from cli.options import STORE, Json, Store, TableVersion, example, out_file
+from cli.options import STORE, Json, Store, TableVersion, example, grouped, out_file
 from cli.outputs import refuse_folder, writing
+from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
     from calib.table.exports.dataset import Dataset
@@ -22,6 +23,7 @@ EPILOG = example(
 )
 
 
+@grouped
 def export_table(
     table: TableVersion,
     *,
@@ -53,6 +55,7 @@ def export_table(
     force: Annotated[
         bool, typer.Option("--force", help="Replace FILE, whatever it holds.")
     ] = False,
+    signing: Signing,
     store: Store = STORE,
     json: Json = False,
 ) -> None:
@@ -63,10 +66,12 @@ def export_table(
     """
     form = _known(form)
     _check_usage(form, out, bits)
+    public = signing.public()
     from calib.errors import ExchangeError
 
     opened = calib.Store(store)
     stored = opened.load(table) if unreleased else opened.released(table)
+    check_signed(table, stored, public)
     if not force:
         _refuse_foreign(out, stored)
     quality = _quality(validation, stored)

@@ -106,7 +106,7 @@ def _print(rows: "list[Row]") -> None:
         warned = f"{row.warnings} warning{'s' * (row.warnings > 1)}" if row.warnings else ""
         table.add_row(
             row.id,
-            row.state,
+            f"{row.state}, signed" if row.keys else row.state,
             row.date[:10],
             " ".join(filter(None, (row.serial, row.vin))),
             ", ".join(row.logs),

@@ -65,6 +65,27 @@ TableVersion = Annotated[
     str, typer.Argument(metavar="TABLE", help="name, name@version or path of a version")
 ]
 
+PublicKey = Annotated[
+    str | None,
+    typer.Option(
+        "--key",
+        metavar="PUBLIC",
+        help="Public key: its file, or its text.",
+        callback=from_settings("public_key"),
+    ),
+]
+
+Version = Annotated[str, typer.Argument(metavar="TABLE@N", help="name@version")]
+
+
+def refuse_bare(table: str) -> None:
+    """Refuse a name without a version where it must be one, see `Version`."""
+    if "@" not in table:
+        raise typer.BadParameter(
+            f"{table!r} names no version; give {table}@N, see `brake-cal tables list`",
+            param_hint="TABLE@N",
+        )
+
 
 def vehicle_file(text: str, *, callback: Any = None) -> Any:
     """Option ``--vehicle``."""

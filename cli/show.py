@@ -35,6 +35,7 @@ def show(table: TableVersion, store: Store = STORE, json: Json = False) -> None:
 
 def _document(stored: "Stored") -> dict[str, object]:
     from calib.table.answer import answer
+    from calib.table.signature import key_ids
 
     record, curves = stored.table.content()
     eta, D = stored.table.difference.peak
@@ -45,6 +46,7 @@ def _document(stored: "Stored") -> dict[str, object]:
         "digest": stored.digest,
         "path": stored.path,
         "state": stored.state.word,
+        "keys": key_ids(stored),
         "answer": answer(stored),
         "decelerations": stored.table.paper.decelerations,
         "peak": {"eta": eta, "D": D},
@@ -75,11 +77,15 @@ def _lines(rows: "list[tuple[str, str]]") -> str:
 
 
 def _facts(stored: "Stored") -> str:
+    from calib.table.signature import key_ids
+
     table = stored.table
+    keys = ", ".join(key_ids(stored))
     vehicle, pads = table.vehicle, table.calibration
     facts = [
         ("table", stored.id),
         ("digest", stored.digest),
+        ("signed", f"by key {keys}; `tables verify --key` checks it" if keys else "no"),
         ("vehicle", f"{vehicle.name}, {vehicle.mass:g} kg, wheelbase {vehicle.wheelbase:g} m"),
         *table.provenance.identity.items(),
         *origin_facts(table),

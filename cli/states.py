@@ -8,7 +8,7 @@ import typer
 import calib
 from cli.console import emit, emit_json
 from cli.grid import grid
-from cli.options import STORE, By, Json, Reason, Store, example
+from cli.options import STORE, By, Json, Reason, Store, Version, example, refuse_bare
 
 if TYPE_CHECKING:
     from calib.table.journal import Entry
@@ -22,7 +22,6 @@ REJECT = example('brake-cal tables reject sedan-2up@1 --reason "one ramp only"')
 WITHDRAW = example('brake-cal tables withdraw sedan-2up@1 --reason "brake pads recalled"')
 LOG = example("brake-cal tables log sedan-2up")
 
-Version = Annotated[str, typer.Argument(metavar="TABLE@N", help="name@version")]
 Proof = Annotated[
     Path | None,
     typer.Option(
@@ -126,11 +125,7 @@ def _judge(
 
 
 def _check(table: str, reason: str) -> None:
-    if "@" not in table:
-        raise typer.BadParameter(
-            f"{table!r} names no version; give {table}@N, see `brake-cal tables list`",
-            param_hint="TABLE@N",
-        )
+    refuse_bare(table)
     if not reason.strip():
         raise typer.BadParameter("says nothing", param_hint="--reason")
 

@@ -26,6 +26,7 @@ from cli.options import (
 )
 from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
 from cli.project import from_settings
+from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -162,6 +163,7 @@ def station(
     ecu: ExportOptions,
     store: Store = STORE,
     channel_map: Map = None,
+    signing: Signing,
     json: Json = False,
 ) -> None:
     """Fit, validate and judge one car: the first log is its ramp, the others are hold-outs.
@@ -184,11 +186,13 @@ def station(
 
     ramps, coasts = [ramp, *(more.ramps or [])], more.coasts or []
     identity, forms, weight = line.identity(), ecu.forms(), mass_of(mass)
+    public = signing.public()
     outputs = _outputs(holdouts, forms, out)
     refuse_overwriting(outputs, [*ramps, *coasts, *holdouts], [vehicle, limits, channel_map])
     car, held = read_vehicle(vehicle), limits_of_car(limits)
     reference = golden_of(store, golden) if golden else None
-    if reference:
+    if golden and reference:
+        check_signed(golden, reference, public)
         require_same_vehicle(reference.table, car, vehicle)
     mapping = channel_map_of(channel_map)
     with progress(f"fitting {car.name}, validating on {len(holdouts)}", len(holdouts) + 1) as done:

@@ -2,7 +2,7 @@
 
 import typer
 
-from cli import derive, diff, export, keys, listing, merge, read_back, show, states, verify
+from cli import derive, diff, export, keys, listing, merge, read_back, show, sign, states, verify
 from cli.options import example
 
 app = typer.Typer(
@@ -25,6 +25,7 @@ app.command(epilog=states.RELEASE)(states.release)
 app.command(epilog=states.REJECT)(states.reject)
 app.command(epilog=states.WITHDRAW)(states.withdraw)
 app.command(epilog=keys.EPILOG)(keys.key)
+app.command(epilog=sign.EPILOG)(sign.sign)
 app.command("export", epilog=export.EPILOG)(export.export_table)
 app.command("import", epilog=read_back.EPILOG)(read_back.import_table)
 app.command(epilog=merge.EPILOG)(merge.merge)

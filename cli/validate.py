@@ -17,12 +17,14 @@ from cli.options import (
     Mass,
     Store,
     example,
+    grouped,
     limits_file,
     out_folder,
     vehicle_file,
 )
 from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
 from cli.project import from_settings
+from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -38,6 +40,7 @@ EPILOG = example(
 FAILED = 1
 
 
+@grouped
 def validate(
     table: Annotated[str, typer.Argument(metavar="TABLE", help="name, name@version or path")],
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Hold-out logs.")],
@@ -55,6 +58,7 @@ def validate(
     ] = None,
     out: Annotated[Path | None, out_folder("Write LOG.parquet and summary.json here.")] = None,
     channel_map: Map = None,
+    signing: Signing,
     json: Json = False,
 ) -> None:
     """Run the estimator on logs that are not part of the table's fit, and judge it.
@@ -72,8 +76,9 @@ def validate(
     )
 
     _check_out(logs, out)
-    weight = mass_of(mass)
+    weight, public = mass_of(mass), signing.public()
     stored = calib.Store(store).load(table)
+    check_signed(table, stored, public)
     car = vehicle_of(vehicle)
     require_same_vehicle(stored.table, car, vehicle, weight)
     used = _with_known(stored.table, model) if model else stored.table

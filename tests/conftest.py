@@ -62,3 +62,10 @@ def brake_cal(capsys, monkeypatch):
         return Ran(code if isinstance(code, int) else int(bool(code)), captured.out, captured.err)
 
     return run
+
+
+@pytest.fixture
+def seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The file of what was seen of stores, of a user who has seen none."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    return tmp_path / "state" / "brake-cal" / "seen.json"

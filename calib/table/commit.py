@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from calib.files import sync, write_whole
-from calib.table.folders import NEW, folder_of, unplaced
+from calib.table.folders import NEW, SIGNATURE, folder_of, unplaced
 from calib.table.journal import HEAD, JOURNAL, Journal, damaged, parse
 from calib.table.table import Table
 from calib.table.version import write_curves, write_record
@@ -48,8 +48,8 @@ def tidy(folder: Path, journal: Journal) -> None:
             os.rename(path, home / name)
         else:
             shutil.rmtree(path)
-    for file in (JOURNAL, HEAD):
-        for path in folder.glob(f".{file}.*"):
+    for begun in (f".{JOURNAL}.*", f".{HEAD}.*", f"*/.v*{SIGNATURE}.*"):
+        for path in folder.glob(begun):
             path.unlink()
 
 
@@ -80,6 +80,26 @@ def commit(folder: Path, journal: Journal, work: Path) -> None:
     with suppress(OSError):  # it is stored: readers find it aside, the next writer moves it
         os.rename(work, work.parent / work.name.removeprefix(NEW))
         sync(work.parent)
+
+
+def commit_signature(folder: Path, journal: Journal, path: Path, content: bytes) -> None:
+    """Write a signature file, and enter it in the journal.
+
+    The file comes first: it says nothing that is not so, entered or not, while a journal that
+    names a signature which is not there would. If it is not entered, the file is put back as it
+    was. Raises OSError.
+    """
+    before = _bytes(path)
+    write_whole(path, content)
+    try:
+        write_journal(folder, journal)
+    except BaseException:
+        if _bytes(folder / JOURNAL) != journal.content():
+            if before is None:
+                path.unlink()
+            else:
+                write_whole(path, before)
+        raise
 
 
 def discard(work: Path) -> None:

@@ -3,6 +3,7 @@
 tables/journal.jsonl        the journal, and journal.head, see `calib.table.journal`
 tables/sedan/v0001/         a version, see `calib.table.version`
 tables/sedan/.new-v0002/    a version on its way to its place
+tables/sedan/v0001.minisig  the signature of a version; that of a second key is v0001.KEYID.minisig
 """
 
 import os
@@ -16,6 +17,7 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 FOLDER = re.compile(r"v(\d{4,6})")
 NEW = ".new-"
 """First letters of a version that is not in its place yet; no listing shows it."""
+SIGNATURE = ".minisig"
 
 
 def checked_name(name: str) -> str:
@@ -62,6 +64,12 @@ def names_in(folder: Path) -> list[str]:
 def unplaced(folder: Path) -> list[Path]:
     """Versions that a writer has begun, or whose writer was stopped, in order."""
     return sorted(p for p in folder.glob(f"*/{NEW}*") if NAME.fullmatch(p.parent.name))
+
+
+def signature_files(home: Path, version: int) -> list[Path]:
+    """Signature files of a version: the one with the simple name first, then those of more keys."""
+    first = home / f"{folder_of(version)}{SIGNATURE}"
+    return [first] * first.is_file() + sorted(home.glob(f"{first.stem}.*{SIGNATURE}"))
 
 
 def place(home: Path, version: int) -> Path | None:

@@ -85,6 +85,10 @@ class Journal:
         """Hash of the last entry."""
         return self.entries[-1].hash if self.entries else START
 
+    def line_of(self, head: str) -> int:
+        """Number of the line with the hash ``head``; 0 where there is none."""
+        return next((e.number for e in self.entries if e.hash == head), 0)
+
     @cached_property
     def tables(self) -> dict[str, dict[int, tuple[Entry, ...]]]:
         """The entries of each version of each table, in order; numbers rise."""

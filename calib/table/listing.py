@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.table.signature import key_ids
 from calib.table.snapshot import StoreEntry
 from calib.table.table import Table
 
@@ -16,7 +17,7 @@ class Row:
     ``date`` when it was stored, "" where no journal knows; ``pads`` front and rear [1] and
     ``decelerations`` of its curves [1], None where it cannot be read, as ``flaw`` then says;
     ``band_width`` as `band_width`; ``verdict`` of the evidence of its state; ``warnings`` of its
-    fit.
+    fit; ``keys`` that signed it, unverified.
     """
 
     id: str
@@ -33,6 +34,7 @@ class Row:
     band_width: float | None
     verdict: str
     warnings: int
+    keys: tuple[str, ...]
     flaw: str
 
 
@@ -65,6 +67,7 @@ def row_of(entry: StoreEntry) -> Row:
         band_width=band_width(table) if table else None,
         verdict=state.verdict,
         warnings=len(table.warnings) if table else 0,
+        keys=key_ids(stored) if stored else (),
         flaw=entry.flaw,
     )
 

@@ -11,12 +11,22 @@ from pathlib import Path
 
 from calib import __version__
 from calib.errors import StoreError
-from calib.table.commit import commit, discard, read_journal, tidy, write_journal, write_version
+from calib.signing.secret_key import SecretKey
+from calib.table.commit import (
+    commit,
+    commit_signature,
+    discard,
+    read_journal,
+    tidy,
+    write_journal,
+    write_version,
+)
 from calib.table.folders import checked_name, names_in, path_of, placed_in, unplaced, versions_in
 from calib.table.invariants import violations
-from calib.table.journal import ADOPTED, CHANGED, JOURNAL, STORED, Journal
+from calib.table.journal import ADOPTED, CHANGED, FIRST, JOURNAL, SIGNED, STORED, Journal
 from calib.table.lock import locked
 from calib.table.same import inputs
+from calib.table.signature import Signed, anchored, signed
 from calib.table.snapshot import Snapshot, StoreEntry
 from calib.table.state import Decision, next_state
 from calib.table.table import Table
@@ -93,12 +103,26 @@ class Store:
         Raises TableNotFound when there is no such version, DamagedTable when it is damaged,
         StoreError when the state may not follow the present one or the store cannot be written.
         """
-        name, _, version = reference.partition("@")
-        with self._reading():
-            self._snapshot().number(name, version)  # before anything is made
-        with self._writing():
-            now = self._with_older(self._snapshot())
-            return self._judged(now.load(name, now.number(name, version)), decision, now)
+        with self._changing(reference) as (now, stored):
+            return self._judged(stored, decision, now)
+
+    def sign(self, reference: str, key: SecretKey, by: str = "") -> Signed:
+        """Sign the record and the state of ``name@version``, and enter that in the journal.
+
+        The signature covers the head of the journal before that line. It takes the place of an
+        older one of the same key. Raises as `judge`; SignatureRefused when a signature of the key
+        is over a journal that this one does not contain.
+        """
+        with self._changing(reference) as (now, stored):
+            anchored(now, key.public)
+            made = signed(now, stored, key)
+            decision = Decision(stored.state.word, by=by)
+            journal = _entered(SIGNED, stored, decision, now.journal, key.key_id)
+            tidy(self.folder, now.journal)
+            if read_journal(self.folder) != now.journal:
+                write_journal(self.folder, now.journal)  # with the versions older than it
+            commit_signature(self.folder, journal, made.path, made.content)
+            return made
 
     def foreseen(self, table: Table, decision: Decision | None = None) -> Stored:
         """What `save` will return if no other writer adds a version before; writes nothing.
@@ -146,6 +170,11 @@ class Store:
             if name is not None:
                 now.known(name)
             return self._with_older(now).journal if now.names else now.journal
+
+    def now(self) -> Snapshot:
+        """The store as it is at this moment. Raises as `journal`."""
+        with self._reading():
+            return self._snapshot()
 
     def list(self) -> tuple[StoreEntry, ...]:
         """Every version in the store, by name and version.
@@ -212,6 +241,16 @@ class Store:
         return replace(stored, state=journal.state(stored.name, stored.version))
 
     @contextmanager
+    def _changing(self, reference: str) -> Iterator[tuple[Snapshot, Stored]]:
+        """The store, locked, and the version ``name@version`` of it, which will change."""
+        name, _, version = reference.partition("@")
+        with self._reading():
+            self._snapshot().number(name, version)  # before anything is made
+        with self._writing():
+            now = self._with_older(self._snapshot())
+            yield now, now.load(name, now.number(name, version))
+
+    @contextmanager
     def _writing(self) -> Iterator[None]:
         try:
             with locked(self.folder):
@@ -239,10 +278,12 @@ def _require_storable(table: Table) -> None:
         )
 
 
-def _entered(event: str, stored: Stored, decision: Decision, journal: Journal) -> Journal:
+def _entered(
+    event: str, stored: Stored, decision: Decision, journal: Journal, key: str = ""
+) -> Journal:
     """The journal with an event of a version."""
-    given = "" if event == CHANGED else inputs(stored.table.content()[0])
+    given = inputs(stored.table.content()[0]) if event in FIRST else ""
     return journal.added(
         event, stored.name, stored.version, stored.digest, stored.record, decision,
-        inputs=given, program=PROGRAM,
+        inputs=given, key=key, program=PROGRAM,
     )  # fmt: skip

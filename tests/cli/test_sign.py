@@ -1,0 +1,247 @@
+"""`brake-cal tables sign`, `verify --key`, and `--require-signed` where tables are used."""
+
+import io
+import json
+import sys
+
+import pytest
+
+from calib.signing.password import Cost
+from calib.signing.secret_key import locked_file, secret_file
+from calib.table.state import Decision
+from calib.table.store import Store
+from tests.support.signing import ADA, EVE, set_back
+
+pytestmark = pytest.mark.usefixtures("seen")
+
+SEED = bytes(range(32))
+SAMPLES = "sample_logs/sedan"
+
+
+@pytest.fixture
+def secret(tmp_path):
+    path = tmp_path / "ada.key"
+    path.write_bytes(secret_file(ADA.public.number, SEED))
+    return path
+
+
+@pytest.fixture
+def public(tmp_path):
+    path = tmp_path / "ada.pub"
+    path.write_bytes(ADA.public.file)
+    return path
+
+
+@pytest.fixture
+def signed(tables, secret):
+    """The store of sedan@1, released and signed."""
+    assert tables("sign", "sedan@1", "--key", secret).code == 0
+
+
+def test_sign_says_what_it_signed_and_how_to_check_it(tables, secret, store):
+    ran = tables("sign", "sedan@1", "--key", secret, "--by", "Ada")
+    assert (ran.code, ran.err) == (0, "")
+    assert ran.out == (
+        f"sedan@1 is signed as released by key {ADA.key_id}\n"
+        f"check it with: minisign -Vm {store}/sedan/v0001/record.json "
+        f"-x {store}/sedan/v0001.minisig -p PUBLIC\n"
+    )
+    log = tables("log", "sedan").out
+    assert log.splitlines()[2].split()[1:] == [
+        "sedan@1", "signed,", "released", "Ada", "key", ADA.key_id
+    ]  # fmt: skip
+
+
+def test_sign_json(tables, secret, store, document):
+    head = Store(store).journal().head
+    said = document(tables("sign", "sedan@1", "--key", secret, "--json"))
+    stored = Store(store).load("sedan@1")
+    comment = said.pop("trusted_comment")
+    assert comment.endswith(f"state=released digest={stored.digest} journal={head}")
+    assert said == {
+        "schema": 1,
+        "table": "sedan@1",
+        "digest": stored.digest,
+        "state": "released",
+        "key_id": ADA.key_id,
+        "record": f"{store}/sedan/v0001/record.json",
+        "signature": f"{store}/sedan/v0001.minisig",
+    }
+
+
+def test_the_password_is_typed_and_shown_nowhere(tables, tmp_path, monkeypatch, store):
+    path = tmp_path / "locked.key"
+    cheap = Cost(2**15, 2**24)
+    path.write_bytes(locked_file(ADA.public.number, SEED, "Bremse 1", bytes(32), cheap))
+    for typed, code in ((b"Bremse 2\n", 3), (b"", 2), (b"Bremse 1\n", 0)):
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(typed), encoding="utf-8"))
+        ran = tables("sign", "sedan@1", "--key", path)
+        assert ran.code == code
+        assert "Bremse" not in ran.out + ran.err
+        assert (store / "sedan" / "v0001.minisig").exists() == (code == 0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (("sedan",), 2, "names no version; give sedan@N"),
+        (("sedan@9",), 2, "no version '9'"),
+        (("sedna@1",), 2, "did you mean 'sedan'"),
+    ],
+)
+def test_what_cannot_be_signed(tables, secret, store, arguments, code, says):
+    ran = tables("sign", *arguments, "--key", secret)
+    assert (ran.code, ran.out) == (code, "")
+    assert says in ran.err
+    assert not list(store.rglob("*.minisig"))
+
+
+def test_a_public_key_signs_nothing(tables, public):
+    ran = tables("sign", "sedan@1", "--key", public)
+    assert ran.code == 3
+    assert "secret key" in ran.err
+
+
+def test_verify_with_a_key(tables, signed, two, public, document):
+    ran = tables("verify", "--key", public)
+    assert ran.code == 0
+    assert [line.split(None, 1)[1].strip() for line in ran.out.splitlines()[1:]] == [
+        "sound, signed as released",
+        "sound, not signed by this key",
+        "sound, not signed by this key",
+    ]
+    found = document(tables("verify", "--key", ADA.public.text, "--json"))
+    assert [row["signed"] for row in found["versions"]] == ["released", None, None]
+    ran = tables("verify", "--key", EVE.public.text, "--json")
+    assert ran.code == 4
+    assert f"is signed by key {ADA.key_id}, not by key {EVE.key_id}" in ran.out
+    assert tables("verify", "--key", "no.pub").code == 3
+
+
+def test_verify_names_what_was_withdrawn_and_an_older_store(tables, signed, store, public, seen):
+    tables("withdraw", "sedan@1", "--reason", "recall", "--by", "Bob")
+    ran = tables("verify", "--key", public)
+    assert ran.code == 4
+    assert "signed as released, withdrawn since (by Bob" in ran.out
+    set_back(Store(store), 2)
+    assert tables("verify", "--key", public).code == 0
+    set_back(Store(store), 1)
+    ran = tables("verify", "--key", public)
+    assert (ran.code, ran.out) == (4, "")
+    assert f"{store}: an older copy of the store" in ran.err
+    assert str(seen) in ran.err
+
+
+def test_list_and_show_say_signed_or_not(tables, signed, two, document):
+    assert "sedan@1  released, signed" in tables("list").out
+    assert tables("list").out.count("signed") == 1
+    rows = document(tables("list", "--json"))["tables"]
+    assert [row["keys"] for row in rows] == [[ADA.key_id], [], []]
+    assert f"by key {ADA.key_id}; `tables verify --key` checks it" in tables("show", "sedan@1").out
+    assert "signed              no\n" in tables("show", "sedan@2").out
+    assert document(tables("show", "sedan@1", "--json"))["keys"] == [ADA.key_id]
+
+
+USES = {
+    "export": ("tables", "export", "sedan@1", "--format", "json", "--unreleased"),
+    "validate": (
+        "validate", "sedan@1", f"{SAMPLES}/dry_asphalt_stop.csv",
+        "--vehicle", f"{SAMPLES}/vehicle.toml",
+    ),
+    "station": (
+        "station", f"{SAMPLES}/ramp_wet_asphalt.csv", f"{SAMPLES}/dry_asphalt_stop.csv",
+        "--vehicle", f"{SAMPLES}/vehicle.toml", "--golden", "sedan@1",
+    ),
+}  # fmt: skip
+
+
+@pytest.fixture
+def use(brake_cal, store, tmp_path):
+    """Run a command that uses sedan@1 of the store."""
+
+    def run(name, *options):
+        out = tmp_path / "out"
+        return brake_cal(*USES[name], "--store", store, "--out", out, *options)
+
+    return run
+
+
+@pytest.mark.parametrize("name", USES)
+def test_require_signed_refuses_what_is_not_signed(use, stored, tmp_path, name):
+    ran = use(name, "--require-signed", "--key", ADA.public.text)
+    assert (ran.code, ran.out) == (4, "")
+    assert f"sedan@1: has no signature of key {ADA.key_id}" in ran.err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("name", USES)
+def test_require_signed_goes_on_with_what_is_signed(use, signed, public, name):
+    """The made table is of another car than the logs: validate and station stop there."""
+    ran = use(name, "--require-signed", "--key", public)
+    assert f"sedan@1 is signed as released by key {ADA.key_id}\n" in ran.err
+    assert ran.code == (0 if name == "export" else 3)
+
+
+@pytest.mark.parametrize("name", USES)
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--require-signed",), "needs --key PUBLIC"),
+        (("--key", ADA.public.text), "only with --require-signed"),
+    ],
+)
+def test_one_option_without_the_other_is_a_usage_error(use, signed, name, options, says):
+    ran = use(name, *options)
+    assert ran.code == 2
+    assert says in ran.err
+
+
+def test_what_cannot_be_kept_is_a_note(use, signed, seen, public):
+    seen.unlink()
+    seen.mkdir()  # in the way
+    ran = use("export", "--require-signed", "--key", public)
+    assert ran.code == 0
+    assert "an older copy of the store will not be noticed" in ran.err
+
+
+def test_a_withdrawn_golden_table_is_refused_by_its_signature(use, signed, store, public):
+    Store(store).judge("sedan@1", Decision("rejected", "wet"))
+    ran = use("validate", "--require-signed", "--key", public)
+    assert ran.code == 4
+    assert "signed as released, rejected since" in ran.err
+
+
+def test_a_bare_name_is_not_an_older_version(tables, signed, two, secret, public, tmp_path):
+    Store(two).judge("sedan@2", Decision("released", "good"))
+    tables("sign", "sedan@2", "--key", secret)
+    Store(two).judge("sedan@2", Decision("rejected", "wet", by="Bob"))
+    export = ("export", "--format", "json", "--out", tmp_path / "x.json", "--require-signed")
+    ran = tables(*export, "sedan", "--key", public)
+    assert (ran.code, ran.out) == (4, "")
+    assert "sedan@2: signed as released, rejected since (by Bob" in ran.err
+    assert tables(*export, "sedan@1", "--key", public).code == 0
+
+
+def test_no_document_holds_a_key(tables, signed, public):
+    for command in (("list",), ("show", "sedan"), ("log", "sedan"), ("verify", "--key", public)):
+        said = tables(*command, "--json").out
+        json.loads(said)
+        assert ADA.public.text[12:40] not in said
+
+
+def test_the_settings_of_a_project_ask_for_signatures(
+    tables, stored, store, secret, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    settings = tmp_path / "brake-cal.toml"
+    monkeypatch.delenv("BRAKE_CAL_SETTINGS", raising=False)
+    export = ("export", "sedan", "--format", "json", "--out", tmp_path / "x.json")
+    settings.write_text(f'schema = 1\n[keys]\npublic = "{ADA.public.text}"\n')
+    assert tables(*export).code == 0
+    settings.write_text(settings.read_text() + "require_signed = true\n")
+    ran = tables(*export)
+    assert (ran.code, ran.out) == (4, "")
+    assert "has no signature of key" in ran.err
+    assert tables("sign", "sedan@1", "--key", secret).code == 0
+    assert tables(*export).code == 0
+    assert "signed as released" in tables("verify").out

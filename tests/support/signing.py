@@ -1,0 +1,78 @@
+"""Keys that sign tables, what somebody without a key can do to a store, and what is refused."""
+
+import hashlib
+import json
+import shutil
+from dataclasses import asdict, replace
+
+import pytest
+
+from calib.errors import StoreError
+from calib.signing.secret_key import SecretKey
+from calib.table.commit import write_journal
+from calib.table.journal import Entry, Journal
+from calib.table.state import Decision
+from calib.table.store import Store
+from calib.table.trust import require_signed, verify_signed
+
+ADA = SecretKey(b"adasline", bytes(range(32)))
+EVE = SecretKey(b"evesline", bytes(range(1, 33)))
+NAMESAKE = SecretKey(ADA.public.number, bytes(range(2, 34)))
+"""Another key that bears the number of Ada's."""
+
+RELEASE = Decision("released", "four stops agree", by="Ada")
+REJECT = Decision("rejected", "front pads wet", by="Bob")
+WITHDRAW = Decision("withdrawn", "pads recalled", by="Bob")
+
+
+def set_back(store: Store, lines: int) -> None:
+    """Cut the journal to its first lines, and write a head that agrees."""
+    write_journal(store.folder, Journal(store.journal().entries[:lines]))
+
+
+def rewritten(store: Store, record: dict[str, str]) -> None:
+    """Write the journal anew, with every hash in it, for other record files of versions."""
+    journal = Journal()
+    for entry in store.journal().entries:
+        changed = replace(
+            entry, record=record.get(entry.id, entry.record), previous=journal.head, hash=""
+        )
+        journal = Journal((*journal.entries, replace(changed, hash=hash_of(changed))))
+    write_journal(store.folder, journal)
+
+
+def hash_of(entry: Entry) -> str:
+    """SHA-256 of the canonical JSON of an entry whose hash is empty."""
+    text = json.dumps(asdict(entry), sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def replaced_by(store: Store, other: Store) -> None:
+    """Put another store in the place of a store, signatures and all."""
+    shutil.rmtree(store.folder)
+    shutil.copytree(other.folder, store.folder)
+
+
+def used(store, reference="sedan@2", key=ADA):
+    return require_signed(store.load(reference), key.public)
+
+
+def refusal(store, reference="sedan@2", key=ADA):
+    """Why a version is refused; `verify_signed` must refuse the store, too."""
+    with pytest.raises(StoreError) as error:
+        used(store, reference, key)
+    assert error.value.exit_code == 4
+    assert not passes(store, key)
+    return str(error.value)
+
+
+def passes(store, key=ADA):
+    """Whether `tables verify --key` would end with 0."""
+    try:
+        return all(verdict.sound for verdict in verify_signed(store, key.public).verdicts)
+    except StoreError:
+        return False
+
+
+def forget(seen):
+    seen.unlink(missing_ok=True)
