@@ -238,7 +238,7 @@ def test_the_settings_of_a_project_ask_for_signatures(
     export = ("export", "sedan", "--format", "json", "--out", tmp_path / "x.json")
     settings.write_text(f'schema = 1\n[keys]\npublic = "{ADA.public.text}"\n')
     assert tables(*export).code == 0
-    settings.write_text(settings.read_text() + "require_signed = true\n")
+    settings.write_text(settings.read_text().replace("[keys]", "require_signed = true\n[keys]"))
     ran = tables(*export)
     assert (ran.code, ran.out) == (4, "")
     assert "has no signature of key" in ran.err
