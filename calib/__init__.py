@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from calib.demo.samples import sample_logs
     from calib.diagnosis.diagnose import diagnose
     from calib.estimation.estimator import estimate
+    from calib.exports.export import export
     from calib.fitting.fit import fit
     from calib.logs.read import read_log
     from calib.physics.model import default_model
     from calib.physics.vehicle_file import read_vehicle
     from calib.simulation.simulate import simulate
-    from calib.table.exports.export import export
-    from calib.table.store import Store
+    from calib.store.store import Store
     from calib.validation.validate import validate
 
 __version__ = "0.1.0"
@@ -44,12 +44,12 @@ __all__ = [
 ]
 
 _HOMES = {
-    "Store": "calib.table.store",
+    "Store": "calib.store.store",
     "check": "calib.checks.check",
     "default_model": "calib.physics.model",
     "diagnose": "calib.diagnosis.diagnose",
     "estimate": "calib.estimation.estimator",
-    "export": "calib.table.exports.export",
+    "export": "calib.exports.export",
     "fit": "calib.fitting.fit",
     "read_log": "calib.logs.read",
     "read_vehicle": "calib.physics.vehicle_file",

@@ -12,10 +12,10 @@ from cli.outputs import refuse_folder, writing
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
-    from calib.table.exports.dataset import Dataset
-    from calib.table.exports.export import Exported
-    from calib.table.exports.quality import Quality
-    from calib.table.version import Stored
+    from calib.exports.dataset import Dataset
+    from calib.exports.export import Exported
+    from calib.store.quality import Quality
+    from calib.store.version import Stored
 
 EPILOG = example(
     "brake-cal tables export sedan-2up --format dcm --out sedan.dcm",
@@ -88,7 +88,7 @@ def export_table(
 
 def _known(form: str) -> str:
     from calib.errors import ExchangeError
-    from calib.table.exports.formats import format_named
+    from calib.exports.formats import format_named
 
     try:
         return format_named(form)
@@ -106,7 +106,7 @@ def _refuse_foreign(out: Path, stored: "Stored") -> None:
 
 
 def _check_usage(form: str, out: Path, bits: int | None) -> None:
-    from calib.table.exports.formats import FIXED_POINT
+    from calib.exports.formats import FIXED_POINT
 
     if bits is not None and form not in FIXED_POINT:
         raise typer.BadParameter(f"only with {', '.join(FIXED_POINT)}", param_hint="--fixed-point")
@@ -114,7 +114,7 @@ def _check_usage(form: str, out: Path, bits: int | None) -> None:
 
 
 def _quality(path: Path | None, stored: "Stored") -> "Quality":
-    from calib.table.exports.quality import UNPROVED, read_quality
+    from calib.store.quality import UNPROVED, read_quality
 
     return UNPROVED if path is None else read_quality(path, stored)
 
@@ -137,7 +137,7 @@ def _report(written: "Exported", bits: int | None, json: bool) -> None:
             }
         )
         return
-    from calib.table.exports.dataset import placed
+    from calib.exports.dataset import placed
 
     for axis in data.axes:
         say(f"{axis.label}: {placed(axis)}")
@@ -161,6 +161,6 @@ def _axis(data: "Dataset", label: str) -> dict[str, object]:
 
 
 def _rounding(data: "Dataset", bits: int | None) -> list[dict[str, object]]:
-    from calib.table.exports.fixed_point import roundings
+    from calib.exports.fixed_point import roundings
 
     return [] if bits is None else [vars(r) for r in roundings(data, bits)]

@@ -12,7 +12,7 @@ from cli.options import STORE, Json, KnownModel, Map, Mass, Store, VehicleFile, 
 
 if TYPE_CHECKING:
     from calib.physics.mass import MassUsed
-    from calib.table.version import Stored
+    from calib.store.version import Stored
 
 EPILOG = example(
     "brake-cal fit sample_logs/sedan/ramp_wet_asphalt.csv sample_logs/sedan/coast.csv "

@@ -9,7 +9,7 @@ import typer
 if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
     from calib.physics.vehicle import Vehicle
-    from calib.table.version import Stored
+    from calib.store.version import Stored
     from calib.validation.limits import Limit
 
 

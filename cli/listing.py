@@ -12,7 +12,7 @@ from cli.grid import grid
 from cli.options import STORE, Json, Store, example
 
 if TYPE_CHECKING:
-    from calib.table.listing import Row
+    from calib.store.listing import Row
 
 LIST = example("brake-cal tables list", "brake-cal tables list --state released")
 FIND = example("brake-cal tables find 0815")
@@ -31,7 +31,7 @@ def list_tables(
     json: Json = False,
 ) -> None:
     """List every version of every table."""
-    from calib.table.listing import chosen
+    from calib.store.listing import chosen
 
     _check(state, since)
     every = _rows(store)
@@ -50,7 +50,7 @@ def find(
     json: Json = False,
 ) -> None:
     """Find the tables of one car by its serial number or VIN."""
-    from calib.table.listing import chosen
+    from calib.store.listing import chosen
 
     every = _rows(store)
     by_serial, by_vin = chosen(every, serial=serial), chosen(every, vin=serial)
@@ -64,7 +64,7 @@ def find(
 
 
 def _rows(store: Path) -> "list[Row]":
-    from calib.table.listing import row_of
+    from calib.store.listing import row_of
 
     return [row_of(entry) for entry in calib.Store(store).list()]
 

@@ -12,8 +12,8 @@ from cli.options import STORE, Json, Store, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
+    from calib.store.version import Stored
     from calib.table.table import Table
-    from calib.table.version import Stored
 
 EPILOG = example("brake-cal tables merge car@1 car@2 car@3 --name golden")
 
@@ -63,7 +63,7 @@ def mean_grid(table: "Table") -> "Grid":
 
 
 def _check_name(name: str) -> None:
-    from calib.table.folders import NAME
+    from calib.store.folders import NAME
 
     if not NAME.fullmatch(name) or ".." in name:
         raise typer.BadParameter(

@@ -91,7 +91,7 @@ def _read(
     from calib.logs.tables import ending_of
     from calib.plots.choose import PlotInput
     from calib.plots.result import is_result, read_result
-    from calib.table.version import RECORD
+    from calib.store.version import RECORD
 
     files = [Path(w) for w in what]
     results = [p for p in files if is_result(p)]

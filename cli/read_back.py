@@ -13,8 +13,8 @@ from cli.options import STORE, Json, Store, example
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.table.exports.returned import Returned
-    from calib.table.version import Stored
+    from calib.exports.returned import Returned
+    from calib.store.version import Stored
 
 EPILOG = example("brake-cal tables import sedan.dcm")
 
@@ -29,7 +29,7 @@ def import_table(
     Nothing is stored: such a file holds the curves of a table, not their origin. Exit code 3 if it
     is cut off or damaged, 4 if it does not agree with its checksum or its digest.
     """
-    from calib.table.exports.read import differences, parent, read_back, refuse
+    from calib.exports.read import differences, parent, read_back, refuse
 
     found = read_back(file)
     stored = parent(found, calib.Store(store))

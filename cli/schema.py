@@ -74,13 +74,13 @@ def _channel_map() -> "type[Section]":
 
 
 def _table() -> "type[Section]":
-    from calib.table.record_file import RecordFile
+    from calib.store.record_file import RecordFile
 
     return RecordFile
 
 
 def _summary() -> "type[Section]":
-    from calib.table.exports.summary_file import SummaryFile
+    from calib.store.summary_file import SummaryFile
 
     return SummaryFile
 

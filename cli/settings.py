@@ -67,7 +67,7 @@ def settings(json: Json = False) -> None:
 
 
 def _rows(found: "Project") -> list[Setting]:
-    from calib.table.state import user
+    from calib.store.state import user
 
     told, source = found.settings, f"file:{found.file}"
     rows = []

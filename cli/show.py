@@ -11,8 +11,8 @@ from cli.origin import origin_facts
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
+    from calib.store.version import Stored
     from calib.table.table import Table, Value
-    from calib.table.version import Stored
 
 EPILOG = example("brake-cal tables show sedan-2up")
 ROWS = 12
@@ -34,8 +34,8 @@ def show(table: TableVersion, store: Store = STORE, json: Json = False) -> None:
 
 
 def _document(stored: "Stored") -> dict[str, object]:
-    from calib.table.answer import answer
-    from calib.table.signature import key_ids
+    from calib.store.answer import answer
+    from calib.store.signature import key_ids
 
     record, curves = stored.table.content()
     eta, D = stored.table.difference.peak
@@ -56,7 +56,7 @@ def _document(stored: "Stored") -> dict[str, object]:
 
 
 def _answer(stored: "Stored") -> str:
-    from calib.table.answer import answer
+    from calib.store.answer import answer
 
     said = answer(stored)
     low, high = said.decelerations
@@ -77,7 +77,7 @@ def _lines(rows: "list[tuple[str, str]]") -> str:
 
 
 def _facts(stored: "Stored") -> str:
-    from calib.table.signature import key_ids
+    from calib.store.signature import key_ids
 
     table = stored.table
     keys = ", ".join(key_ids(stored))

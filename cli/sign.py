@@ -11,7 +11,7 @@ from cli.options import STORE, By, Json, Store, Version, example, refuse_bare
 from cli.password import typed_password
 
 if TYPE_CHECKING:
-    from calib.table.signature import Signed
+    from calib.store.signature import Signed
 
 EPILOG = example("brake-cal tables sign sedan-2up@2 --key line.key")
 
@@ -34,7 +34,7 @@ def sign(
     terminal, it is a line of stdin.
     """
     from calib.signing.secret_key import read_secret_key
-    from calib.table import trust
+    from calib.store import trust
 
     refuse_bare(table)
     opened = calib.Store(store)
@@ -47,7 +47,7 @@ def sign(
 
 
 def _report(made: "Signed", json: bool) -> None:
-    from calib.table.version import RECORD
+    from calib.store.version import RECORD
 
     stored, record = made.stored, made.stored.path / RECORD
     if json:

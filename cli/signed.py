@@ -10,7 +10,7 @@ from cli.project import from_settings
 
 if TYPE_CHECKING:
     from calib.signing import public_key
-    from calib.table.version import Stored
+    from calib.store.version import Stored
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def check_signed(table: str, stored: "Stored", public: "public_key.PublicKey | N
 
     ``table`` is what was typed: a bare name means the newest version that may be used.
     """
-    from calib.table.trust import require_signed
+    from calib.store.trust import require_signed
 
     if public is None:
         return

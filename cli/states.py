@@ -11,8 +11,8 @@ from cli.grid import grid
 from cli.options import STORE, By, Json, Reason, Store, Version, example, refuse_bare
 
 if TYPE_CHECKING:
-    from calib.table.journal import Entry
-    from calib.table.version import Stored
+    from calib.store.journal import Entry
+    from calib.store.version import Stored
 
 RELEASE = example(
     'brake-cal tables release sedan-2up@2 --reason "four stops agree" '
@@ -105,8 +105,8 @@ def _judge(
     store: Path,
     json: bool,
 ) -> None:
-    from calib.table.evidence import read_evidence
-    from calib.table.state import Decision
+    from calib.store.evidence import read_evidence
+    from calib.store.state import Decision
 
     _check(table, reason)
     before = calib.Store(store).load(table)

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from calib.station.identity import Identity
     from calib.station.station import StationOutcome
-    from calib.table.version import Stored
+    from calib.store.version import Stored
 
 EPILOG = example(
     "brake-cal limits init --out line.toml",
@@ -107,8 +107,8 @@ class ExportOptions:
 
     def forms(self) -> list[str]:
         """The formats; refuses an unknown one, and a date that is missing or not valid."""
+        from calib.exports.formats import ENDINGS
         from calib.station.write import DATED
-        from calib.table.exports.formats import ENDINGS
 
         forms = self.exports or []
         for form in forms:
@@ -236,7 +236,7 @@ def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
 def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None:
     from calib.station.advice import action
     from calib.station.words import HEADINGS, sentence, summary
-    from calib.table.state import DRAFT
+    from calib.store.state import DRAFT
 
     emit(_grid(found))
     emit(f"mass {found.results[0].mass}")

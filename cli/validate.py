@@ -29,8 +29,8 @@ from cli.signed import Signing, check_signed
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
+    from calib.store.version import Stored
     from calib.table.table import Table
-    from calib.table.version import Stored
     from calib.validation.validate import Validation
 
 EPILOG = example(

@@ -10,7 +10,7 @@ from cli.grid import grid
 from cli.options import STORE, Json, PublicKey, Store, example
 
 if TYPE_CHECKING:
-    from calib.table.store import StoreVerdict
+    from calib.store.store import StoreVerdict
 
 EPILOG = example("brake-cal tables verify", "brake-cal tables verify --key line.pub")
 DAMAGED = 4
@@ -57,7 +57,7 @@ def _trusted(
     store: "calib.Store", key: str, name: str | None
 ) -> "tuple[tuple[StoreVerdict, ...], dict[str, str], str]":
     from calib.signing.public_key import read_public_key
-    from calib.table.trust import verify_signed
+    from calib.store.trust import verify_signed
 
     found = verify_signed(store, read_public_key(key), name)
     return found.verdicts, found.signed, found.note

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import settings
 
 from calib.fitting.fit import fit
-from calib.table.state import Decision
-from calib.table.store import Store
+from calib.store.state import Decision
+from calib.store.store import Store
+from calib.store.version import Stored
 from calib.table.table import Table
-from calib.table.version import Stored
 from cli.main import main
 from tests.support.reference_car import CAR, REAL, noisy, ramp
 from tests.support.tables import made_table

@@ -21,6 +21,8 @@ ROOMS = """
     checks
     suggest
     table
+    store
+    exports
     plausibility
     fitting
     simulation revisions
@@ -48,7 +50,7 @@ HEAVY = {
 
 
 def room(module: str) -> str:
-    """`store` of calib.table.store, `logs` of calib.logs.text.csv."""
+    """`store` of calib.store.store, `logs` of calib.logs.text.csv."""
     return module.split(".")[1]
 
 

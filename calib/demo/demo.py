@@ -20,8 +20,8 @@ from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.physics.vehicle import Vehicle
 from calib.physics.vehicle_file import read_vehicle
-from calib.table.store import Store
-from calib.table.version import Stored
+from calib.store.store import Store
+from calib.store.version import Stored
 from calib.validation.limits import DEFAULTS
 from calib.validation.metrics import truth_of
 from calib.validation.results import write_results

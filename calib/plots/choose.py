@@ -17,8 +17,8 @@ from calib.plots.measured import measure
 from calib.plots.result import StoredResult
 from calib.plots.sheet import Sheet
 from calib.plots.trace import from_estimate, from_result
+from calib.store.version import Stored
 from calib.table.table import Table
-from calib.table.version import Stored
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from calib.errors import RevisionError
 from calib.physics.forces import axle_loads
 from calib.revisions.keys import Setting, key_of, settings_of
 from calib.revisions.mean_pads import RATIO
+from calib.store.version import Stored
 from calib.table.by_hand import SetByHand
 from calib.table.pad_levels import pad_levels, pad_scale
 from calib.table.table import (
@@ -32,7 +33,6 @@ from calib.table.table import (
     TyrePosterior,
     Value,
 )
-from calib.table.version import Stored
 
 Array = NDArray[np.float64]
 

@@ -24,9 +24,9 @@ from calib.revisions.mean_pads import inflated, mean_pads
 from calib.revisions.merge_words import remarks
 from calib.revisions.parents import require_mergeable
 from calib.statistics.random_effects import RandomEffects, random_effects
+from calib.store.version import Stored
 from calib.table.spread import Scatter, Spread
 from calib.table.table import Provenance, Table, TableReference
-from calib.table.version import Stored
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from calib.revisions.parents import CAR_MARKS
-from calib.table.version import Stored
+from calib.store.version import Stored
 
 SHARED = (
     "what all cars share is in the mean as it is in each of them: mass, geometry and brakes of the "

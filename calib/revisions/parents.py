@@ -6,8 +6,8 @@ from itertools import combinations
 
 from calib.errors import RevisionError
 from calib.physics.vehicle import Vehicle
+from calib.store.version import Stored
 from calib.table.table import Table
-from calib.table.version import Stored
 
 CAR_MARKS = ("serial", "vin")
 """Identifiers by which one car is known."""

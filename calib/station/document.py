@@ -10,7 +10,7 @@ from typing import Any
 from calib import __version__
 from calib.station.advice import action
 from calib.station.station import Check, StationOutcome
-from calib.table.version import Stored
+from calib.store.version import Stored
 from calib.validation.validate import to_dict as validation_dict
 from calib.warning import to_dict as warning_dict
 

@@ -9,8 +9,8 @@ import json
 from contextlib import suppress
 from pathlib import Path
 
+from calib.exports.formats import ENDINGS
 from calib.publish import publish
-from calib.table.exports.formats import ENDINGS
 
 DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
 FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 from calib.station.advice import action
 from calib.station.station import Check, StationOutcome
 from calib.station.words import sentence
-from calib.table.version import Stored
+from calib.store.version import Stored
 from calib.validation.limits import FAILED, NOT_KNOWN, WARNING
 
 

@@ -15,7 +15,7 @@ from calib.signals.driving_record import driving_record
 from calib.station.fleet_sigma import fleet_sigma
 from calib.station.golden import distance, ratios_to
 from calib.station.sides import side_difference
-from calib.table.listing import band_width
+from calib.store.listing import band_width
 from calib.table.table import MEASURED, Table
 from calib.validation.validate import Validation, agreement
 

@@ -8,10 +8,10 @@ from calib.station.advice import action, reason
 from calib.station.identity import TITLES
 from calib.station.station import Check, StationOutcome
 from calib.station.words import HEADINGS, bounds, in_full, summary, value_of
+from calib.store.version import Stored
 from calib.table.budget import advice_lines
 from calib.table.pads_budget import pads_budget
 from calib.table.table import Table
-from calib.table.version import Stored
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING
 from calib.validation.validate import Validation
 from calib.warning import PlausibilityWarning

@@ -15,7 +15,7 @@ from calib.station.identity import Identity
 from calib.station.metrics import METRICS as OF_CAR
 from calib.station.metrics import Car, metrics_of
 from calib.station.warnings import car_warnings
-from calib.table.state import DRAFT, REJECTED, RELEASED, Decision, Evidence
+from calib.store.state import DRAFT, REJECTED, RELEASED, Decision, Evidence
 from calib.table.table import Table
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.validation.metrics import METRICS as OF_STOPS

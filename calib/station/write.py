@@ -5,16 +5,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from calib.exports.export import export
 from calib.files import write_whole
 from calib.station.document import to_dict, to_text
 from calib.station.folder import DOCUMENT, JUNIT, REPORT, export_name
 from calib.station.junit import junit_xml
 from calib.station.report import report_html
 from calib.station.station import StationOutcome
-from calib.table.exports.export import export
-from calib.table.exports.quality import read_quality
-from calib.table.store import Store
-from calib.table.version import Stored
+from calib.store.quality import read_quality
+from calib.store.store import Store
+from calib.store.version import Stored
 from calib.validation.results import SUMMARY, fill
 from calib.validation.validate import to_dict as validation_dict
 

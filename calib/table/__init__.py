@@ -1,1 +1,1 @@
-"""The look-up table: value, versions on disk, exports."""
+"""The look-up table as a value: its curves, what they rest on, its invariants, and comparisons."""

@@ -1,7 +1,7 @@
 """The look-up table as a value: three look-ups, their origin and their uncertainty.
 
 A table is plain data. ``content`` gives it as one JSON-able record and named float columns;
-`from_content` in `calib.table.record_file` builds the same table again. The digest is over that
+`from_content` in `calib.store.record_file` builds the same table again. The digest is over that
 canonical content, so it does not depend on how a file format packs it.
 
     record  {schema, name, vehicle, calibration, tyre, effects, noise, quality, provenance}

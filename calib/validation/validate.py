@@ -22,9 +22,9 @@ from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
 from calib.signals.one_axle import braked_alone
+from calib.store.version import Stored
 from calib.table.budget import AxleBudget, summary
 from calib.table.table import Table
-from calib.table.version import Stored
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
 from calib.validation.warnings import limit_warnings, warnings_of

@@ -40,7 +40,7 @@ from calib.station.identity import Identity
 from calib.station.report import report_html
 from calib.station.station import outcome, table_of, validated
 from calib.station.write import write_all
-from calib.table.store import Store
+from calib.store.store import Store
 from calib.physics.vehicle_file import read_vehicle
 mark("imports: brake-cal")
 car = read_vehicle(sedan / "vehicle.toml")

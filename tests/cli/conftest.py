@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from calib.table.store import Store
+from calib.store.store import Store
 from tests.support.tables import made_table
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from calib.logs.write import write_csv, write_parquet
-from calib.table.store import Store
+from calib.store.store import Store
 from tests.support.reference_car import CAR, REAL, SEDAN, cut, noisy, ramp, stop, swapped, without
 
 WHEELS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")

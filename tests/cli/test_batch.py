@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.fleet.columns import COLUMNS, HEAD
-from calib.table.store import Store
+from calib.store.store import Store
 from calib.validation.metrics import METRICS
 from tests.support.fleet_logs import many
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, stop

@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.table.store import Store
+from calib.store.store import Store
 from calib.table.table import BY_HAND
 
 WHY = ("--reason", "seen on the bench", "--by", "A. Smith")

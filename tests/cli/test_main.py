@@ -7,7 +7,7 @@ import typer.main
 
 from calib import __version__
 from calib.errors import BrakeCalError, InputError, StoreError
-from calib.table.store import Store
+from calib.store.store import Store
 from cli.main import app
 from tests.support.tables import made_table
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.table.store import Store
+from calib.store.store import Store
 from tests.support.cars_of_a_line import car_table
 
 

@@ -6,7 +6,7 @@ import pytest
 from calib.fitting.fit import fit
 from calib.logs.read import read_log
 from calib.physics.vehicle_file import read_vehicle
-from calib.table.store import Store
+from calib.store.store import Store
 from tests.support.tables import made_table
 
 LOGS = Path(__file__).parents[2] / "sample_logs"

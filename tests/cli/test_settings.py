@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from calib.settings import NAME, VARIABLE
-from calib.table.store import Store
+from calib.store.store import Store
 from tests.support.tables import made_table
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"

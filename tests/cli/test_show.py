@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.table.store import Store
+from calib.store.store import Store
 from tests.support.tables import C, made_table
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from calib.signing.password import Cost
 from calib.signing.secret_key import locked_file, secret_file
-from calib.table.state import Decision
-from calib.table.store import Store
+from calib.store.state import Decision
+from calib.store.store import Store
 from tests.support.signing import ADA, EVE, set_back
 
 pytestmark = pytest.mark.usefixtures("seen")

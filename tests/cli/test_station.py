@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from calib.table.store import Store
+from calib.store.store import Store
 from calib.table.table import Value
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"

@@ -1,6 +1,6 @@
 """`brake-cal tables list`."""
 
-from calib.table.store import Store
+from calib.store.store import Store
 
 
 def test_list_names_every_version(tables, two, document):

@@ -9,7 +9,7 @@ import pytest
 
 from calib.logs.write import write_csv, write_parquet
 from calib.physics.vehicle_file import write_vehicle
-from calib.table.store import Store
+from calib.store.store import Store
 from calib.validation.metrics import METRICS
 from cli.validate import EPILOG
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, ramp, stop, with_pads

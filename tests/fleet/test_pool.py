@@ -14,7 +14,7 @@ import pytest
 from calib.fleet import pool as module
 from calib.fleet.pool import Pool
 from calib.fleet.run import run_batch
-from calib.table.store import Store
+from calib.store.store import Store
 from tests.support.fleet_logs import Here, validating
 from tests.support.fleet_results import journalled
 

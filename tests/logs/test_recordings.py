@@ -11,7 +11,7 @@ from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.physics.vehicle_file import read_vehicle
-from calib.table.store import Store
+from calib.store.store import Store
 from calib.table.table import Table
 from tests.support.recordings import SEDAN, ramp, write_bus, write_dbc, write_map, write_mdf
 

@@ -5,7 +5,7 @@ import pytest
 
 from calib.logs.read import read_log
 from calib.plots.choose import PlotInput, sheets
-from calib.table.version import Stored
+from calib.store.version import Stored
 from tests.plots.conftest import SEDAN, SIMULATION
 from tests.support.stored_results import made_result
 

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from calib.errors import RevisionError
 from calib.revisions.derive import Moved, derive
+from calib.store.record_file import from_content
+from calib.store.store import Store
 from calib.table.by_hand import SetByHand
 from calib.table.invariants import violations
 from calib.table.pad_levels import pad_levels
-from calib.table.record_file import from_content
-from calib.table.store import Store
 from calib.table.table import BY_HAND, TableReference
 from tests.support.cars_of_a_line import car_table, version
 from tests.support.tables import VEHICLE

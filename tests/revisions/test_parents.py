@@ -7,8 +7,8 @@ import pytest
 from calib.errors import RevisionError
 from calib.revisions.merge import merge
 from calib.revisions.parents import require_mergeable
+from calib.store.state import State
 from calib.table.by_hand import SetByHand
-from calib.table.state import State
 from tests.support.cars_of_a_line import car_table, cars, version
 
 PAIR = cars(26.0, 28.0)

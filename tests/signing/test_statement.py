@@ -10,7 +10,7 @@ from calib.errors import SignatureRefused
 from calib.signing.sign import sign
 from calib.signing.signature import parse_signature
 from calib.signing.statement import STATES, Statement, parse_statement
-from calib.table.folders import NAME
+from calib.store.folders import NAME
 
 HEX = st.from_regex(re.compile("[0-9a-f]{64}"), fullmatch=True)
 STATEMENTS = st.builds(

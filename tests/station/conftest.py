@@ -3,8 +3,8 @@
 import pytest
 
 from calib.station.station import StationOutcome
-from calib.table.store import Store
-from calib.table.version import Stored
+from calib.store.store import Store
+from calib.store.version import Stored
 from tests.support.station_run import failed_car
 
 

@@ -5,9 +5,9 @@ import os
 
 import pytest
 
+from calib.exports.formats import ENDINGS
 from calib.publish import workshop
 from calib.station.folder import DOCUMENT, EXPORTS, export_name, publish_run
-from calib.table.exports.formats import ENDINGS
 
 
 def put(work, **files):

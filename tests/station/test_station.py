@@ -17,8 +17,8 @@ from calib.station.metrics import METRICS as OF_CAR
 from calib.station.metrics import Car
 from calib.station.station import outcome, table_of, validated
 from calib.station.words import in_full, sentence
+from calib.store.version import Stored
 from calib.table.table import LogReference, Value
-from calib.table.version import Stored
 from calib.validation.limits import Limit
 from calib.validation.metrics import METRICS as OF_STOPS
 from tests.support.station_run import SEDAN

@@ -18,7 +18,7 @@ from calib.logs.log import Log
 from calib.logs.write import write_parquet
 from calib.physics.vehicle import Vehicle
 from calib.physics.vehicle_file import write_vehicle
-from calib.table.store import Store
+from calib.store.store import Store
 from cli.main import app
 from tests.studies.made_lines import STOPS
 

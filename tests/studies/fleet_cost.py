@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from calib.physics.vehicle_file import read_vehicle  # noqa: E402
-from calib.table.store import Store  # noqa: E402
+from calib.store.store import Store  # noqa: E402
 from tests.studies.fleet_logs import linked, table_of, write_logs  # noqa: E402
 
 

@@ -29,8 +29,8 @@ from calib.station.fleet_sigma import FleetSigma, fleet_sigma
 from calib.station.identity import Identity
 from calib.station.station import table_of
 from calib.statistics.random_effects import as_sigma, random_effects
+from calib.store.version import Stored
 from calib.table.table import Table
-from calib.table.version import Stored
 from tests.studies.station_verdicts import Build, Model, model, ramp_and_coast, scaled, scattered
 
 SIZES = (2, 3, 5, 10)

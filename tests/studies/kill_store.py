@@ -20,8 +20,8 @@ from collections import Counter
 from functools import partial
 from pathlib import Path
 
-from calib.table.state import Decision
-from calib.table.store import Store
+from calib.store.state import Decision
+from calib.store.store import Store
 from tests.support.killed import killed
 from tests.support.tables import made_table
 
@@ -29,8 +29,8 @@ ROOT = Path(__file__).parents[2]
 
 WRITER = """
 import random, sys
-from calib.table.state import Decision
-from calib.table.store import Store
+from calib.store.state import Decision
+from calib.store.store import Store
 from tests.support.tables import made_table
 store, rng = Store(sys.argv[1]), random.Random(int(sys.argv[2]))
 print("ready", flush=True)

@@ -9,8 +9,8 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+from calib.store.version import Stored
 from calib.table.table import Calibration, LogReference, Table, Value
-from calib.table.version import Stored
 from tests.support.tables import VEHICLE, C, made_table
 
 

@@ -9,11 +9,11 @@ import pytest
 
 from calib.errors import StoreError
 from calib.signing.secret_key import SecretKey
-from calib.table.commit import write_journal
-from calib.table.journal import Entry, Journal
-from calib.table.state import Decision
-from calib.table.store import Store
-from calib.table.trust import require_signed, verify_signed
+from calib.store.commit import write_journal
+from calib.store.journal import Entry, Journal
+from calib.store.state import Decision
+from calib.store.store import Store
+from calib.store.trust import require_signed, verify_signed
 
 ADA = SecretKey(b"adasline", bytes(range(32)))
 EVE = SecretKey(b"evesline", bytes(range(1, 33)))

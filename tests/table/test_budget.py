@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from calib.store.record_file import from_content
 from calib.table.budget import (
     PARTS,
     AxleBudget,
@@ -16,7 +17,6 @@ from calib.table.budget import (
     summary,
 )
 from calib.table.pads_budget import level_of, pads_budget
-from calib.table.record_file import from_content
 from calib.table.table import Value
 from tests.support.tables import made_table
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from calib.digest import canonical_json, content_digest
 from calib.errors import StoreError
 from calib.physics.effects.effects import Effects, EmpiricalTerm
-from calib.table.record_file import from_content
+from calib.store.record_file import from_content
 from calib.table.table import Value
 from tests.support.tables import C, K, made_table
 

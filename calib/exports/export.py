@@ -1,0 +1,95 @@
+"""A table written as the file of a calibration tool, an ECU or another program."""
+
+import hashlib
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+
+from calib.errors import ExchangeError, StoreError
+from calib.exports.build import build
+from calib.exports.dataset import Dataset
+from calib.exports.formats import FIXED_POINT, FORMATS, Order, format_named, format_of
+from calib.files import write_whole
+from calib.store.quality import UNPROVED, Quality
+from calib.store.version import Stored
+
+
+@dataclass(frozen=True)
+class Exported:
+    """A file that was written: ``data`` in the format ``form``, as ``content``."""
+
+    path: Path
+    form: str
+    data: Dataset
+    content: bytes = field(repr=False)
+
+    def __repr__(self) -> str:
+        return f"{self.path}: {self.data.id} as {self.form}, {len(self.content)} bytes"
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file [hex]."""
+        return hashlib.sha256(self.content).hexdigest()
+
+
+def export(
+    stored: Stored,
+    path: Path | str,
+    form: str | None = None,
+    *,
+    points: int | None = None,
+    bits: int | None = None,
+    quality: Quality = UNPROVED,
+    date: str | None = None,
+    unreleased: bool = False,
+) -> Exported:
+    """Write a version of a table to the file ``path``; an existing file is replaced.
+
+    Parameters
+    ----------
+    stored : the version, of `Store.save` or `Store.load`.
+    path : the file; its ending names the format if ``form`` is not given.
+    form : json, csv, parquet, dcm, cdfx, c-header or inca-csv.
+    points : breakpoints on each axis, at the rows with the least error; all rows if not given.
+    bits : of the fixed point, 8, 16 or 32; for c-header.
+    quality : result of a validation, see `calib.store.quality.read_quality`.
+    date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
+    unreleased : write a version that is not released, too; the file then says so.
+
+    Raises StoreError for a version that is not released, ExchangeError where the format is not
+    known or cannot hold the numbers, OSError if the file cannot be written.
+
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import calib
+    >>> logs = calib.sample_logs() / "simulation_study"
+    >>> car = calib.read_vehicle(logs / "vehicle.toml")
+    >>> table = calib.fit(car, [calib.read_log(logs / "ramp_noisy.parquet")])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     stored = calib.Store(folder).save(table)
+    ...     dcm = Path(folder) / "car.dcm"
+    ...     written = calib.export(stored, dcm, points=16, unreleased=True)
+    >>> written.form, written.data.id, [len(axis.values) for axis in written.data.axes]
+    ('dcm', 'sedan-sim@1', [16, 16])
+    """
+    if not (stored.state.released or unreleased):
+        raise _not_released(stored)
+    path = Path(path)
+    form = format_of(path.name) if form is None else format_named(form)
+    if bits is not None and form not in FIXED_POINT:
+        raise ExchangeError(f"{form} has no fixed point", expected=", ".join(FIXED_POINT))
+    data = build(stored, points, quality)
+    order = Order(data, stored, date or datetime.now(UTC).date().isoformat(), bits)
+    content = FORMATS[form](order)
+    write_whole(path, content)
+    return Exported(path, form, data, content)
+
+
+def _not_released(stored: Stored) -> StoreError:
+    return StoreError(
+        f"is {stored.state.words}",
+        where=stored.id,
+        expected="a released version",
+        do=f"release it with `brake-cal tables release {stored.id} --reason ...`, "
+        "or hand it out as it is with --unreleased: the file then says so",
+    )

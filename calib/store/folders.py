@@ -1,0 +1,99 @@
+"""Where a store keeps its versions: names, folders and references.
+
+tables/journal.jsonl        the journal, and journal.head, see `calib.store.journal`
+tables/sedan/v0001/         a version, see `calib.store.version`
+tables/sedan/.new-v0002/    a version on its way to its place
+tables/sedan/v0001.minisig  the signature of a version; that of a second key is v0001.KEYID.minisig
+"""
+
+import os
+import re
+from pathlib import Path
+
+from calib.errors import StoreError, TableNotFound
+from calib.store.version import RECORD
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
+FOLDER = re.compile(r"v(\d{4,6})")
+NEW = ".new-"
+"""First letters of a version that is not in its place yet; no listing shows it."""
+SIGNATURE = ".minisig"
+
+
+def checked_name(name: str) -> str:
+    """Return ``name`` if it is a valid name of a table, which is always a folder of the store."""
+    if not NAME.fullmatch(name) or ".." in name:
+        raise StoreError(
+            f"{name!r} cannot name a table",
+            expected="letters, digits and . _ - only, at most 100, a letter or digit first",
+        )
+    return name
+
+
+def folder_of(version: int) -> str:
+    """Name of the folder of a version."""
+    return f"v{version:04d}"
+
+
+def placed_in(folder: Path, name: str, version: int) -> Path:
+    """Folder of a version in the store ``folder``."""
+    return folder / name / folder_of(version)
+
+
+def numbers(home: Path) -> list[int]:
+    """Numbers that anything in a table's directory bears, file or folder, rising."""
+    if not home.is_dir():
+        return []
+    found = (FOLDER.fullmatch(p.name) for p in home.iterdir())
+    return sorted(int(match[1]) for match in found if match and int(match[1]) > 0)
+
+
+def versions_in(home: Path) -> list[int]:
+    """Numbers of the folders of versions in a table's directory, rising."""
+    return [n for n in numbers(home) if (home / folder_of(n)).is_dir()]
+
+
+def names_in(folder: Path) -> list[str]:
+    """Names of the tables that have a folder with versions in a store, in order."""
+    if not folder.is_dir():
+        return []
+    homes = (p for p in folder.iterdir() if NAME.fullmatch(p.name) and p.is_dir())
+    return sorted(p.name for p in homes if versions_in(p))
+
+
+def unplaced(folder: Path) -> list[Path]:
+    """Versions that a writer has begun, or whose writer was stopped, in order."""
+    return sorted(p for p in folder.glob(f"*/{NEW}*") if NAME.fullmatch(p.parent.name))
+
+
+def signature_files(home: Path, version: int) -> list[Path]:
+    """Signature files of a version: the one with the simple name first, then those of more keys."""
+    first = home / f"{folder_of(version)}{SIGNATURE}"
+    return [first] * first.is_file() + sorted(home.glob(f"{first.stem}.*{SIGNATURE}"))
+
+
+def place(home: Path, version: int) -> Path | None:
+    """Folder of a version of the journal: in its place, or on the way there; None without one."""
+    final, new = home / folder_of(version), home / f"{NEW}{folder_of(version)}"
+    # The last look is for a writer that moves it between the first two.
+    return next((path for path in (final, new, final) if path.is_dir()), None)
+
+
+def path_of(reference: str) -> Path | None:
+    """Directory of the version that ``reference`` names as a path; None when it is not a path."""
+    path = Path(reference)
+    if path.name == RECORD:
+        path = path.parent
+    elif os.sep not in reference and not (path / RECORD).is_file():
+        return None
+    if not path.is_dir():
+        raise TableNotFound(
+            "no such directory", where=reference, expected="name, name@version or path"
+        )
+    if not (path / RECORD).is_file() and not any(path.glob("*.parquet")):
+        raise TableNotFound(
+            f"no {RECORD} in it",
+            where=reference,
+            expected="the directory of one version, like v0001",
+        )
+    return path

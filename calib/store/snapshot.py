@@ -1,0 +1,206 @@
+"""A store as it is at one moment: its folder and what its journal says.
+
+Every read is a comparison of three: the digests in a version, its place, and the journal.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from pathlib import Path
+
+from calib.errors import DamagedTable, StoreError, TableNotFound
+from calib.store.folders import (
+    checked_name,
+    names_in,
+    numbers,
+    path_of,
+    place,
+    placed_in,
+    versions_in,
+)
+from calib.store.journal import JOURNAL, Journal
+from calib.store.state import UNKNOWN, State
+from calib.store.version import Stored, read_version
+from calib.table.invariants import violations
+from calib.table.same import inputs, same
+from calib.table.table import Table
+
+
+@dataclass(frozen=True)
+class StoreEntry:
+    """One version in a listing: ``stored`` is None where it cannot be read, ``flaw`` says why."""
+
+    name: str
+    version: int
+    state: State
+    stored: Stored | None
+    flaw: str = ""
+
+    @property
+    def id(self) -> str:
+        """name@version."""
+        return f"{self.name}@{self.version}"
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The versions below ``folder`` and their ``journal``, which is empty for an older store."""
+
+    folder: Path
+    journal: Journal
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the tables, in order. Raises TableNotFound where there is no store."""
+        if not self.folder.is_dir():
+            raise TableNotFound(
+                "no table store here",
+                where=self.folder,
+                do="`brake-cal fit` makes one, --store names another",
+            )
+        return tuple(sorted(self.journal.tables) or names_in(self.folder))
+
+    def known(self, name: str) -> str:
+        """Return ``name`` if the store has a table of that name. Raises TableNotFound."""
+        known = self.names
+        if checked_name(name) in known or versions_in(self.folder / name):
+            return name
+        near = get_close_matches(name, known, n=1)
+        raise TableNotFound(
+            f"no table {name!r}",
+            where=self.folder,
+            expected="one of " + ", ".join(known) if known else "a table: the store is empty",
+            do=f"did you mean {near[0]!r}?" if near else "",
+        )
+
+    def versions(self, name: str) -> Sequence[int]:
+        """Numbers of the versions of a table, rising."""
+        if self.journal.entries:
+            return tuple(self.journal.of(name))
+        return versions_in(self.folder / name)
+
+    def with_strays(self, name: str) -> Sequence[int]:
+        """Numbers of the versions that should be there, and of the folders that should not."""
+        there = versions_in(self.folder / name)
+        if self.journal.entries:
+            return sorted({*self.journal.of(name), *there})
+        return range(1, max(there, default=0) + 1)
+
+    def next_number(self, name: str) -> int:
+        """A number that no version ever had, and that nothing on disk bears."""
+        return 1 + max([*self.journal.of(name), *numbers(self.folder / name)], default=0)
+
+    def state(self, name: str, version: int) -> State:
+        """State of a version; `UNKNOWN` where the journal does not know it."""
+        known = version in self.journal.of(name)
+        return self.journal.state(name, version) if known else UNKNOWN
+
+    def find(self, reference: str, released: bool = False) -> Stored:
+        """Read the version that a reference means; a bare name as in `calib.store.store`.
+
+        Raises TableNotFound, StoreError where no version of the name may be meant, DamagedTable.
+        """
+        path = path_of(reference)
+        if path is not None:
+            return self._at(path)
+        name, at, version = reference.partition("@")
+        if at:
+            return self.load(name, self.number(name, version))
+        states = {v: self.state(name, v) for v in self.versions(self.known(name))}
+        fit = [v for v, s in states.items() if (s.released if released else s.usable)]
+        if not fit:
+            raise _none_fits(name, states, released)
+        return self.load(name, max(fit))
+
+    def number(self, name: str, version: str) -> int:
+        """The version number that was written. Raises TableNotFound."""
+        known = self.with_strays(self.known(name))
+        if version.isascii() and version.isdecimal() and int(version) in known:
+            return int(version)
+        raise TableNotFound(
+            f"no version {version!r} of {name!r}",
+            where=self.folder,
+            expected="one of " + ", ".join(map(str, self.versions(name))),
+        )
+
+    def load(self, name: str, version: int) -> Stored:
+        """Read a version. Raises DamagedTable where digests, place and journal do not agree."""
+        id_ = f"{name}@{version}"
+        path = place(self.folder / checked_name(name), version)
+        if path is None:
+            raise DamagedTable(
+                "missing: it was stored, and its folder is not there",
+                where=id_,
+                do="restore it from a copy of the store, or fit the car again",
+            )
+        stored = read_version(path, id_)
+        if version not in self.journal.of(name):
+            return self._unknown(stored)
+        first = self.journal.of(name)[version][0]
+        if (first.digest, first.record) != (stored.digest, stored.record):
+            raise DamagedTable(
+                "replaced or edited: it is not what was stored as this version",
+                where=id_,
+                expected=f"digest {first.digest[:12]}, it has {stored.digest[:12]}",
+                do="restore this version from a copy, or fit the table again",
+            )
+        return replace(stored, state=self.journal.state(name, version))
+
+    def entry(self, name: str, version: int) -> StoreEntry:
+        """A version in a listing, whether it can be read or not."""
+        state = self.state(name, version)
+        try:
+            return StoreEntry(name, version, state, self.load(name, version))
+        except StoreError as error:
+            return StoreEntry(name, version, state, None, error.what)
+
+    def flaws(self, name: str, version: int) -> tuple[str, ...]:
+        """What is wrong with a version, in words."""
+        try:
+            return violations(self.load(name, version).table)
+        except StoreError as error:
+            return (error.what,)
+
+    def identical(self, table: Table) -> Stored | None:
+        """The newest version that holds the same table; one that is damaged does not count."""
+        given = inputs(table.content()[0])
+        for version, history in reversed(self.journal.of(table.name).items()):
+            if history[0].digest == table.digest or history[0].inputs == given:
+                try:
+                    stored = self.load(table.name, version)
+                except StoreError:
+                    continue
+                if same(stored.table, table):
+                    return replace(stored, existed=True)
+        return None
+
+    def _unknown(self, stored: Stored) -> Stored:
+        """A version that the journal does not know: an older one, where there is no journal."""
+        if not self.journal.entries and not stored.journaled:
+            return stored
+        raise DamagedTable(
+            "not in the journal: it was copied here, or the journal was set back"
+            if self.journal.entries
+            else f"{JOURNAL} is missing, which knew this version and its state",
+            where=stored.id,
+            do="restore journal and head from a copy, or move the version out of the store",
+        )
+
+    def _at(self, path: Path) -> Stored:
+        """The version in a directory, with its state if that is its place in this store."""
+        stored = read_version(path)
+        at_home = placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve()
+        return self.load(stored.name, stored.version) if at_home else stored
+
+
+def _none_fits(name: str, states: dict[int, State], released: bool) -> StoreError:
+    there = ", ".join(f"{name}@{version} {state.word}" for version, state in states.items())
+    if released:
+        return StoreError(
+            f"{name} has no released version; there is {there}",
+            do=f"release one with `brake-cal tables release {name}@N --reason ...`, or name one",
+        )
+    return StoreError(
+        f"no version of {name} may be used; there is {there}",
+        do=f"name the one that you mean, such as {name}@{max(states)}",
+    )

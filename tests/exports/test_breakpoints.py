@@ -1,0 +1,109 @@
+"""Placement against all placements there are, and its error against a fine grid."""
+
+from itertools import combinations, pairwise
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from calib.exports.breakpoints import misfit, place
+
+
+@st.composite
+def curves(draw, most=14):
+    """An axis that increases strictly and one to three curves over it."""
+    n = draw(st.integers(3, most))
+    steps = draw(st.lists(st.floats(1e-3, 10.0), min_size=n - 1, max_size=n - 1))
+    x = 1.0 + np.concatenate([[0.0], np.cumsum(steps)])
+    count = draw(st.integers(1, 3))
+    values = st.lists(st.floats(-1.0, 1.0), min_size=n, max_size=n)
+    return x, np.array([draw(values) for _ in range(count)])
+
+
+def by_grid(x, y, kept):
+    """Worst error on a fine grid that holds the rows, and rms by Simpson's rule (exact here)."""
+    grid = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in pairwise(x)]))
+    gaps = np.array([np.interp(grid, x[kept], row[kept]) - np.interp(grid, x, row) for row in y])
+    middle = 0.5 * (gaps[:, 1:] + gaps[:, :-1])
+    squares = (gaps[:, 1:] ** 2 + 4 * middle**2 + gaps[:, :-1] ** 2) / 6 * np.diff(grid)
+    return np.abs(gaps).max(), np.sqrt(squares.sum(axis=1).max() / (x[-1] - x[0]))
+
+
+@given(curves(), st.integers(2, 16))
+def test_breakpoints_are_rows_that_increase_and_hold_both_ends(case, points):
+    x, y = case
+    kept = place(x, y, points)
+    assert np.all(np.diff(x[kept]) > 0)
+    assert (kept[0], kept[-1]) == (0, len(x) - 1)
+    assert len(kept) <= max(points, 2)
+
+
+@given(curves(), st.integers(2, 16))
+def test_the_error_reported_is_the_error_there_is(case, points):
+    x, y = case
+    kept = place(x, y, points)
+    found = misfit(x, y, x[kept], y[:, kept])
+    worst, rms = by_grid(x, y, kept)
+    assert found.worst == pytest.approx(worst, abs=1e-12)
+    assert found.rms == pytest.approx(rms, abs=1e-9)
+    there = [abs(np.interp(found.at, x[kept], r[kept]) - np.interp(found.at, x, r)) for r in y]
+    assert max(there) == pytest.approx(found.worst, abs=1e-12)
+
+
+@given(curves())
+def test_the_error_does_not_increase_with_the_points(case):
+    x, y = case
+    placed = [place(x, y, n) for n in range(2, len(x) + 1)]
+    worst = [misfit(x, y, x[k], y[:, k]).worst for k in placed]
+    assert all(b <= a + 1e-12 for a, b in pairwise(worst))
+    assert worst[-1] == 0.0
+
+
+@given(curves(most=9), st.integers(2, 8))
+def test_no_other_placement_is_better(case, points):
+    x, y = case
+    assume(points < len(x))
+    inner = range(1, len(x) - 1)
+    every = [[0, *c, len(x) - 1] for k in range(points - 1) for c in combinations(inner, k)]
+    best = min(by_grid(x, y, kept)[0] for kept in every)
+    kept = place(x, y, points)
+    assert by_grid(x, y, kept)[0] == pytest.approx(best, abs=1e-12)
+
+
+@pytest.mark.parametrize("points", [4, 8, 16])
+def test_a_parabola_is_met_evenly_by_exactly_the_points_asked_for(points):
+    """A parabola's best chords are equally long, each h^2/4 off (Taylor's remainder)."""
+    x = np.linspace(0.0, 1.0, 16 * 15 * 7 // 15 + 1)  # 112 intervals
+    kept = place(x, (x * x)[None], points)
+    assert len(kept) == points
+    ideal = (1.0 / (points - 1)) ** 2 / 4.0
+    assert ideal * (1 - 1e-9) <= misfit(x, (x * x)[None], x[kept], (x * x)[None, kept]).worst
+    assert misfit(x, (x * x)[None], x[kept], (x * x)[None, kept]).worst < 1.3 * ideal
+
+
+def test_a_real_table_gets_the_points_it_is_asked_for(real):
+    p = real.table.paper
+    for points in (2, 7, 16, 60):
+        assert len(place(p.eta, np.array([p.f1, p.f2]), points)) == points
+
+
+def test_fewer_points_where_one_more_would_do_harm():
+    """A spike between straight lines: a breakpoint on it would tilt the line to its neighbours."""
+    x, y = np.arange(7.0), np.array([[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
+    assert misfit(x, y, x[[0, 6]], y[:, [0, 6]]).worst == 1.0
+    for points in (3, 4):
+        kept = place(x, y, points)
+        assert misfit(x, y, x[kept], y[:, kept]).worst <= 1.0
+    kept = place(x, y, 5)
+    assert kept.tolist() == [0, 2, 3, 4, 6]
+
+
+def test_one_point_is_no_axis():
+    with pytest.raises(ValueError, match="2 or more"):
+        place(np.arange(3.0), np.zeros((1, 3)), 1)
+
+
+def test_an_axis_that_moved_is_seen():
+    x, y = np.array([0.0, 1.0, 2.0]), np.array([[0.0, 1.0, 2.0]])
+    assert misfit(x, y, x + 0.25, y).worst == pytest.approx(0.25)

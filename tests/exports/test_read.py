@@ -1,0 +1,160 @@
+"""Our own files read back: what was cut off or changed is named."""
+
+import random
+
+import pytest
+
+from calib.errors import ExchangeError
+from calib.exports.build import build
+from calib.exports.cdfx import write_cdfx
+from calib.exports.dcm import write_dcm
+from calib.exports.read import differences, parent, read_back
+from calib.store.store import Store
+
+WRITERS = {"DCM": write_dcm, "CDF": lambda data: write_cdfx(data, "2026-05-04")}
+
+
+@pytest.fixture(params=WRITERS)
+def written(request, stored, tmp_path):
+    """A path and the file of the made table in one of the formats."""
+    path = tmp_path / "table.out"
+    path.write_bytes(WRITERS[request.param](build(stored)))
+    return path
+
+
+@pytest.mark.parametrize("form", WRITERS)
+@pytest.mark.parametrize("points", [None, 2, 16])
+def test_it_comes_back_to_the_last_bit(real, truth, tmp_path, form, points):
+    path = tmp_path / "table"
+    data = build(real, points)
+    path.write_bytes(WRITERS[form](data))
+    found = read_back(path)
+    assert (found.format, found.facts["table"], found.unchanged) == (form, real.id, True)
+    for name in ("f1", "f2", "D", "g"):
+        x, y = found.content.curves[f"{data.prefix}_{name}"]
+        pairs = [(a.hex(), b.hex()) for a, b in zip(x, y, strict=True)]
+        assert pairs == truth(real).at(x)[name]
+    assert found.content.scalars[f"{data.prefix}_mass"] == real.table.vehicle.mass
+    assert found.units[f"{data.prefix}_mass"] == "kg"
+    assert differences(found, real) == []
+
+
+def test_the_store_is_asked_by_the_id_in_the_file(written, stored, store, tmp_path):
+    assert parent(read_back(written), Store(store)).digest == stored.digest
+    assert parent(read_back(written), Store(tmp_path / "none")) is None
+
+
+def test_no_cut_is_taken_for_the_whole(written):
+    """Cut anywhere: refused, but for the last line's end, which nobody misses."""
+    whole = written.read_bytes()
+    chance = random.Random(1)
+    for length in [0, 1, len(whole) - 5, *(chance.randrange(len(whole) - 5) for _ in range(60))]:
+        written.write_bytes(whole[:length])
+        with pytest.raises(ExchangeError):
+            read_back(written)
+
+
+def test_no_lost_line_is_overlooked(written):
+    """Without any one of its lines a file is refused, or differs, or has lost words only."""
+    lines = written.read_text().splitlines(keepends=True)
+    whole = read_back(written)
+    words = ("LANGNAME", "FUNKTION", "EINHEIT", "* ", "*\n", "FKT", "\n", "<?xml", "<!DOCTYPE",
+             "<LONG-NAME", "<UNIT", "<STATE", "<DATE", "<CS", "<P>", "<SD GID",
+             "<SHORT-NAME>sedan<", "<DATA-FILE", "<CATEGORY")  # fmt: skip
+    for i, line in enumerate(lines):
+        written.write_text("".join(lines[:i] + lines[i + 1 :]))
+        try:
+            found = read_back(written)
+        except ExchangeError:
+            continue
+        if found.unchanged:
+            assert line.lstrip().startswith(words) or line == "\n", line
+            assert found.content == whole.content
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("\nEND\n\nFESTWERT sedan_mass", "\n\nFESTWERT sedan_mass", "sedan_version has no END"),
+        ("STUETZSTELLENVERTEILUNG sedan_eta 21", "STUETZSTELLENVERTEILUNG sedan_eta 22",
+         "has 21 of 22 numbers ST/X"),
+        ("  WERT 1744.0\n", "", "sedan_mass has 0 of 1 numbers WERT"),
+        ("  WERT 1744.0", "  WERT 17,44", "could not convert"),
+        ("  WERT 1744.0", "  WERTE 1744.0", "'WERTE' within FESTWERT sedan_mass"),
+        ("KONSERVIERUNG_FORMAT 2.0", "KONSERVIERUNG_FORMAT 1.0",
+         "expected DCM with KONSERVIERUNG_FORMAT 2"),
+        ("*SSTX sedan_eta\n", "", "is over no axis"),
+        ("* digest: ", "* digets: ", "without digest"),
+        ("* objects: ", "* objects: 1", "objects and states 1"),
+        ("FESTWERT sedan_l_r", "FESTWERT sedan_l_f", "sedan_l_f is in it twice"),
+        ("KENNLINIE sedan_g 21", "KENNLINIE sedan_g", "expected KENNLINIE NAME SIZE"),
+        ("FUNKTIONEN\n", "FUNKTIONE\n", "outside of every object"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_in_a_dcm_is_named(stored, tmp_path, old, new, says):
+    path = tmp_path / "a.dcm"
+    text = write_dcm(build(stored)).decode()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    with pytest.raises(ExchangeError, match=says):
+        read_back(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("</MSRSW>", "", "cut off or damaged"),
+        ("CDF20", "CDF19", "no CDF 2.0"),
+        ("<V>1744.0</V>", "", "sedan_mass: no SW-VALUES-PHYS"),
+        ("<V>1744.0</V>", "<V>heavy</V>", "expected numbers in V"),
+        (">sedan_eta</SW-INSTANCE-REF>", ">sedan_etc</SW-INSTANCE-REF>", "over sedan_etc"),
+        ("<V>1.005</V>", "", "21 values over an axis of 20"),
+        ("<SHORT-NAME>sedan_l_r", "<SHORT-NAME>sedan_l_f", "sedan_l_f is in it twice"),
+        ('GID="checksum"', 'GID="check"', "without checksum"),
+        ("<CATEGORY>VALUE<", "<CATEGORY>MAP<", "category MAP"),
+        ("<SHORT-NAME>sedan_mass</SHORT-NAME>", "", "without SHORT-NAME"),
+    ],
+)
+def test_what_is_wrong_in_a_cdf_is_named(stored, tmp_path, old, new, says):
+    path = tmp_path / "a.cdfx"
+    text = write_cdfx(build(stored), "2026-05-04").decode()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    with pytest.raises(ExchangeError, match=says):
+        read_back(path)
+
+
+def test_a_number_that_was_changed_is_found_and_where(written, stored):
+    written.write_text(written.read_text().replace("1744.0", "1745.0"))
+    wrong = differences(read_back(written), stored)
+    assert "checksum" in wrong[0]
+    assert wrong[1] == "sedan_mass: 1745.0, the table has 1744.0"
+    assert len(wrong) == 2
+
+
+def test_without_the_table_the_checksum_still_speaks(written):
+    written.write_text(written.read_text().replace("1744.0", "1745.0"))
+    assert len(differences(read_back(written), None)) == 1
+
+
+def test_another_digest_is_a_difference(written, stored):
+    written.write_text(written.read_text().replace(stored.digest, "0" * 64))
+    (wrong,) = differences(read_back(written), stored)
+    assert wrong == f"claims digest 000000000000, sedan@1 has {stored.digest[:12]}"
+
+
+def test_a_point_that_is_no_row_is_a_difference(written, stored):
+    x = repr(float(stored.table.paper.eta[3]))
+    written.write_text(written.read_text().replace(x, "1.0007"))
+    wrong = differences(read_back(written), stored)
+    assert "sedan_eta: 1.0007 is no row of the table" in wrong
+    assert any(w.startswith("sedan_f1: ") and "at 1.0007" in w for w in wrong)
+
+
+def test_other_files_are_refused(tmp_path):
+    for content in (b"", b"\x00\xff", b"<html></html>", b"{}"):
+        (tmp_path / "a").write_bytes(content)
+        with pytest.raises(ExchangeError):
+            read_back(tmp_path / "a")
+    with pytest.raises(ExchangeError, match="cannot be read"):
+        read_back(tmp_path / "none")

@@ -1,0 +1,402 @@
+"""Each promise of `calib/manual/store.md` by a test of its name; more in two other files."""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import calib.store.commit
+from calib.errors import DamagedTable, StoreError, TableNotFound
+from calib.exports.export import export
+from calib.exports.formats import ENDINGS
+from calib.store.state import Decision, Evidence
+from calib.store.store import Store
+from calib.table.table import Value
+from tests.support.tables import made_table
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+PAGE = ROOT / "calib" / "manual" / "store.md"
+
+RELEASE = Decision("released", "four stops agree", by="Ada")
+REJECT = Decision("rejected", "front pads wet", by="Ada")
+WITHDRAW = Decision("withdrawn", "pads recalled", by="Ada")
+
+
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path / "tables")
+
+
+@pytest.fixture
+def three(store):
+    """A store with three drafts."""
+    for stiffness in (27.0, 28.0, 29.0):
+        store.save(made_table(stiffness))
+    return store
+
+
+def files_under(directory):
+    return {p.relative_to(directory): p.read_bytes() for p in directory.rglob("*") if p.is_file()}
+
+
+def lines_of(store):
+    return (store.folder / "journal.jsonl").read_bytes().splitlines(keepends=True)
+
+
+def rewrite(store, lines):
+    (store.folder / "journal.jsonl").write_bytes(b"".join(lines))
+
+
+def test_every_promise_has_its_test():
+    promises = re.findall(r"^## (.*)$", PAGE.read_text(), flags=re.MULTILINE)
+    assert len(promises) > 20
+    names = {"test_" + re.sub(r"\W+", "_", promise.lower()).strip("_") for promise in promises}
+    texts = [(HERE / f"test_{file}.py").read_text() for file in ("promises", "signatures", "seen")]
+    tests = re.findall(r"^def (test_\w+)", "".join(texts), flags=re.MULTILINE)
+    assert names <= set(tests)
+
+
+def test_a_version_never_changes(three):
+    before = files_under(three.folder / "sedan")
+    for decision in (RELEASE, REJECT, WITHDRAW):
+        three.judge("sedan@2", decision)
+    assert files_under(three.folder / "sedan") == before
+    assert three.load("sedan@2").state.word == "withdrawn"
+
+
+def test_one_content_is_one_version(three):
+    table = made_table(28.0)
+    again = three.save(table)
+    assert (again.version, again.existed) == (2, True)
+    D = table.difference
+    rounded = replace(table, difference=replace(D, D=D.D * (1.0 + 1e-9)))
+    assert rounded.digest != table.digest
+    assert three.save(rounded).version == 2
+    other = replace(table, difference=replace(D, lower=D.lower * (1.0 + 1e-4)))
+    assert (three.save(other).version, three.save(other).existed) == (4, True)
+
+
+def test_a_number_is_never_given_twice(three):
+    shutil.rmtree(three.folder / "sedan" / "v0003")
+    assert three.save(made_table(30.0)).version == 4
+    (three.folder / "sedan" / "v0005").write_text("not a version")
+    assert three.save(made_table(31.0)).version == 6
+    shutil.rmtree(three.folder / "sedan")
+    assert three.save(made_table(32.0)).version == 7
+
+
+def test_a_bare_name_never_means_a_rejected_or_withdrawn_version(three):
+    assert three.load("sedan").version == 3
+    three.judge("sedan@3", REJECT)
+    assert three.load("sedan").version == 2
+    three.judge("sedan@2", WITHDRAW)
+    assert three.load("sedan").version == 1
+    assert three.load("sedan@3").state.word == "rejected"
+    three.judge("sedan@1", REJECT)
+    with pytest.raises(StoreError, match="sedan@1 rejected, sedan@2 withdrawn") as error:
+        three.load("sedan")
+    assert error.value.exit_code == 4
+
+
+def test_only_a_released_version_is_handed_out(three, tmp_path):
+    with pytest.raises(StoreError, match="no released version; there is sedan@1 draft"):
+        three.released("sedan")
+    three.judge("sedan@1", RELEASE)
+    assert three.released("sedan").version == 1
+    three.judge("sedan@3", REJECT)
+    refused = three.load("sedan@3")
+    for form, ending in ENDINGS.items():
+        path = tmp_path / f"car.{ending}"
+        with pytest.raises(StoreError, match="is rejected: front pads wet"):
+            export(refused, path, form)
+        assert not path.exists()
+        export(refused, path, form, unreleased=True)
+        assert b"NOT RELEASED, not for use in a vehicle: rejected" in path.read_bytes()
+        export(three.released("sedan"), path, form)
+        assert b"NOT RELEASED" not in path.read_bytes()
+    assert b"SEDAN_RELEASED (1U)" in (tmp_path / "car.h").read_bytes()
+
+
+def test_a_rejected_version_is_released_only_on_new_evidence(three):
+    proof = Evidence("summary.json", "ab" * 32)
+    three.judge("sedan@1", replace(RELEASE, evidence=(proof,)))
+    three.judge("sedan@1", REJECT)
+    for old in (RELEASE, replace(RELEASE, evidence=(proof,))):
+        with pytest.raises(StoreError, match="only on new evidence"):
+            three.judge("sedan@1", old)
+    new = Evidence("summary.json", "cd" * 32)
+    released = three.judge("sedan@1", replace(RELEASE, evidence=(new,)))
+    assert released.state.evidence == (new,)
+
+
+def test_a_withdrawn_version_stays_withdrawn(three):
+    three.judge("sedan@1", WITHDRAW)
+    for decision in (RELEASE, REJECT, replace(RELEASE, evidence=(Evidence("a", "b"),))):
+        with pytest.raises(StoreError, match="stays withdrawn"):
+            three.judge("sedan@1", decision)
+    assert three.save(made_table(27.0)).state.word == "withdrawn"
+
+
+def recomputed(path):
+    """A record with another pad friction, its digest and every hash in it computed anew."""
+    stored = Store(path.parent.parent).load("sedan@2")
+    pads = replace(stored.table.calibration, pad_friction_f=Value(0.5, 0.01))
+    elsewhere = Store(path.parent.parent.parent / "forge")
+    elsewhere.save(made_table(27.0))
+    forged = elsewhere.save(replace(stored.table, calibration=pads))
+    shutil.rmtree(path)
+    shutil.copytree(forged.path, path)
+
+
+def swapped(path):
+    other = path.parent / "v0001"
+    data = (other / "paper.parquet").read_bytes()
+    (path / "paper.parquet").write_bytes(data)
+
+
+def renumbered(path):
+    shutil.move(path, path.parent / "v0007")
+
+
+def replaced(path):
+    shutil.rmtree(path)
+    shutil.copytree(path.parent / "v0003", path)
+
+
+@pytest.mark.parametrize("damage", [shutil.rmtree, recomputed, swapped, renumbered, replaced])
+def test_a_version_that_is_missing_replaced_edited_or_renumbered_is_found_and_refused(
+    three, damage
+):
+    damage(three.folder / "sedan" / "v0002")
+    with pytest.raises(DamagedTable) as error:
+        three.load("sedan@2")
+    assert error.value.exit_code == 4
+    assert not next(v for v in three.verify() if v.id == "sedan@2").sound
+    assert three.load("sedan@1").version == 1
+
+
+def test_the_newest_version_that_is_missing_is_not_passed_over(three):
+    shutil.rmtree(three.folder / "sedan" / "v0003")
+    with pytest.raises(DamagedTable, match="sedan@3: missing"):
+        three.load("sedan")
+
+
+def test_a_version_that_the_journal_does_not_know_is_refused(three):
+    shutil.copytree(three.folder / "sedan" / "v0003", three.folder / "sedan" / "v0004")
+    with pytest.raises(DamagedTable, match="sedan@4"):
+        three.load("sedan@4")
+    assert [v.id for v in three.verify() if not v.sound] == ["sedan@4"]
+    assert three.load("sedan").version == 3
+    lines = lines_of(three)
+    rewrite(three, lines[:2])
+    head = f"{json.loads(lines[1])['hash']} 2\n"
+    (three.folder / "journal.head").write_text(head)
+    shutil.rmtree(three.folder / "sedan" / "v0004")
+    with pytest.raises(DamagedTable, match="the journal was set back"):
+        three.load("sedan@3")
+    assert [v.id for v in three.verify() if not v.sound] == ["sedan@3"]
+
+
+def forged(line, **changes):
+    """A line with its own hash computed anew, as somebody who knows the format would."""
+    import hashlib
+
+    document = {**json.loads(line), **changes, "hash": ""}
+    text = json.dumps(document, sort_keys=True, separators=(",", ":"))
+    document["hash"] = hashlib.sha256(text.encode()).hexdigest()
+    return json.dumps(document, sort_keys=True, separators=(",", ":")).encode() + b"\n"
+
+
+TAMPER = {
+    "a changed word": (
+        lambda x: [*x[:3], x[3].replace(b"rejected", b"released")],
+        "line 4: was changed",
+    ),
+    "a changed line with a new hash": (
+        lambda x: [forged(x[0], by="Eve"), *x[1:]],
+        "line 2: does not follow",
+    ),
+    "a last line with a new hash": (
+        lambda x: [*x[:3], forged(x[3], state="released")],
+        "does not agree with journal.head",
+    ),
+    "a lost line": (lambda x: [x[0], *x[2:]], "line 2: does not follow"),
+    "the last line lost": (lambda x: x[:3], "has 3 lines, its head names 4"),
+    "a line twice": (lambda x: [*x, x[3]], "line 5: does not follow"),
+    "two lines in another order": (lambda x: [x[1], x[0], *x[2:]], "line 1: does not follow"),
+    "a torn line": (lambda x: [*x[:3], x[3][:-20]], "torn: its last line has no end"),
+    "a line cut in half": (lambda x: [*x[:3], x[3][:40] + b"\n"], "line 4: not an entry"),
+    "a key given twice": (
+        lambda x: [*x[:3], x[3].replace(b'{"at"', b'{"by":"Eve","at"')],
+        "line 4: not an entry .*key 'by' is given twice",
+    ),
+    "another spelling": (lambda x: [*x[:3], x[3].replace(b":", b": ", 1)], "line 4: not an entry"),
+    "nothing": (lambda x: [], "has 0 lines, its head names 4"),
+    "no text": (lambda x: [b"\xff\xfe\n"], "line 1: not an entry"),
+}
+
+
+@pytest.mark.parametrize("kind", TAMPER)
+def test_a_journal_that_was_changed_is_refused(three, kind):
+    three.judge("sedan@3", REJECT)
+    change, says = TAMPER[kind]
+    rewrite(three, change(lines_of(three)))
+    before = files_under(three.folder)
+    for use in (
+        lambda: three.load("sedan"),
+        three.verify,
+        three.list,
+        lambda: three.save(made_table(30.0)),
+        lambda: three.judge("sedan@1", RELEASE),
+    ):
+        with pytest.raises(DamagedTable, match=says) as error:
+            use()
+        assert error.value.exit_code == 4
+        assert "journal.jsonl" in str(error.value)
+    assert files_under(three.folder) == before
+
+
+@pytest.mark.parametrize(
+    "gone", [("journal.jsonl",), ("journal.head",), ("journal.jsonl", "journal.head")]
+)
+def test_a_journal_that_is_missing_is_refused(three, gone):
+    for name in gone:
+        (three.folder / name).unlink()
+    with pytest.raises(DamagedTable, match="missing"):
+        three.load("sedan")
+    with pytest.raises(DamagedTable, match="missing"):
+        three.save(made_table(30.0))
+
+
+def test_a_record_with_a_key_given_twice_is_refused(three):
+    record = three.folder / "sedan" / "v0003" / "record.json"
+    record.write_text(record.read_text().replace('"version": 3', '"version": 3, "version": 3'))
+    with pytest.raises(DamagedTable, match="key 'version' is given twice"):
+        three.load("sedan@3")
+
+
+WRITER = """
+import sys
+from calib.store.state import Decision
+from calib.store.store import Store
+from tests.support.tables import made_table
+store, first = Store(sys.argv[1]), int(sys.argv[2])
+print("ready", flush=True)
+for i in range(int(sys.argv[3])):
+    stored = store.save(made_table(first + 0.01 * i), Decision("rejected", "a", by="b"))
+    print(stored.id, flush=True)
+"""
+
+
+def writer(folder, first, count=10_000):
+    return subprocess.Popen(
+        [sys.executable, "-c", WRITER, str(folder), str(first), str(count)],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_a_stopped_writer_leaves_a_whole_version_or_none(store):
+    told = 0
+    for run in range(12):
+        process = writer(store.folder, 20 + run)
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(0.02 + 0.013 * run)
+        process.send_signal(signal.SIGKILL)
+        told += len(process.communicate()[0].split())
+        entries = store.list()
+        assert all(entry.flaw == "" for entry in entries)
+        assert all(entry.state.word == "rejected" for entry in entries)
+        assert [e.version for e in entries] == list(range(1, len(entries) + 1))
+        assert len(entries) >= told  # what was told is stored
+        assert all(verdict.sound for verdict in store.verify())
+    store.save(made_table(99.0))
+    assert store.unfinished() == ()
+    assert not list(store.folder.glob(".journal*"))
+
+
+@pytest.mark.parametrize("at", ["write_curves", "write_record", "write_whole", "sync"])
+def test_a_full_disk_stores_nothing_and_a_moved_version_is_kept(three, monkeypatch, at):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    before = files_under(three.folder)
+    with monkeypatch.context() as patch:
+        patch.setattr(calib.store.commit, at, full)
+        with pytest.raises(StoreError, match="No space left"):
+            three.save(made_table(30.0))
+    entered = at == "sync"  # the journal is whole by then
+    assert len(three.list()) == (4 if entered else 3)
+    assert entered or files_under(three.folder) == before
+    assert all(verdict.sound for verdict in three.verify())
+    assert three.save(made_table(31.0)).version == (5 if entered else 4)
+
+
+def test_a_version_on_its_way_to_its_place_is_read_and_moved_by_the_next_writer(three, monkeypatch):
+    def stopped(*_):
+        raise OSError(5, "Input/output error")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "rename", stopped)
+        assert three.save(made_table(30.0)).version == 4
+    assert three.load("sedan").version == 4
+    assert [path.name for path in three.unfinished()] == [".new-v0004"]
+    assert all(verdict.sound for verdict in three.verify())
+    assert three.save(made_table(31.0)).version == 5
+    assert three.unfinished() == ()
+    assert three.load("sedan@4").path.name == "v0004"
+
+
+def test_several_writers_wait_for_each_other(store):
+    writers = [writer(store.folder, 20 + i, 4) for i in range(8)]
+    for process in writers:
+        process.communicate(timeout=120)
+        assert process.returncode == 0
+    entries = store.list()
+    assert [entry.version for entry in entries] == list(range(1, 33))
+    assert len({entry.stored.digest for entry in entries}) == 32
+    assert all(verdict.sound for verdict in store.verify())
+
+
+def test_the_order_of_the_journal_counts_not_the_clock(three, monkeypatch):
+    class Back(calib.store.journal.datetime):
+        @classmethod
+        def now(cls, tz=None):
+            return cls(1999, 12, 31, tzinfo=tz)
+
+    monkeypatch.setattr(calib.store.journal, "datetime", Back)
+    three.judge("sedan@3", REJECT)
+    state = three.load("sedan@3").state
+    assert (state.word, state.at[:4]) == ("rejected", "1999")
+    assert three.load("sedan").version == 2
+    assert all(verdict.sound for verdict in three.verify())
+
+
+def test_a_store_that_is_older_than_its_journal_is_read_as_before(tmp_path):
+    shutil.copytree(ROOT / "tests" / "store" / "older" / "tables", tmp_path / "tables")
+    store = Store(tmp_path / "tables")
+    assert store.load("sedan-2up").id == "sedan-2up@2"
+    assert {entry.state.word for entry in store.list()} == {"draft"}
+    assert all(verdict.sound for verdict in store.verify())
+    assert not (store.folder / "journal.jsonl").exists()
+    store.judge("sedan-2up@1", REJECT)
+    assert [e.event for e in store.journal().entries] == ["adopted"] * 2 + ["changed"]
+    assert store.load("sedan-2up@1").state.word == "rejected"
+    assert all(verdict.sound for verdict in store.verify())
+
+
+def test_what_is_typed_wrong_is_a_usage_error_with_the_nearest_name(three):
+    for reference, says in (("sedna", "did you mean 'sedan'"), ("sedan@9", "one of 1, 2, 3")):
+        with pytest.raises(TableNotFound, match=says) as error:
+            three.judge(reference, RELEASE)
+        assert error.value.exit_code == 2
