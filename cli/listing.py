@@ -97,11 +97,14 @@ def _none(serial: str, every: "list[Row]") -> str:
 
 
 def _print(rows: "list[Row]") -> None:
-    heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range", "band", "verdict")
-    table = grid(*heads, fold=True)
+    heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
+    table = grid(*heads, right=("logs", "band"), fold=True)
+    table.collapse_padding = True  # so that a row has its line on 80 columns
+    for column in table.columns[:3]:
+        column.no_wrap = True
     for row in rows:
         if row.flaw:
-            table.add_row(row.id, row.state, row.date[:10], "", f"cannot be used: {row.flaw}")
+            table.add_row(row.id, row.state, row.date[:10])
             continue
         warned = f"{row.warnings} warning{'s' * (row.warnings > 1)}" if row.warnings else ""
         table.add_row(
@@ -109,10 +112,13 @@ def _print(rows: "list[Row]") -> None:
             f"{row.state}, signed" if row.keys else row.state,
             row.date[:10],
             " ".join(filter(None, (row.serial, row.vin))),
-            ", ".join(row.logs),
+            str(len(row.logs)),
             "/".join(f"{x:.3f}" for x in row.pads or ()),
-            "{:.2f}-{:.2f} g".format(*row.decelerations or (0.0, 0.0)),
+            "{:.2f}-{:.2f}".format(*row.decelerations or (0.0, 0.0)),
             "" if row.band_width is None else f"{100 * row.band_width:.0f} %",
             ", ".join(filter(None, (row.verdict, warned))),
         )
     emit(table)
+    for row in rows:
+        if row.flaw:
+            emit(f"{row.id} cannot be used: {row.flaw}")
