@@ -5,11 +5,13 @@ written out here from the wheelbase; the tyre is g = C slip.
 """
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Axle, Vehicle
+from calib.store.version import Stored
 from calib.table.table import (
     EXTRAPOLATED,
     INTERPOLATED,
@@ -95,3 +97,10 @@ def made_table(stiffness: float = C, name: str = "sedan", rows: int = 21) -> Tab
             "brake-cal 0.1.0",
         ),
     )
+
+
+def stored_as(reference: str) -> Stored:
+    """The table of the closed form as it would come from a store, ``reference`` name@version."""
+    name, version = reference.split("@")
+    table = made_table(name=name)
+    return Stored(table, name, int(version), table.digest, Path(f"v{int(version):04d}"))

@@ -11,6 +11,7 @@ import pytest
 from calib.validation import results
 from calib.validation.results import write_result, write_results
 from calib.validation.validate import to_dict
+from tests.support.tables import stored_as
 from tests.validation.test_metrics import N, made_estimate
 from tests.validation.test_validate import made
 
@@ -83,7 +84,7 @@ def test_bounds_lie_around_the_estimate():
 def test_every_log_and_the_summary(tmp_path):
     logs = [made("first"), made("second")]
     out = tmp_path / "deep" / "results"
-    paths = write_results(logs, to_dict("t@1", logs), out)
+    paths = write_results(logs, to_dict(stored_as("t@1"), logs), out)
     assert [p.name for p in paths] == ["first.parquet", "second.parquet", "summary.json"]
     assert sorted(p.name for p in out.iterdir()) == sorted(p.name for p in paths)
     summary = json.loads((out / "summary.json").read_text())
@@ -94,7 +95,7 @@ def test_written_again_it_replaces_and_leaves_the_rest(tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
     for mu in (0.40, 0.30):
         logs = [replace(made("a"), estimate=made_estimate(mu))]
-        write_results(logs, to_dict("t@1", logs), tmp_path)
+        write_results(logs, to_dict(stored_as("t@1"), logs), tmp_path)
     assert pq.read_table(tmp_path / "a.parquet")["pad_friction_f"][0].as_py() == 0.30
     assert (tmp_path / "notes.txt").read_text() == "mine"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.parquet", "notes.txt", "summary.json"]
@@ -107,7 +108,7 @@ def test_a_failure_leaves_nothing(tmp_path, monkeypatch, there_before, what):
     if there_before:
         out.mkdir()
     logs = [made("first"), made("second")]
-    summary = to_dict("t@1", logs)
+    summary = to_dict(stored_as("t@1"), logs)
     if what == "summary":
         summary["agreement"] = float("nan")  # no JSON
     else:

@@ -38,6 +38,7 @@ from tests.support.reference_car import (
     without,
 )
 from tests.support.refusals import refusal
+from tests.support.tables import stored_as
 from tests.validation.test_metrics import made_estimate
 
 
@@ -259,15 +260,17 @@ def test_a_log_passes_unless_a_judged_figure_fails():
 
 def test_verdict_is_that_of_the_worst_log():
     bad = Judgement("valid_share", 0.5, 0.7, None, False)
-    summary = to_dict("sedan@3", [made("a"), made("b", judgements=[bad])])
+    summary = to_dict(stored_as("sedan@3"), [made("a"), made("b", judgements=[bad])])
     assert summary["verdict"] == "failed"
     assert [log["verdict"] for log in summary["logs"]] == ["passed", "failed"]
-    assert to_dict("sedan@3", [made("a")])["verdict"] == "passed"
+    assert to_dict(stored_as("sedan@3"), [made("a")])["verdict"] == "passed"
 
 
 def test_summary_holds_everything_and_is_json(table, wet, passed):
     other = validate(table, [replace(wet, name="blind", truth={})])[0]
-    summary = json.loads(json.dumps(to_dict("sedan@1", [passed, other]), allow_nan=False))
+    summary = json.loads(
+        json.dumps(to_dict(stored_as("sedan@1"), [passed, other]), allow_nan=False)
+    )
     assert summary["schema"] == 1
     assert summary["table"] == "sedan@1"
     first = summary["logs"][0]
@@ -294,7 +297,7 @@ def test_summary_holds_everything_and_is_json(table, wet, passed):
 def test_what_is_not_finite_becomes_null():
     odd = made("a", interval_f=math.inf, judgements=[Judgement("x", math.nan, None, 1.0, False)])
     odd = replace(odd, baselines={"gradient_paper": (math.nan, 0.1)})
-    log = json.loads(json.dumps(to_dict("t@1", [odd]), allow_nan=False))["logs"][0]
+    log = json.loads(json.dumps(to_dict(stored_as("t@1"), [odd]), allow_nan=False))["logs"][0]
     assert log["figures"]["interval_f"] is None
     assert log["limits"][0]["value"] is None
     assert log["rms_error_by_method"]["gradient_paper"] == {"front": None, "rear": 0.1}

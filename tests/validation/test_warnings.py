@@ -13,6 +13,7 @@ from calib.validation.warnings import warnings_of
 from calib.warning import PlausibilityWarning
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, WET, noisy, stop, with_pads
+from tests.support.tables import stored_as
 
 
 def codes(log, estimate):
@@ -75,7 +76,7 @@ def test_pads_wet_on_one_axle_are_named(fitted):
 def test_the_summary_holds_the_warnings_with_their_log(fitted, clean):
     log = replace(misread(noisy(clean, 0), 1.08), name="wrong")
     results = validate(fitted, [replace(noisy(clean, 1), name="right"), log], CAR)
-    summary = json.loads(json.dumps(to_dict("sedan@1", results), allow_nan=False))
+    summary = json.loads(json.dumps(to_dict(stored_as("sedan@1"), results), allow_nan=False))
     assert summary["warnings"]
     assert {one["log"] for one in summary["warnings"]} == {"wrong"}
     first = next(one for one in summary["warnings"] if one["code"] == "a_x_scale")
