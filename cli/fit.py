@@ -7,7 +7,7 @@ import typer
 
 import calib
 from cli.console import emit, emit_json, say, warn
-from cli.inputs import channel_map_of, mass_of
+from cli.inputs import channel_map_of, mass_of, tell_kin
 from cli.options import STORE, Json, KnownModel, Map, Mass, Store, VehicleFile, example
 
 if TYPE_CHECKING:
@@ -57,6 +57,7 @@ def fit(
     told = mass_used(given, weight)
     if stored.existed:
         say(f"already stored as {stored.id}")
+    tell_kin(store, stored)
     warn(stored.table.warnings)
     if json:
         emit_json(_document(stored, told))

@@ -42,15 +42,28 @@ def golden_of(store: Path, reference: str) -> "Stored":
     """The table by which others are measured: released, or a draft that is named by its version."""
     import calib
     from calib.errors import StoreError
+    from cli.console import say
 
     found = calib.Store(store).released(reference)
-    if not found.state.usable:
+    if not found.state.released:
+        say(f"{found.id} is {found.state.words}")
+    if not (found.state.usable and found.state.known):
         raise StoreError(
             f"is {found.state.words}; no car is measured by it",
             where=found.id,
             expected="a released version",
         )
     return found
+
+
+def tell_kin(store: Path, stored: "Stored") -> None:
+    """Say which rejected and withdrawn versions are made of the same ramp."""
+    import calib
+    from calib.store.kin import refused_kin
+    from cli.console import say
+
+    for other in refused_kin(calib.Store(store), stored):
+        say(f"note: {stored.id} has a ramp of {other.id}, which is {other.state.words}")
 
 
 def quantity_of(written: str, si: str, option: str) -> float:

@@ -100,7 +100,7 @@ def _print(rows: "list[Row]") -> None:
     heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
     table = grid(*heads, right=("logs", "band"), fold=True)
     table.collapse_padding = True  # so that a row has its line on 80 columns
-    for column in table.columns[:3]:
+    for column in (*table.columns[:3], *table.columns[4:8]):
         column.no_wrap = True
     for row in rows:
         if row.flaw:
@@ -109,14 +109,14 @@ def _print(rows: "list[Row]") -> None:
         warned = f"{row.warnings} warning{'s' * (row.warnings > 1)}" if row.warnings else ""
         table.add_row(
             row.id,
-            f"{row.state}, signed" if row.keys else row.state,
+            row.state,
             row.date[:10],
             " ".join(filter(None, (row.serial, row.vin))),
             str(len(row.logs)),
             "/".join(f"{x:.3f}" for x in row.pads or ()),
             "{:.2f}-{:.2f}".format(*row.decelerations or (0.0, 0.0)),
             "" if row.band_width is None else f"{100 * row.band_width:.0f} %",
-            ", ".join(filter(None, (row.verdict, warned))),
+            ", ".join(filter(None, (row.verdict, warned, "signed" if row.keys else ""))),
         )
     emit(table)
     for row in rows:

@@ -31,7 +31,7 @@ class Setting:
 
 
 def settings(json: Json = False) -> None:
-    r"""Show each setting, its value and where it comes from.
+    """Show each setting, its value and where it comes from.
 
     The file is brake-cal.toml in this folder or the nearest one above that has it; the variable
     BRAKE_CAL_SETTINGS names another one, or none if it is empty. Its paths lead from its folder. An
@@ -45,7 +45,7 @@ def settings(json: Json = False) -> None:
     limits   station, validate, batch and watch validate
     station  station: name is --station, golden is --golden, export is --export
     keys.public, require_signed, by   who signs and changes the state of tables
-    """
+    """  # noqa: D301
     found = find_project()
     rows = _rows(found)
     if json:

@@ -40,6 +40,7 @@ def _document(stored: "Stored") -> dict[str, object]:
     record, curves = stored.table.content()
     eta, D = stored.table.difference.peak
     return {
+        "schema": 1,
         "id": stored.id,
         "name": stored.name,
         "version": stored.version,

@@ -68,8 +68,21 @@ def withdraw(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Withdraw a version for good: a bare name never means it, and it is not exported."""
-    _judge(table, "withdrawn", reason, None, by, store, json)
+    """Withdraw a version for good: a bare name never means it, and it is not exported.
+
+    A version that is missing and cannot be restored is withdrawn, too: `tables verify` then no
+    longer counts it.
+    """
+    from calib.store.state import Decision
+
+    _check(table, reason)
+    decision = Decision("withdrawn", reason, by=by or "")
+    if not calib.Store(store).withdraw_missing(table, decision):
+        _judge(table, "withdrawn", reason, None, by, store, json)
+    elif json:
+        emit_json({"schema": 1, "table": table, "state": "withdrawn", "missing": True})
+    else:
+        emit(f"{table} is withdrawn; its folder is missing")
 
 
 def log(
@@ -91,6 +104,8 @@ def log(
         emit_json({"schema": 1, "store": store, "head": journal.head, "entries": entries})
         return
     rows = grid("when", "table", "state", "by", "why", "evidence", fold=True)
+    for column in rows.columns[:3]:
+        column.no_wrap = True
     for entry in entries:
         rows.add_row(entry.at, entry.id, _event(entry), entry.by, entry.reason, _evidence(entry))
     emit(rows)

@@ -10,7 +10,7 @@ import typer
 import calib
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
-from cli.inputs import channel_map_of, golden_of, limits_of_car, mass_of, unknown_format
+from cli.inputs import channel_map_of, golden_of, limits_of_car, mass_of, tell_kin, unknown_format
 from cli.options import (
     STORE,
     By,
@@ -187,6 +187,11 @@ def station(
     ramps, coasts = [ramp, *(more.ramps or [])], more.coasts or []
     identity, forms, weight = line.identity(), ecu.forms(), mass_of(mass)
     public = signing.public()
+    if accept is not None and not accept.strip():
+        raise typer.BadParameter("says nothing", param_hint="--accept-warnings")
+    if public and forms:
+        say("no exports: what is stored now is not signed; sign it, then `brake-cal tables export`")
+        forms = []
     outputs = _outputs(holdouts, forms, out)
     refuse_overwriting(outputs, [*ramps, *coasts, *holdouts], [vehicle, limits, channel_map])
     car, held = read_vehicle(vehicle), limits_of_car(limits)
@@ -212,6 +217,7 @@ def station(
         stored, document = store_and_write(found, calib.Store(store), forms, ecu.date or "", work)
         paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
+    tell_kin(store, stored)
     warn(found.warnings)
     if json:
         emit_json(document)
@@ -245,6 +251,8 @@ def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None
     emit(f"{stored.id} is {stored.state.why}")
     if forms and not stored.state.released:
         emit("no exports: only a released table may reach an ECU")
+    if found.passed and not stored.state.usable:
+        emit("a person decides: `brake-cal tables release` with this station.json as --evidence")
     if stored.state.word == DRAFT:
         emit("release it with --accept-warnings REASON, or later with `brake-cal tables release`")
     emit(f"{HEADINGS[found.verdict]}: {stored.id}, {summary(found)}")

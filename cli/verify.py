@@ -38,7 +38,15 @@ def verify(
         rows = [{"id": v.id, "sound": v.sound, "violations": v.violations} for v in verdicts]
         if key:
             rows = [{**row, "signed": signed.get(str(row["id"]))} for row in rows]
-        emit_json({"store": store, "sound": sound, "versions": rows, "unfinished": unfinished})
+        emit_json(
+            {
+                "schema": 1,
+                "store": store,
+                "sound": sound,
+                "versions": rows,
+                "unfinished": unfinished,
+            }
+        )
     else:
         table = grid("table", "verdict", fold=True)
         for verdict in verdicts:

@@ -90,6 +90,6 @@ def _not_released(stored: Stored) -> StoreError:
         f"is {stored.state.words}",
         where=stored.id,
         expected="a released version",
-        do=f"release it with `brake-cal tables release {stored.id} --reason ...`, "
+        do=f"release it with `brake-cal tables release {stored.id} --reason ... --evidence ...`, "
         "or hand it out as it is with --unreleased: the file then says so",
     )

@@ -64,9 +64,14 @@ class Derived:
 def derive(parent: Stored, written: Iterable[str], reason: str, by: str = "") -> Derived:
     """Set values of a table by hand; ``written`` as ``KEY=VALUE``, see `calib.revisions.keys`.
 
-    Raises RevisionError without a reason, for an unknown key, an eta that is no row, a value that
+    Raises RevisionError for a parent that is rejected, withdrawn or outside of its store, without a
+    reason, for an unknown key, an eta that is no row, a value that
     means nothing, and a value that the table has already.
     """
+    if not (parent.state.usable and parent.state.known):
+        raise RevisionError(
+            f"{parent.id} is {parent.state.words}", do="correct a version that may be used"
+        )
     if not reason.strip():
         raise RevisionError("no reason was given", do="say why the values are set by hand")
     table, before = parent.table, parent.table

@@ -39,7 +39,7 @@ def _name(parents: Sequence[Stored], name: str) -> Iterator[str]:
 def _each(parents: Sequence[Stored]) -> Iterator[str]:
     ranges = [float(p.table.difference.eta[-1]) - 1.0 for p in parents]
     for parent, reach in zip(parents, ranges, strict=True):
-        if not parent.state.usable:
+        if not (parent.state.usable and parent.state.known):
             yield f"{parent.id} is {parent.state.words}; leave it out"
         if parent.table.spread is not None:
             yield f"{parent.id} is a mean of cars itself; merge the cars it was made of"

@@ -110,7 +110,7 @@ class StationOutcome:
         if self.verdict == WARNING and self.accepted:
             state, reason = RELEASED, f"{reason}; accepted: {self.accepted}"
         evidence = (Evidence("station.json", digest),)
-        return Decision(state, reason, self.verdict, evidence, self.by)
+        return Decision(state, reason, self.verdict, evidence, self.by, automatic=True)
 
     def with_verdict(self, word: str) -> list[Check]:
         """Checks of one verdict, in order."""

@@ -19,7 +19,7 @@ from calib.store.folders import (
     versions_in,
 )
 from calib.store.journal import JOURNAL, Journal
-from calib.store.state import UNKNOWN, State
+from calib.store.state import OUTSIDE, UNKNOWN, WITHDRAWN, State
 from calib.store.version import Stored, read_version
 from calib.table.invariants import violations
 from calib.table.same import inputs, same
@@ -90,6 +90,11 @@ class Snapshot:
         """A number that no version ever had, and that nothing on disk bears."""
         return 1 + max([*self.journal.of(name), *numbers(self.folder / name)], default=0)
 
+    def is_missing(self, name: str, version: int) -> bool:
+        """Whether the journal knows a version whose folder is not there."""
+        known = version in self.journal.of(name)
+        return known and place(self.folder / checked_name(name), version) is None
+
     def state(self, name: str, version: int) -> State:
         """State of a version; `UNKNOWN` where the journal does not know it."""
         known = version in self.journal.of(name)
@@ -155,7 +160,9 @@ class Snapshot:
             return StoreEntry(name, version, state, None, error.what)
 
     def flaws(self, name: str, version: int) -> tuple[str, ...]:
-        """What is wrong with a version, in words."""
+        """What is wrong with a version, in words; one that was withdrawn may be missing."""
+        if self.is_missing(name, version) and self.state(name, version).word == WITHDRAWN:
+            return ()
         try:
             return violations(self.load(name, version).table)
         except StoreError as error:
@@ -190,7 +197,9 @@ class Snapshot:
         """The version in a directory, with its state if that is its place in this store."""
         stored = read_version(path)
         at_home = placed_in(self.folder, stored.name, stored.version).resolve() == path.resolve()
-        return self.load(stored.name, stored.version) if at_home else stored
+        if at_home:
+            return self.load(stored.name, stored.version)
+        return replace(stored, state=OUTSIDE) if stored.journaled else stored
 
 
 def _none_fits(name: str, states: dict[int, State], released: bool) -> StoreError:

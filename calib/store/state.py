@@ -41,7 +41,8 @@ class Decision:
     """What is said of a version, and by whom.
 
     ``state`` one of `STATES`; ``reason`` in words; ``verdict`` of the evidence: passed, warning or
-    failed, "" without one; ``by`` "" for the user of the computer.
+    failed, "" without one; ``by`` "" for the user of the computer. ``automatic``: of a program,
+    which releases nothing that was rejected and changes nothing that was withdrawn.
     """
 
     state: str = DRAFT
@@ -49,6 +50,7 @@ class Decision:
     verdict: str = ""
     evidence: tuple[Evidence, ...] = ()
     by: str = ""
+    automatic: bool = False
 
     @property
     def person(self) -> str:
@@ -65,8 +67,9 @@ class State:
     """The state of a version since ``at`` (ISO 8601, UTC), by whom, why, and on what evidence.
 
     ``stored_at``: when the version was stored; ``seen``: SHA-256 of every file that a state of the
-    version ever rested on. Both times are of the clock of the computer that
-    wrote them, and "" for a version that no journal knows; ``by`` and ``reason`` are then "", too.
+    version ever rested on; ``known`` False for a version outside of the store that made it. Both
+    times are of the clock of the computer that wrote them, and "" for a version that no journal
+    knows; ``by`` and ``reason`` are then "", too.
     """
 
     word: str = DRAFT
@@ -77,6 +80,7 @@ class State:
     evidence: tuple[Evidence, ...] = ()
     stored_at: str = ""
     seen: frozenset[str] = frozenset()
+    known: bool = True
 
     @property
     def released(self) -> bool:
@@ -101,7 +105,10 @@ class State:
 
 
 UNKNOWN = State()
-"""State of a version that no journal knows: a draft."""
+"""State of a version that is older than the journal: a draft."""
+
+OUTSIDE = State(reason="outside of its store, whose journal knows its state", known=False)
+"""State of a version that was copied out of its store."""
 
 
 def next_state(version: str, now: State, decision: Decision | None) -> State:
@@ -112,6 +119,8 @@ def next_state(version: str, now: State, decision: Decision | None) -> State:
     if decision is None or decision.state == DRAFT:
         return now
     new = decision.state
+    if decision.automatic and (now.word == WITHDRAWN or (now.word, new) == (REJECTED, RELEASED)):
+        return now  # a person decides
     if now.word == new and now.evidence == decision.evidence:
         return now  # the same command again
     if new not in CHANGES[now.word]:

@@ -106,6 +106,28 @@ class Store:
         with self._changing(reference) as (now, stored):
             return self._judged(stored, decision, now)
 
+    def withdraw_missing(self, reference: str, decision: Decision) -> bool:
+        """Withdraw a version whose folder is gone, so that `verify` no longer counts it as missing.
+
+        Returns False, and does nothing, where the folder is there. Raises TableNotFound when there
+        never was such a version, StoreError when the store cannot be written.
+        """
+        name, _, version = reference.partition("@")
+        with self._reading():
+            now = self._snapshot()
+            if not now.is_missing(name, now.number(name, version)):
+                return False
+        with self._writing():
+            journal = read_journal(self.folder)
+            first = journal.of(name)[int(version)][0]
+            next_state(reference, journal.state(name, int(version)), decision)
+            tidy(self.folder, journal)
+            entered = journal.added(
+                CHANGED, name, int(version), first.digest, first.record, decision, program=PROGRAM
+            )
+            write_journal(self.folder, entered)
+        return True
+
     def sign(self, reference: str, key: SecretKey, by: str = "") -> Signed:
         """Sign the record and the state of ``name@version``, and enter that in the journal.
 

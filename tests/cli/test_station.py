@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from calib.store.state import Decision
 from calib.store.store import Store
 from calib.table.table import Value
 
@@ -224,3 +225,54 @@ def test_a_stated_mass_counts_in_the_ramp_and_in_the_stops(station, tmp_path):
     assert heavy / record["calibration"]["pad_scale"]["value"] == pytest.approx(
         1800 / 1744, abs=2e-3
     )
+
+
+def state_of(folder):
+    return Store(folder / "tables").load("sedan-2up@1").state.word
+
+
+def test_a_person_s_rejection_is_not_overruled_by_another_run(station, tmp_path):
+    assert station("--export", "dcm").code == 0
+    assert state_of(tmp_path) == "released"
+    Store(tmp_path / "tables").judge("sedan-2up@1", Decision("rejected", "caliper cracked"))
+    limits = tmp_path / "wide.toml"
+    limits.write_text("schema = 1\n[limits]\nvalid_share = { min = 0.4 }\n")
+    ran = station("--export", "dcm", "--limits", limits)
+    assert ran.code == 0
+    assert "sedan-2up@1 is rejected: caliper cracked" in ran.out
+    assert "a person decides" in ran.out
+    assert state_of(tmp_path) == "rejected"
+    assert not (tmp_path / "car" / "table.dcm").exists()
+    document = json.loads((tmp_path / "car" / "station.json").read_text())
+    assert (document["verdict"], document["table"]["state"]) == ("passed", "rejected")
+
+
+def test_warnings_release_only_with_a_reason(station, tmp_path):
+    limits = tmp_path / "limits.toml"
+    limits.write_text(
+        "schema = 1\n[limits]\npad_scale = { fail = [0.5, 2.0], warn = [1.5, 1.9] }\n"
+    )
+    assert station("--limits", limits, "--export", "dcm").code == 0
+    assert state_of(tmp_path) == "draft"
+    assert not (tmp_path / "car" / "table.dcm").exists()
+    assert station("--limits", limits, "--accept-warnings", " ").code == 2
+    ran = station(
+        "--limits", limits, "--export", "dcm", "--accept-warnings", "known", "--by", "Ada"
+    )
+    assert ran.code == 0
+    assert state_of(tmp_path) == "released"
+    assert "known" in (tmp_path / "car" / "table.dcm").read_text()
+
+
+def test_no_car_is_measured_by_a_rejected_table_or_a_copy(station, tmp_path):
+    assert station().code == 0
+    store = Store(tmp_path / "tables")
+    shutil.copytree(tmp_path / "tables/sedan-2up/v0001", tmp_path / "copy")
+    ran = station("--golden", tmp_path / "copy")
+    assert ran.code == 4
+    assert "outside of its store" in ran.err
+    store.judge("sedan-2up@1", Decision("rejected", "wet"))
+    assert station("--golden", "sedan-2up@1").code == 4
+    ran = station("--golden", "sedan-2up")
+    assert ran.code == 4
+    assert "has no released version; there is sedan-2up@1 rejected" in ran.err

@@ -134,6 +134,9 @@ def test_a_rejected_version_is_released_only_on_new_evidence(three):
         with pytest.raises(StoreError, match="only on new evidence"):
             three.judge("sedan@1", old)
     new = Evidence("summary.json", "cd" * 32)
+    station = replace(RELEASE, evidence=(new,), automatic=True)
+    kept = three.save(made_table(27.0), station)
+    assert (kept.version, kept.state.word) == (1, "rejected")
     released = three.judge("sedan@1", replace(RELEASE, evidence=(new,)))
     assert released.state.evidence == (new,)
 
@@ -182,6 +185,26 @@ def test_a_version_that_is_missing_replaced_edited_or_renumbered_is_found_and_re
     assert error.value.exit_code == 4
     assert not next(v for v in three.verify() if v.id == "sedan@2").sound
     assert three.load("sedan@1").version == 1
+
+
+def test_a_missing_version_may_be_given_up(three):
+    shutil.rmtree(three.folder / "sedan" / "v0003")
+    assert not three.withdraw_missing("sedan@2", WITHDRAW)
+    assert three.withdraw_missing("sedan@3", WITHDRAW)
+    assert all(verdict.sound for verdict in three.verify())
+    assert three.load("sedan").version == 2
+    with pytest.raises(DamagedTable, match="missing"):
+        three.load("sedan@3")
+    assert three.save(made_table(30.0)).version == 4
+
+
+def test_a_copy_outside_of_its_store_is_no_draft(three, tmp_path):
+    three.judge("sedan@3", REJECT)
+    shutil.copytree(three.folder / "sedan" / "v0003", tmp_path / "copy")
+    state = three.load(str(tmp_path / "copy")).state
+    assert not state.known
+    assert "outside of its store" in state.words
+    assert three.load(str(three.folder / "sedan" / "v0003")).state.word == "rejected"
 
 
 def test_the_newest_version_that_is_missing_is_not_passed_over(three):
