@@ -27,7 +27,8 @@ class Parameter:
     """A parameter of an effect: SI unit, plausible range, and the prior when nothing is known.
 
     ``typical`` and ``spread`` are the mean and one standard deviation over passenger cars, and the
-    size at which a diagnosis starts to look for it.
+    size at which a diagnosis starts to look for it. ``default`` is the value where a file does not
+    give one, for a parameter that older files do not have; None: it must be given.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Parameter:
     high: float
     typical: float
     spread: float
+    default: float | None = None
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,8 @@ def lines(hidden: Hidden, master: Array) -> Lines:
             line = released(line, hidden.threshold)
         if hidden.hysteresis:
             line = loop(line, hidden.hysteresis)
+        if hidden.hysteresis_fixed:
+            line = backlash(line, hidden.hysteresis_fixed)
         if hidden.weaker_by:
             line = line * (1.0 - hidden.weaker_by * np.maximum(applications(p) - 1, 0))
         pressed.append(line)
@@ -79,6 +81,20 @@ def loop(p: Array, width: float) -> Array:
         held = [
             min(max(c, now * (1.0 - h)), now * (1.0 + h)) for c, h in zip(held, halves, strict=True)
         ]
+        out[i] = sum(held) / 3.0
+    return out
+
+
+def backlash(p: Array, half: float) -> Array:
+    """The mean of three plays whose half-widths do not depend on the pressure, never below zero.
+
+    Rising far enough it follows p - half, falling p + half; what is left stays at no pressure.
+    """
+    halves = [half * k for k in (0.7, 1.0, 1.3)]
+    held = [0.0, 0.0, 0.0]
+    out = np.empty_like(p)
+    for i, now in enumerate(p.tolist()):
+        held = [max(min(max(c, now - h), now + h), 0.0) for c, h in zip(held, halves, strict=True)]
         out[i] = sum(held) / 3.0
     return out
 

@@ -72,7 +72,11 @@ COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
     },
     "caliper_hysteresis": {
         # falling over rising: (1 + w/2)/(1 - w/2) here, 1/(1 - w) there
-        "width": Counterpart(lambda h: h.hysteresis / (1.0 + 0.5 * h.hysteresis), 0.10),
+        # a fixed width is told at 20 bar
+        "width": Counterpart(
+            lambda h: h.hysteresis / (1.0 + 0.5 * h.hysteresis) + 2.0 * h.hysteresis_fixed / 20e5,
+            0.10,
+        ),
     },
     "pitch_coupling": {
         "natural_frequency": Counterpart(lambda h: 2.0 * math.pi * h.pitch_frequency),

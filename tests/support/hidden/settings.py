@@ -24,6 +24,7 @@ class Hidden:
     lag, delay : of the line pressure [s].
     knee, knee_slope : rear pressure above the knee [Pa] rises with this slope [1].
     hysteresis : width of the loop between application and release, relative [1].
+    hysteresis_fixed : half width of a play that does not depend on the pressure [Pa].
     pitch_frequency, pitch_damping, pitch_gain : [Hz], [1], dive per deceleration over g [rad].
     bias, scale_error : of the accelerometer [m/s^2], [1].
     inertia : added to each front wheel [kg m^2].
@@ -61,6 +62,7 @@ class Hidden:
     knee: float = 0.0
     knee_slope: float = 1.0
     hysteresis: float = 0.0
+    hysteresis_fixed: float = 0.0
     pitch_frequency: float = 0.0
     pitch_damping: float = 0.3
     pitch_gain: float = 0.0

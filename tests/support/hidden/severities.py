@@ -68,6 +68,13 @@ def pitch(s: Strength, rng: np.random.Generator) -> dict[str, float]:
     }
 
 
+def hysteresis(s: Strength, rng: np.random.Generator) -> dict[str, float]:
+    """A width that grows with the pressure, or a fixed one."""
+    if rng.random() < 0.5:
+        return {"hysteresis": s(0.08, 0.20)}
+    return {"hysteresis_fixed": s(0.8e5, 2.0e5)}
+
+
 def regeneration(s: Strength, rng: np.random.Generator) -> dict[str, float]:
     """On either axle, limited by power from some 20 m/s on."""
     return {
@@ -99,7 +106,7 @@ CATALOGUE: dict[str, Draw] = {
         "knee": float(r.uniform(10e5, 20e5)),
         "knee_slope": 0.9 - s(0.3, 0.6),
     },
-    "caliper_hysteresis": lambda s, r: {"hysteresis": s(0.08, 0.20)},
+    "caliper_hysteresis": hysteresis,
     "pitch_coupling": pitch,
     "accelerometer_bias": lambda s, r: {"bias": sign(r) * s(0.08, 0.25)},
     "accelerometer_scale": lambda s, r: {"scale_error": sign(r) * s(0.03, 0.08)},

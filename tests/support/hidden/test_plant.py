@@ -9,7 +9,7 @@ import pytest
 from calib.logs.read import read_log
 from calib.physics.vehicle_file import read_vehicle
 from tests.support.hidden.cases import CARS, NOISE, TRUTH, draw, write
-from tests.support.hidden.hydraulics import lines, loop
+from tests.support.hidden.hydraulics import backlash, lines, loop
 from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT, Manoeuvre, manoeuvre
 from tests.support.hidden.plant import AMBIENT, COOLING, Car, Start, drive
 from tests.support.hidden.score import outcome, score
@@ -117,6 +117,15 @@ def test_the_loop_has_its_width_and_closes():
     assert c[-1] == 0.0
     assert np.all(np.diff(c[:3000]) >= 0.0)
     assert np.all(np.diff(c[3000:]) <= 0.0)
+
+
+def test_a_backlash_is_behind_by_its_half_width_and_stays():
+    up = np.linspace(0.0, 30e5, 3000)
+    p = np.concatenate([up, up[::-1]])
+    c = backlash(p, 1e5)
+    assert c[2000] == pytest.approx(p[2000] - 1e5)
+    assert c[-1501] == pytest.approx(p[-1501] + 1e5)
+    assert c[-1] == pytest.approx(1e5)
 
 
 @pytest.mark.parametrize("name", [*CATALOGUE, *OUTSIDE])

@@ -1,0 +1,29 @@
+"""Effects of the catalogue hidden in the plant, whose forms differ from those of the cards."""
+
+import pytest
+
+from calib.diagnosis.diagnose import Diagnosis, diagnose
+from tests.support.hidden.cases import HiddenCase, draw
+
+
+def answer(case: HiddenCase) -> Diagnosis:
+    return diagnose(case.vehicle, list(case.calibration), list(case.holdout))
+
+
+@pytest.fixture(scope="module")
+def play() -> HiddenCase:
+    """A play of fixed width: seed 1 draws that one of the two."""
+    case = draw("single", 1, names=("caliper_hysteresis",), severity=2)
+    assert case.hidden.hysteresis_fixed > 0.0
+    return case
+
+
+def test_a_play_of_fixed_width_is_named_and_told_as_fixed(play):
+    found = answer(play)
+    assert found.verdict == "named"
+    (effect,) = found.effects
+    assert effect.name == "caliper_hysteresis"
+    low, high = effect.parameters["width"].ci95
+    assert low < 2.0 * play.hidden.hysteresis_fixed / 20e5 < high
+    assert effect.parameters["fixed_share"].value > 0.7
+    assert found.gap.closed > 0.85
