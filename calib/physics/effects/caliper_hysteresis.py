@@ -100,8 +100,8 @@ EFFECT = Effect(
         ),
         source="Visintin, Differential Models of Hysteresis, ch. III (play); Limpert, ch. 5",
         looks_like=(
-            "more torque on release than on application at the same pressure, fast or slow; a fixed "
-            "width also bites late and drags after release; seen only in logs with a release"
+            "more torque on release than on application at the same pressure, fast or slow; a "
+            "fixed width also bites late and drags after release; seen only in logs with a release"
         ),
         parameters=(
             Parameter("width", "1", 0.0, 0.5, 0.06, 0.04),

@@ -67,7 +67,7 @@ def test_the_axles_have_it_each_for_itself():
 
 
 def test_a_fixed_loop_by_hand():
-    """Half a width of 2 bar: bites late, comes back late, and keeps 2 bar when the pedal is free."""
+    """Half a width of 2 bar: bites late, comes back late, keeps 2 bar when the pedal is free."""
     p = np.array([0.0, 1.0, 3.0, 20.0, 18.0, 16.0, 10.0, 12.0, 14.0, 20.0, 1.0, 0.0]) * 1e5
     c = np.array([0.0, 0.0, 1.0, 18.0, 18.0, 18.0, 12.0, 12.0, 12.0, 18.0, 3.0, 2.0]) * 1e5
     assert clamp(p, Play(0.0, 2e5)) == pytest.approx(c)

@@ -59,7 +59,8 @@ CONTRACT = (
     "pad_speed_dependence pad_pressure_dependence wet_pad_recovery rolling_radius_mismatch "
     "brake_threshold_pressure hydraulic_lag hydraulic_delay rear_proportioning caliper_hysteresis "
     "pitch_coupling accelerometer_bias accelerometer_scale wheel_inertia side_imbalance "
-    "disc_thickness_variation mass_error"
+    "disc_thickness_variation mass_error residual_torque hydraulic_oscillation "
+    "regenerative_torque"
 )
 
 

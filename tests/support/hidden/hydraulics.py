@@ -59,7 +59,23 @@ def follow(hidden: Hidden, master: Array) -> Array:
     if hidden.lag:
         a = np.exp(-STEP / hidden.lag)
         p = np.asarray(lfilter([1.0 - a], [1.0, -a], p, zi=[a * p[0]])[0])
+    if hidden.surge:
+        p = swinging(p, 2.0 * np.pi * hidden.surge, hidden.surge_damping)
     return p
+
+
+def swinging(p: Array, frequency: float, damping: float) -> Array:
+    """Spring and mass by small steps of semi-implicit Euler, settled at first."""
+    y, rate = float(p[0]), 0.0
+    out = np.empty_like(p)
+    parts = 4
+    dt = STEP / parts
+    for i, now in enumerate(p.tolist()):
+        for _ in range(parts):
+            rate += dt * frequency * (frequency * (now - y) - 2.0 * damping * rate)
+            y += dt * rate
+        out[i] = y
+    return np.maximum(out, 0.0)
 
 
 def released(p: Array, threshold: float) -> Array:

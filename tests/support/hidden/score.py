@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from tests.support.hidden.cases import NOISE, HiddenCase
 from tests.support.hidden.settings import Hidden
-from tests.support.hidden.severities import where
+from tests.support.hidden.severities import WHERE
 
 Array = NDArray[np.float64]
 Replays = Mapping[str, Mapping[str, Array]]
@@ -89,6 +89,15 @@ COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
     "side_imbalance": {"imbalance": Counterpart(lambda h: h.imbalance)},
     "disc_thickness_variation": {"amplitude": Counterpart(lambda h: h.thickness)},
     "mass_error": {"mass_error": Counterpart(lambda h: h.mass_error)},
+    "residual_torque": {"residual_pressure": Counterpart(lambda h: h.sticking)},
+    "hydraulic_oscillation": {
+        "response_time": Counterpart(lambda h: 1.0 / (2.0 * math.pi * h.surge)),
+        "line_damping": Counterpart(lambda h: h.surge_damping),
+    },
+    "regenerative_torque": {
+        "regen_torque": Counterpart(lambda h: 2.0 * h.regen_torque, 0.05),
+        "regen_power": Counterpart(lambda h: 2.0 * h.regen_power, 0.05),
+    },
 }
 
 
@@ -233,7 +242,7 @@ AXLES = {"f": "front", "r": "rear", "vehicle": "body", "car": "body", "all": "bo
 def placed(case: HiddenCase, diagnosis: Mapping) -> tuple[bool | None, bool | None]:
     """Whether the axle and the driver of an unknown are right; None where nothing is said."""
     told = diagnosis.get("unexplained") or {}
-    axles, drivers = where(case.effects[0], case.hidden)
+    axles, drivers = WHERE[case.effects[0]]
     axle, driver = told.get("axle"), told.get("driver") or told.get("depends_on")
     if isinstance(driver, list | tuple):
         driver = driver[0] if driver else None

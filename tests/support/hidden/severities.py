@@ -114,14 +114,18 @@ CATALOGUE: dict[str, Draw] = {
     "side_imbalance": imbalance,
     "disc_thickness_variation": thickness,
     "mass_error": lambda s, r: {"mass_error": sign(r) * s(0.03, 0.08)},
+    "residual_torque": lambda s, r: {"sticking": s(1.5e5, 5e5)},
+    "hydraulic_oscillation": lambda s, r: {
+        "surge": 4.0 - s(0.8, 2.8),
+        "surge_damping": float(r.uniform(0.2, 0.5)),
+    },
+    "regenerative_torque": regeneration,
 }
 
 OUTSIDE: dict[str, Draw] = {
-    "regenerative_torque": regeneration,
     "abs_modulation": lambda s, r: {"abs_slip": 0.024 - s(0.004, 0.012)},
     "stiffness_over_speed": lambda s, r: {"stiffness_speed": sign(r) * s(0.006, 0.018)},
     "tyre_warming": lambda s, r: {"stiffness_heat": s(0.25e-6, 0.6e-6)},
-    "sticking_rear_brake": lambda s, r: {"sticking": s(1.5e5, 5e5)},
     "tank_slosh": slosh,
     "tooth_error": lambda s, r: {"tooth_error": s(0.0006, 0.002)},
     "weaker_applications": lambda s, r: {"weaker_by": s(0.05, 0.12)},
@@ -135,10 +139,6 @@ WHERE: dict[str, tuple[frozenset[str], frozenset[str]]] = {
         frozenset({"both", "front", "rear"}),
         frozenset({"energy", "time", "elapsed", "temperature"}),
     ),
-    "sticking_rear_brake": (
-        frozenset({"rear"}),
-        frozenset({"time", "elapsed", "pressure", "application"}),
-    ),
     "tank_slosh": (frozenset({"both", "body"}), frozenset({"time", "frequency", "deceleration"})),
     "tooth_error": (frozenset({"front"}), frozenset({"angle", "wheel_angle", "speed"})),
     "weaker_applications": (
@@ -147,12 +147,4 @@ WHERE: dict[str, tuple[frozenset[str], frozenset[str]]] = {
     ),
     "seized_wheel": (frozenset({"rear"}), frozenset({"always", "time", "speed", "constant"})),
 }
-"""Right answers about an unknown: where, and on what it depends. Regeneration: see `where`."""
-
-
-def where(name: str, hidden: Hidden) -> tuple[frozenset[str], frozenset[str]]:
-    """Axles and drivers that a report may name for an effect outside the catalogue."""
-    if name == "regenerative_torque":
-        axle = ("front", "rear")[hidden.regen_axle]
-        return frozenset({axle}), frozenset({"speed", "pressure", "power"})
-    return WHERE[name]
+"""Right answers about an unknown: where, and on what it depends."""
