@@ -4,6 +4,7 @@ import pytest
 
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from tests.support.hidden.cases import HiddenCase, draw
+from tests.support.hidden.score import COUNTERPARTS
 
 
 def answer(case: HiddenCase) -> Diagnosis:
@@ -27,3 +28,23 @@ def test_a_play_of_fixed_width_is_named_and_told_as_fixed(play):
     assert low < 2.0 * play.hidden.hysteresis_fixed / 20e5 < high
     assert effect.parameters["fixed_share"].value > 0.7
     assert found.gap.closed > 0.85
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "parameter"),
+    [
+        ("residual_torque", 7001, "residual_pressure"),
+        ("hydraulic_oscillation", 7002, "response_time"),
+        ("regenerative_torque", 7004, "regen_torque"),
+        ("rolling_radius_load", 7021, "radius_load"),
+        ("tone_ring_runout", 7020, "runout"),
+    ],
+)
+def test_is_named_where_the_plant_hides_it(name, seed, parameter):
+    """The size within a quarter: the plant's forms are not those of the cards."""
+    case = draw("single", seed, names=(name,), severity=2 if seed in (7004, 7021) else 1)
+    found = answer(case)
+    assert found.verdict == "named"
+    assert [effect.name for effect in found.effects] == [name]
+    truth = COUNTERPARTS[name][parameter].value(case.hidden)
+    assert found.effects[0].parameters[parameter].value == pytest.approx(truth, rel=0.25)

@@ -25,9 +25,11 @@ from calib.physics.effects import (
     regenerative_torque,
     residual_torque,
     road_grade,
+    rolling_radius_load,
     rolling_radius_mismatch,
     rolling_resistance,
     side_imbalance,
+    tone_ring_runout,
     wet_pad_recovery,
     wheel_inertia,
 )
@@ -60,6 +62,8 @@ CATALOGUE: dict[str, Effect] = {
         residual_torque.EFFECT,
         hydraulic_oscillation.EFFECT,
         regenerative_torque.EFFECT,
+        rolling_radius_load.EFFECT,
+        tone_ring_runout.EFFECT,
     )
 }
 

@@ -44,8 +44,8 @@ EFFECT = Effect(
         source="Breuer and Bill, Brake Technology Handbook (regenerative braking)",
         looks_like=(
             "a deceleration that sets in with the brake, does not grow with pressure and falls "
-            "with speed, with slip of the driven axle; at one pressure and speed the pads absorb it: "
-            "light and hard stops from high speed show it"
+            "with speed, with slip of the driven axle; at one pressure and speed the pads absorb "
+            "it: light and hard stops from high speed show it"
         ),
         parameters=(
             Parameter("regen_torque", "N*m", 0.0, 3000.0, 200.0, 120.0),

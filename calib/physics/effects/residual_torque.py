@@ -1,9 +1,9 @@
-r"""Residual torque: pads that do not come back after the first release.
+"""Residual torque: pads that do not come back after the first release.
 
-clamp ^      .-----.
-|     /       \
-        r |    /         '--...___        min(p, r) of the last application, draining
-+---'-------------------> t
+clamp ^      .------.
+      |    .'        '.
+    r |  .'            '--...___       min(p, r) of the last application, draining
+      +-'------------------------> t
 """
 
 import numpy as np

@@ -60,7 +60,7 @@ CONTRACT = (
     "brake_threshold_pressure hydraulic_lag hydraulic_delay rear_proportioning caliper_hysteresis "
     "pitch_coupling accelerometer_bias accelerometer_scale wheel_inertia side_imbalance "
     "disc_thickness_variation mass_error residual_torque hydraulic_oscillation "
-    "regenerative_torque"
+    "regenerative_torque rolling_radius_load tone_ring_runout"
 )
 
 

@@ -94,6 +94,8 @@ COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
         "response_time": Counterpart(lambda h: 1.0 / (2.0 * math.pi * h.surge)),
         "line_damping": Counterpart(lambda h: h.surge_damping),
     },
+    "rolling_radius_load": {"radius_load": Counterpart(lambda h: h.radius_load, 0.1)},
+    "tone_ring_runout": {"runout": Counterpart(lambda h: h.tooth_error)},
     "regenerative_torque": {
         "regen_torque": Counterpart(lambda h: 2.0 * h.regen_torque, 0.05),
         "regen_power": Counterpart(lambda h: 2.0 * h.regen_power, 0.05),

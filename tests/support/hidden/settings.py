@@ -35,12 +35,13 @@ class Hidden:
     mass_error : true over nominal mass, less one [1].
     sticking : pressure [Pa] that stays in the rear brakes after the first release.
     regen_torque, regen_power, regen_axle : while braking, per wheel [N m], [W], 0 front, 1 rear.
+    radius_load : share by which a rolling radius falls when the load of its wheel doubles [1].
+    tooth_error : amplitude [1] once per turn of the front left wheel-speed reading.
 
     abs_slip : slip above which wheel pressures are modulated [1]; 0 for never.
     stiffness_speed : relative change of the tyre's stiffness per speed [s/m], nothing at 20 m/s.
     stiffness_heat : relative loss of the tyre's stiffness per braking energy of the car [1/J].
     slosh_mass, slosh_frequency : share of the mass [1] on a spring [Hz].
-    tooth_error : amplitude [1] once per turn of the front left wheel-speed reading.
     weaker_by : loss of brake force with each further application in a run [1].
     seized : constant torque on the rear left wheel [N m].
     """
@@ -82,12 +83,13 @@ class Hidden:
     regen_torque: float = 0.0
     regen_power: float = 0.0
     regen_axle: int = 0
+    radius_load: float = 0.0
+    tooth_error: float = 0.0
 
     abs_slip: float = 0.0
     stiffness_speed: float = 0.0
     stiffness_heat: float = 0.0
     slosh_mass: float = 0.0
     slosh_frequency: float = 0.6
-    tooth_error: float = 0.0
     weaker_by: float = 0.0
     seized: float = 0.0

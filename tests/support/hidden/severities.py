@@ -120,6 +120,8 @@ CATALOGUE: dict[str, Draw] = {
         "surge_damping": float(r.uniform(0.2, 0.5)),
     },
     "regenerative_torque": regeneration,
+    "rolling_radius_load": lambda s, r: {"radius_load": s(0.003, 0.012)},
+    "tone_ring_runout": lambda s, r: {"tooth_error": s(0.0006, 0.002)},
 }
 
 OUTSIDE: dict[str, Draw] = {
@@ -127,7 +129,6 @@ OUTSIDE: dict[str, Draw] = {
     "stiffness_over_speed": lambda s, r: {"stiffness_speed": sign(r) * s(0.006, 0.018)},
     "tyre_warming": lambda s, r: {"stiffness_heat": s(0.25e-6, 0.6e-6)},
     "tank_slosh": slosh,
-    "tooth_error": lambda s, r: {"tooth_error": s(0.0006, 0.002)},
     "weaker_applications": lambda s, r: {"weaker_by": s(0.05, 0.12)},
     "seized_wheel": lambda s, r: {"seized": s(50.0, 150.0)},
 }
@@ -140,7 +141,6 @@ WHERE: dict[str, tuple[frozenset[str], frozenset[str]]] = {
         frozenset({"energy", "time", "elapsed", "temperature"}),
     ),
     "tank_slosh": (frozenset({"both", "body"}), frozenset({"time", "frequency", "deceleration"})),
-    "tooth_error": (frozenset({"front"}), frozenset({"angle", "wheel_angle", "speed"})),
     "weaker_applications": (
         frozenset({"both"}),
         frozenset({"time", "elapsed", "application", "energy"}),

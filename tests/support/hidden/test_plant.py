@@ -23,7 +23,7 @@ SHOWN_BY = {
     "pad_thermal_fade": "hot",
     "abs_modulation": "hot_stop",
     "aerodynamic_drag": "coast",
-    "tooth_error": "coast",
+    "tone_ring_runout": "coast",
 }
 
 
