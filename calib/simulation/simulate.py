@@ -48,7 +48,7 @@ def simulate(
     v0 : first speed [m/s].
     wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
     temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; thermal fade
-        has no effect on an axle without one.
+        takes an assumed disc that is heated by its brake on an axle without one.
     drive_torque : of engine or motor at both wheels of an axle together [N m], (n,) each, by axle
         name, negative where it slows; an axle without one rolls freely. It adds to ``engine_drag``.
     stop_speed : speed at which the simulation ends [m/s].

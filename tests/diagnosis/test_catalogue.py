@@ -1,8 +1,11 @@
 """Effects of the catalogue hidden in the plant, whose forms differ from those of the cards."""
 
+from dataclasses import replace
+
 import pytest
 
 from calib.diagnosis.diagnose import Diagnosis, diagnose
+from tests.support.hidden import manoeuvres
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.hidden.score import COUNTERPARTS
 
@@ -48,3 +51,20 @@ def test_is_named_where_the_plant_hides_it(name, seed, parameter):
     assert [effect.name for effect in found.effects] == [name]
     truth = COUNTERPARTS[name][parameter].value(case.hidden)
     assert found.effects[0].parameters[parameter].value == pytest.approx(truth, rel=0.25)
+
+
+def test_fade_is_named_without_a_log_of_temperature_where_all_runs_begin_alike(monkeypatch):
+    """The plant's discs take more heat than the assumed ones, so the slope is not comparable."""
+    for run in manoeuvres.TEMPERATURE:
+        monkeypatch.setitem(manoeuvres.TEMPERATURE, run, 150.0)
+    case = draw("single", 41, names=("pad_thermal_fade",), severity=2)
+    calibration, holdout = (
+        [
+            replace(log, channels={k: v for k, v in log.channels.items() if "T_disc" not in k})
+            for log in logs
+        ]
+        for logs in (case.calibration, case.holdout)
+    )
+    found = diagnose(case.vehicle, calibration, holdout)
+    assert [effect.name for effect in found.effects] == ["pad_thermal_fade"]
+    assert found.gap.closed > 0.7

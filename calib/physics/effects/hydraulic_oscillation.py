@@ -16,11 +16,12 @@ def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array
     T, damping = parameters["response_time"], parameters["line_damping"]
     if T <= 0.0:
         return p_f, p_r
-    front, rear = (
-        np.maximum(second_order(history.time, p, 1.0 / T, damping), np.minimum(p, 0.0))
-        for p in (p_f, p_r)
-    )
-    return front, rear
+    front = _swinging(history.time, p_f, 1.0 / T, damping)
+    return front, front if p_r is p_f else _swinging(history.time, p_r, 1.0 / T, damping)
+
+
+def _swinging(time: Array, p: Array, frequency: float, damping: float) -> Array:
+    return np.maximum(second_order(time, p, frequency, damping), np.minimum(p, 0.0))
 
 
 EFFECT = Effect(

@@ -12,7 +12,8 @@ def wheel_speed(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dic
 
     ``runout_side`` is 1 when only the left ring runs out, -1 only the right one, 0 both in step.
     The angle counts from the first sample, unless its origin was set by the ripple of the run
-    (`calib.diagnosis`): low where a disc of uneven thickness would slow the wheel. Not valid for a ring with a damaged tooth: that is a spike once a turn.
+    (`calib.diagnosis`): low where a disc of uneven thickness would slow the wheel. Not valid for
+    a ring with a damaged tooth: that is a spike once a turn.
     """
     a, side = parameters["runout"], parameters["runout_side"]
     turned = a * np.sin(motion.history.angle_f + parameters["runout_phase"])
