@@ -48,7 +48,7 @@ EFFECT = Effect(
             "it: light and hard stops from high speed show it"
         ),
         parameters=(
-            Parameter("regen_torque", "N*m", 0.0, 3000.0, 200.0, 120.0),
+            Parameter("regen_torque", "N*m", 0.0, 3000.0, 170.0, 110.0),
             Parameter("regen_power", "W", 1e3, 200e3, 15e3, 8e3),
             Parameter("regen_rear_share", "1", 0.0, 1.0, 0.5, 0.5),
         ),
