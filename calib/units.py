@@ -93,6 +93,7 @@ QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
     "1/Pa": ("change per pressure", {"1/Pa": ONE, "1/bar": Unit(per=1e5), "1/MPa": Unit(per=1e6)}),
     "s/m": ("change per speed", {"s/m": ONE, "h/km": Unit(36, per=10)}),
     "J": ("energy", {"J": ONE, "kJ": Unit(1e3), "MJ": Unit(1e6)}),
+    "W": ("power", {"W": ONE, "kW": Unit(1e3)}),
 }
 
 SPELLINGS = {

@@ -37,6 +37,7 @@ PINT = {
     "1/Pa": {"1/Pa": "1/pascal", "1/bar": "1/bar", "1/MPa": "1/megapascal"},
     "s/m": {"s/m": "second/meter", "h/km": "hour/kilometer"},
     "J": {"J": "joule", "kJ": "kilojoule", "MJ": "megajoule"},
+    "W": {"W": "watt", "kW": "kilowatt"},
 }
 CASES = [(si, ours, theirs) for si, units in PINT.items() for ours, theirs in units.items()]
 

@@ -34,6 +34,10 @@ STIFFNESS, PEAK = 25.0, 0.95
 BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35])
 """Standard deviations of the priors on the logarithms of pads, stiffness and peak: wide."""
 
+COASTING = 1e5
+"""Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that of
+a braked disc."""
+
 SECOND_SIGMA = 2.0
 """Prior on the further parameters of an effect, in spreads of their cards."""
 
@@ -98,15 +102,16 @@ def turned_to_ripple(
     """Set the origin of a run's wheel angle by the phase of its torque ripple, if it has one.
 
     Every run begins at another angle of the disc. Where the front torque is high, the car and its
-    front wheels slow: a_x and front less rear go with -sin(angle).
+    front wheels slow: a_x and front less rear go with -sin(angle). A sensor that ripples does so
+    without torque too, in front less rear alone: there `COASTING` counts besides.
     """
     white = whiten(residuals(run, predict(vehicle, base, Effects(), run)), noise)
     angle = thinned(run, run.angle_f)
     torque = np.maximum(thinned(run, run.p_mc), 0.0)
     ripple = 0.0j
-    for channel in (0, 3):
+    for channel, weight in ((0, torque), (3, torque + COASTING)):
         m = white[channel].size
-        ripple += np.sum(white[channel] * torque[-m:] * np.exp(1j * angle[-m:]))
+        ripple += np.sum(white[channel] * weight[-m:] * np.exp(1j * angle[-m:]))
     return replace(run, angle_f=run.angle_f - float(np.angle(ripple)) - 0.5 * np.pi)
 
 

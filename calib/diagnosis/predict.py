@@ -28,6 +28,7 @@ from calib.physics.effects.combined import (
     total_body_force,
     total_load_shift,
     wheel_factors,
+    wheel_speed_factors,
 )
 from calib.physics.effects.effect import Pair
 from calib.physics.effects.effects import Effects
@@ -151,12 +152,16 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
         twin = i % 2 == 1 and force is forces[i - 1]
         slips.append(slips[-1] if twin else _slip(base, force, loads[i]))
     a_true = -G * z
-    a_read = as_read(car, effects, _history(run, z, energy), a_true)
+    last = _history(run, z, energy)
+    a_read = as_read(car, effects, last, a_true)
     gained = np.concatenate([[0.0], np.cumsum(0.5 * (a_true[1:] + a_true[:-1])) * run.step])
     axles = (car.front, car.front, car.rear, car.rear)
     omega = np.stack(
         [run.v * (1.0 - s) / axle.rolling_radius for s, axle in zip(slips, axles, strict=True)]
     )
+    moved = Motion(run.v_smooth, 2.0 * loads[0], 2.0 * loads[2], last)
+    for w, factor in wheel_speed_factors(car, effects, moved).items():
+        omega[WHEELS.index(w)] *= factor
     return Prediction(a_read, gained, omega)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from calib.errors import InputError
 from calib.logs.log import Log
-from calib.physics.disc_temperature import Disc, disc_temperature
+from calib.physics.disc_temperature import AIR, DISCS, START, disc_temperature
 from calib.physics.effects import pad_thermal_fade
 from calib.physics.effects.effects import Effects
 from calib.physics.forces import brake_torque
@@ -23,18 +23,6 @@ from calib.signals.axle_signals import Signals
 
 Array = NDArray[np.float64]
 Pair = tuple[Array, Array]
-
-DISCS = {"f": Disc(3700.0, 300.0), "r": Disc(2300.0, 300.0)}
-"""Discs of a medium sedan, assumed: 8 kg vented in front, 5 kg solid behind, of grey cast iron of
-460 J/(kg K). The cooling time is assumed, too: 0.13 m^2 under 60 to 100 W/(m^2 K) make 280 to 470 s
-in front. In a stop of 10 s it takes 2 % of the rise."""
-
-START = 100.0
-"""Temperature at the first sample [degC] if it is not logged: the upper end of what UN R13-H, annex
-3 calls cold brakes (65 to 100 degC)."""
-
-AIR = 20.0
-"""Temperature of the air [degC]."""
 
 FADE = {p.name: p.typical for p in pad_thermal_fade.EFFECT.card.parameters}
 """Typical thermal fade, from the card of the effect."""

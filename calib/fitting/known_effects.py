@@ -1,6 +1,6 @@
 """Known effects taken out of a log, so that what is left may be called pad friction.
 
-    a_x as read ----------> a_x of the car                       sensor effects undone
+    a_x, omega as read ---> a_x, omega of the car                sensor effects undone
     p_mc --line, caliper--> clamp --pads, left/right--> p_w      pressure that does the same on
                                                                  pads without the effects
     mass, radii, inertias as driven                              into the vehicle
@@ -21,11 +21,17 @@ from calib.errors import ModelError
 from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
 from calib.physics.brakes import Brakes, brakes_of
-from calib.physics.effects.combined import as_driven, as_read, chosen, pad_factors
+from calib.physics.effects.combined import (
+    as_driven,
+    as_read,
+    chosen,
+    pad_factors,
+    wheel_speed_factors,
+)
 from calib.physics.effects.effect import Effect, acts_on_brakes, slows
 from calib.physics.effects.effects import Effects
-from calib.physics.forces import deceleration
-from calib.physics.history import RunHistory, at_rest
+from calib.physics.forces import axle_loads, deceleration
+from calib.physics.history import Motion, RunHistory, at_rest
 from calib.physics.lag import integral
 from calib.physics.model import Model, default_model
 from calib.physics.vehicle import Vehicle
@@ -75,6 +81,9 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     model = replace(known, vehicle=car, effects=effects)
     history = _history(model, log)
     channels = {**log.channels, "a_x": -G * history.z}
+    moved = Motion(history.v, *axle_loads(car, history.z), history)
+    for w, factor in wheel_speed_factors(car, effects, moved).items():
+        channels[f"omega_{w}"] = log[f"omega_{w}"] / factor
     factors = (ones, ones)
     if chosen(effects, acts_on_brakes):
         brakes = _brakes(model, log)
@@ -101,8 +110,8 @@ def _refuse_force_over_temperature(effects: Effects, log: Log) -> None:
 
 
 def _changes_log(effect: Effect) -> bool:
-    """Whether an effect changes a pressure or the reading of a_x; others stay in the vehicle."""
-    return acts_on_brakes(effect) or effect.accelerometer is not None
+    """Whether an effect changes a pressure or the reading of a sensor; others stay in the car."""
+    return acts_on_brakes(effect) or any((effect.accelerometer, effect.wheel_speed))
 
 
 def _history(model: Model, log: Log) -> RunHistory:

@@ -121,7 +121,10 @@ class EmpiricalSection(Section):
 def _parameters(card: Card) -> type[Section]:
     """The schema of an effect: its parameters, each with the unit and the range of its card."""
     fields: dict[str, Any] = {
-        p.name: (Annotated[float, QuantityMark(p.unit, p.low, p.high)], ...)
+        p.name: (
+            Annotated[float, QuantityMark(p.unit, p.low, p.high)],
+            ... if p.default is None else p.default,
+        )
         for p in card.parameters
     }
     return create_model(card.name, __base__=Section, __doc__=card.cause, **fields)
@@ -226,4 +229,5 @@ def _written(name: str, values: Mapping[str, float]) -> dict[str, str | float]:
     return {
         p.name: written_quantity(float(values[p.name]), p.unit)
         for p in effect_named(name).card.parameters
+        if p.name in values or p.default is None
     }

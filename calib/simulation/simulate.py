@@ -17,8 +17,8 @@ from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
 from calib.physics import forces
 from calib.physics.brakes import brakes_of
-from calib.physics.effects.combined import as_driven, as_read
-from calib.physics.history import RunHistory, at_rest
+from calib.physics.effects.combined import as_driven, as_read, wheel_speed_factors
+from calib.physics.history import Motion, RunHistory, at_rest
 from calib.physics.model import Model
 from calib.simulation.solver import Drive, SolverState, end_of, history_of, solve
 
@@ -48,7 +48,7 @@ def simulate(
     v0 : first speed [m/s].
     wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
     temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; thermal fade
-        has no effect on an axle without one.
+        takes an assumed disc that is heated by its brake on an axle without one.
     drive_torque : of engine or motor at both wheels of an axle together [N m], (n,) each, by axle
         name, negative where it slows; an axle without one rolls freely. It adds to ``engine_drag``.
     stop_speed : speed at which the simulation ends [m/s].
@@ -137,9 +137,13 @@ def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, 
     model, brakes = run.brakes.model, run.brakes
     a_x = as_read(model.vehicle, model.effects, history, -G * state.z)
     channels = {"time": run.time, "p_mc": run.rest.p_mc, "a_x": a_x}
+    read = wheel_speed_factors(
+        model.vehicle, model.effects, Motion(run.moving(state.v), *state.loads, history)
+    )
     for w in WHEELS:
         slip = state.slip[brakes.twin(w)]
-        channels[f"omega_{w}"] = forces.wheel_speed(brakes.axle(w), slip, state.v)
+        omega = forces.wheel_speed(brakes.axle(w), slip, state.v)
+        channels[f"omega_{w}"] = omega * read[w] if w in read else omega
     return channels | {"v": state.v}
 
 

@@ -21,7 +21,7 @@ def placed(name: str, seed: int) -> UnexplainedTerm:
 
 
 def test_what_turns_with_the_front_wheels_is_told_by_their_angle():
-    found = placed("tooth_error", 31)
+    found = placed("tone_ring_runout", 31)
     assert found.driver == WHEEL_ANGLE
     assert found.axle == "front"
     assert 0.5 < found.turning <= 1.0

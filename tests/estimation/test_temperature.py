@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from calib.errors import InputError
-from calib.estimation.temperature import DISCS, START, temperature, temperatures
+from calib.estimation.temperature import temperature, temperatures
+from calib.physics.disc_temperature import DISCS, START
 from calib.physics.effects.effects import Effects
 from calib.signals.axle_signals import signals
 from tests.support.reference_car import CAR, IDEAL, noisy, stop

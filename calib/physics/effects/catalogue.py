@@ -15,16 +15,21 @@ from calib.physics.effects import (
     engine_drag,
     hydraulic_delay,
     hydraulic_lag,
+    hydraulic_oscillation,
     mass_error,
     pad_pressure_dependence,
     pad_speed_dependence,
     pad_thermal_fade,
     pitch_coupling,
     rear_proportioning,
+    regenerative_torque,
+    residual_torque,
     road_grade,
+    rolling_radius_load,
     rolling_radius_mismatch,
     rolling_resistance,
     side_imbalance,
+    tone_ring_runout,
     wet_pad_recovery,
     wheel_inertia,
 )
@@ -54,13 +59,18 @@ CATALOGUE: dict[str, Effect] = {
         side_imbalance.EFFECT,
         disc_thickness_variation.EFFECT,
         mass_error.EFFECT,
+        residual_torque.EFFECT,
+        hydraulic_oscillation.EFFECT,
+        regenerative_torque.EFFECT,
+        rolling_radius_load.EFFECT,
+        tone_ring_runout.EFFECT,
     )
 }
 
-LINE = ("hydraulic_delay", "hydraulic_lag", "rear_proportioning")
+LINE = ("hydraulic_delay", "hydraulic_lag", "hydraulic_oscillation", "rear_proportioning")
 """Effects between the master cylinder and the wheels, in the direction of flow."""
 
-CALIPER = ("brake_threshold_pressure", "caliper_hysteresis")
+CALIPER = ("brake_threshold_pressure", "caliper_hysteresis", "residual_torque")
 """Effects in the caliper, behind a wheel pressure sensor."""
 
 SENSOR = ("road_grade", "pitch_coupling", "accelerometer_scale", "accelerometer_bias")

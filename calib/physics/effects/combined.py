@@ -94,6 +94,16 @@ def wheel_factors(effects: Effects, history: RunHistory) -> dict[str, Array]:
     return factors
 
 
+def wheel_speed_factors(vehicle: Vehicle, effects: Effects, motion: Motion) -> dict[str, Array]:
+    """Factors [1] (n,) on the wheel speeds as read; only of wheels that an effect changes."""
+    factors: dict[str, Array] = {}
+    for effect, parameters in _all(effects):
+        if effect.wheel_speed is not None:
+            for w, factor in effect.wheel_speed(vehicle, parameters, motion).items():
+                factors[w] = factors[w] * factor if w in factors else factor
+    return factors
+
+
 def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
     """Sum of the load that is shifted from the front to the rear axle, over W [1] (n,)."""
     total = 0.0 * history.z

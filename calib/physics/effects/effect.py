@@ -27,7 +27,8 @@ class Parameter:
     """A parameter of an effect: SI unit, plausible range, and the prior when nothing is known.
 
     ``typical`` and ``spread`` are the mean and one standard deviation over passenger cars, and the
-    size at which a diagnosis starts to look for it.
+    size at which a diagnosis starts to look for it. ``default`` is the value where a file does not
+    give one, for a parameter that older files do not have; None: it must be given.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Parameter:
     high: float
     typical: float
     spread: float
+    default: float | None = None
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,7 @@ class Effect:
     radius : factors on the rolling radii [1].
     load_shift : load of the front axle below that of (6), over W [1]; the rear has as much more.
     body_force : force on the body [N], positive when it slows.
+    wheel_speed : factors on the speeds of wheels as read [1], by wheel name; no force changes.
     mass : factor on the mass [1].
     accelerometer : reading of a_x from the true a_x [m/s^2].
     """
@@ -84,6 +87,7 @@ class Effect:
     radius: Callable[[Parameters], tuple[float, float]] | None = None
     load_shift: Callable[[Vehicle, Parameters, RunHistory], Array] | None = None
     body_force: Callable[[Vehicle, Parameters, Motion], Array] | None = None
+    wheel_speed: Callable[[Vehicle, Parameters, Motion], dict[str, Array]] | None = None
     mass: Callable[[Parameters], float] | None = None
     accelerometer: Callable[[Vehicle, Parameters, RunHistory, Array], Array] | None = None
 
@@ -94,8 +98,10 @@ def acts_on_brakes(effect: Effect) -> bool:
 
 
 def acts_on_wheels(effect: Effect) -> bool:
-    """Whether an effect changes brakes or wheels, not only the body and its sensor."""
-    return acts_on_brakes(effect) or _any(effect.axle_moment, effect.inertia, effect.radius)
+    """Whether an effect changes brakes, wheels or their sensors, not only the body and its own."""
+    return acts_on_brakes(effect) or _any(
+        effect.axle_moment, effect.inertia, effect.radius, effect.wheel_speed
+    )
 
 
 def slows(effect: Effect) -> bool:

@@ -59,7 +59,8 @@ CONTRACT = (
     "pad_speed_dependence pad_pressure_dependence wet_pad_recovery rolling_radius_mismatch "
     "brake_threshold_pressure hydraulic_lag hydraulic_delay rear_proportioning caliper_hysteresis "
     "pitch_coupling accelerometer_bias accelerometer_scale wheel_inertia side_imbalance "
-    "disc_thickness_variation mass_error"
+    "disc_thickness_variation mass_error residual_torque hydraulic_oscillation "
+    "regenerative_torque rolling_radius_load tone_ring_runout"
 )
 
 
@@ -119,10 +120,12 @@ def test_the_simulation_bears_every_parameter_at_its_bounds(name, end):
 def test_a_small_change_of_a_parameter_is_a_small_change_of_the_run(name, p):
     """Halving a step halves what it does: there is a derivative to work with."""
     typical = {q.name: q.typical for q in CATALOGUE[name].card.parameters}
-    h, hot = 0.01 * p.spread, {a: 200.0 + 100.0 * clock(2.0) for a in "fr"}
+    h, hot = 0.01 * p.spread, {a: 200.0 + 100.0 * clock(3.0) for a in "fr"}
 
     def run(value):
-        log = driven({name: {**typical, p.name: value}}, restless, duration=2.0, temperature=hot)
+        log = driven(
+            {name: {**typical, p.name: value}}, restless, duration=3.0, temperature=hot
+        )  # with a release
         return np.concatenate([log["a_x"], log["omega_fl"], log["omega_rl"]])
 
     middle = run(p.typical - 2.0 * h)

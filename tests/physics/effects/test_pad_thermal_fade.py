@@ -1,6 +1,7 @@
 """Fade against its line, and the simulation against a plant told the same friction."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -35,10 +36,30 @@ def test_sample_by_sample(slope, onset, temperature):
     assert rear[1] == pytest.approx(1.0 - lost)
 
 
-def test_nothing_is_known_without_a_temperature():
-    history = replace(made_history(), temperature_f=None, temperature_r=None)
-    for factor in factors("pad_thermal_fade", history, **FADE):
-        assert np.array_equal(factor, np.ones(200))
+@pytest.mark.parametrize(("axle", "capacity"), [("f", 3700.0), ("r", 2300.0)])
+def test_without_a_log_the_disc_is_heated_by_its_brake(axle, capacity):
+    """Constant power: T = T_e + (100 - T_e) exp(-t/tau), T_e = 20 + P tau/C."""
+    time, power = np.linspace(3.0, 43.0, 401), 12e3
+    heat = {f"energy_{axle}": power * (time - 3.0), f"temperature_{axle}": None}
+    history = replace(made_history(401, time=time), **heat)
+    end = 20.0 + power * 300.0 / capacity
+    T = end + (100.0 - end) * np.exp(-(time - 3.0) / 300.0)
+    found = factors("pad_thermal_fade", history, **FADE)["fr".index(axle)]
+    assert T[-1] > 150.0
+    assert found == pytest.approx(1.0 - 0.001 * np.maximum(T - 150.0, 0.0), rel=1e-9)
+
+
+def test_the_simulation_heats_its_own_discs_where_none_is_given():
+    """Heat from the truth channels of the run itself, summed here step by step."""
+    hot = {"fade_slope": 0.004, "fade_onset": 101.0}
+    log = driven({"pad_thermal_fade": hot}, lambda t: 40e5, duration=3.0)
+    power = log.truth["true_Tb_fl"] * log["omega_fl"]
+    T, dt = [100.0], 0.005
+    for a, b in pairwise(power):
+        T.append(T[-1] + dt * (0.5 * (a + b) / 3700.0 - (T[-1] - 20.0) / 300.0))
+    expected = SEDAN.front.pad_friction * (1.0 - 0.004 * np.maximum(np.array(T) - 101.0, 0.0))
+    assert log.truth["true_mu_pad_f"] == pytest.approx(expected, abs=2e-5)
+    assert expected[-1] < 0.97 * expected[0]
 
 
 def test_follows_the_plant_with_hot_front_discs():

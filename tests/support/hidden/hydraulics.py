@@ -40,6 +40,8 @@ def lines(hidden: Hidden, master: Array) -> Lines:
             line = released(line, hidden.threshold)
         if hidden.hysteresis:
             line = loop(line, hidden.hysteresis)
+        if hidden.hysteresis_fixed:
+            line = backlash(line, hidden.hysteresis_fixed)
         if hidden.weaker_by:
             line = line * (1.0 - hidden.weaker_by * np.maximum(applications(p) - 1, 0))
         pressed.append(line)
@@ -57,7 +59,23 @@ def follow(hidden: Hidden, master: Array) -> Array:
     if hidden.lag:
         a = np.exp(-STEP / hidden.lag)
         p = np.asarray(lfilter([1.0 - a], [1.0, -a], p, zi=[a * p[0]])[0])
+    if hidden.surge:
+        p = swinging(p, 2.0 * np.pi * hidden.surge, hidden.surge_damping)
     return p
+
+
+def swinging(p: Array, frequency: float, damping: float) -> Array:
+    """Spring and mass by small steps of semi-implicit Euler, settled at first."""
+    y, rate = float(p[0]), 0.0
+    out = np.empty_like(p)
+    parts = 4
+    dt = STEP / parts
+    for i, now in enumerate(p.tolist()):
+        for _ in range(parts):
+            rate += dt * frequency * (frequency * (now - y) - 2.0 * damping * rate)
+            y += dt * rate
+        out[i] = y
+    return np.maximum(out, 0.0)
 
 
 def released(p: Array, threshold: float) -> Array:
@@ -79,6 +97,20 @@ def loop(p: Array, width: float) -> Array:
         held = [
             min(max(c, now * (1.0 - h)), now * (1.0 + h)) for c, h in zip(held, halves, strict=True)
         ]
+        out[i] = sum(held) / 3.0
+    return out
+
+
+def backlash(p: Array, half: float) -> Array:
+    """The mean of three plays whose half-widths do not depend on the pressure, never below zero.
+
+    Rising far enough it follows p - half, falling p + half; what is left stays at no pressure.
+    """
+    halves = [half * k for k in (0.7, 1.0, 1.3)]
+    held = [0.0, 0.0, 0.0]
+    out = np.empty_like(p)
+    for i, now in enumerate(p.tolist()):
+        held = [max(min(max(c, now - h), now + h), 0.0) for c, h in zip(held, halves, strict=True)]
         out[i] = sum(held) / 3.0
     return out
 

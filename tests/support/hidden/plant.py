@@ -138,7 +138,13 @@ def equations(car: Car, lines: Lines) -> Rates:
         if h.abs_slip:
             p_f, p_r = p_f * y[ABS_F], p_r * y[ABS_R]
         k = (pads(v, y[T_F], p_f, y[E_F] / 2.0), pads(v, y[T_R], p_r, y[E_R]))
-        slips = [1.0 - radius[i] * y[i + 1] / v for i in range(4)]
+        rolls = radius
+        if h.radius_load:  # a straight line in the load, in slip and lever alike
+            f = nominal.cg_to_rear_axle / length
+            more = y[Z] * height / length
+            flat = (more / f, more / f, -more / (1.0 - f), -more / (1.0 - f))
+            rolls = [r * (1.0 - h.radius_load * x) for r, x in zip(radius, flat, strict=True)]
+        slips = [1.0 - rolls[i] * y[i + 1] / v for i in range(4)]
         stiffness = stiffness_scale * (1.0 + h.stiffness_speed * (v - 20.0))
         stiffness *= 1.0 - h.stiffness_heat * (y[E_F] + y[E_R])
 
@@ -167,7 +173,7 @@ def equations(car: Car, lines: Lines) -> Rates:
                 other[i] += min(h.regen_torque, h.regen_power / y[i + 1]) * min(v / 3.0, 1.0)
         d = [0.0] * 16
         for i in range(4):
-            d[i + 1] = (radius[i] * force[i] - torque[i] - other[i]) / inertia[i]
+            d[i + 1] = (rolls[i] * force[i] - torque[i] - other[i]) / inertia[i]
         spring = omega_s**2 * y[SLOSH] + 0.1 * omega_s * y[SLOSH_RATE] if h.slosh_mass else 0.0
         dry = (1.0 - h.slosh_mass) * weight / GRAVITY
         drag = 0.5 * AIR * h.drag_area * v * v
@@ -177,6 +183,8 @@ def equations(car: Car, lines: Lines) -> Rates:
         if h.pitch_frequency:
             d[Z] = y[Z_RATE]
             d[Z_RATE] = omega_n**2 * (z_tyre - y[Z]) - 2.0 * h.pitch_damping * omega_n * y[Z_RATE]
+        elif h.radius_load:  # the carcass settles within 10 ms
+            d[Z] = (z_tyre - y[Z]) / 0.01
         d[E_F] = torque[0] * y[FL] + torque[1] * y[FR]
         d[E_R] = torque[2] * y[RL] + torque[3] * y[RR]
         d[T_F] = d[E_F] / CAPACITY[0] - COOLING[0] * (y[T_F] - AMBIENT)

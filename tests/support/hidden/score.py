@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from tests.support.hidden.cases import NOISE, HiddenCase
 from tests.support.hidden.settings import Hidden
-from tests.support.hidden.severities import where
+from tests.support.hidden.severities import WHERE
 
 Array = NDArray[np.float64]
 Replays = Mapping[str, Mapping[str, Array]]
@@ -72,7 +72,11 @@ COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
     },
     "caliper_hysteresis": {
         # falling over rising: (1 + w/2)/(1 - w/2) here, 1/(1 - w) there
-        "width": Counterpart(lambda h: h.hysteresis / (1.0 + 0.5 * h.hysteresis), 0.10),
+        # a fixed width is told at 20 bar
+        "width": Counterpart(
+            lambda h: h.hysteresis / (1.0 + 0.5 * h.hysteresis) + 2.0 * h.hysteresis_fixed / 20e5,
+            0.10,
+        ),
     },
     "pitch_coupling": {
         "natural_frequency": Counterpart(lambda h: 2.0 * math.pi * h.pitch_frequency),
@@ -85,6 +89,17 @@ COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
     "side_imbalance": {"imbalance": Counterpart(lambda h: h.imbalance)},
     "disc_thickness_variation": {"amplitude": Counterpart(lambda h: h.thickness)},
     "mass_error": {"mass_error": Counterpart(lambda h: h.mass_error)},
+    "residual_torque": {"residual_pressure": Counterpart(lambda h: h.sticking)},
+    "hydraulic_oscillation": {
+        "response_time": Counterpart(lambda h: 1.0 / (2.0 * math.pi * h.surge)),
+        "line_damping": Counterpart(lambda h: h.surge_damping),
+    },
+    "rolling_radius_load": {"radius_load": Counterpart(lambda h: h.radius_load, 0.1)},
+    "tone_ring_runout": {"runout": Counterpart(lambda h: h.tooth_error)},
+    "regenerative_torque": {
+        "regen_torque": Counterpart(lambda h: 2.0 * h.regen_torque, 0.05),
+        "regen_power": Counterpart(lambda h: 2.0 * h.regen_power, 0.05),
+    },
 }
 
 
@@ -229,7 +244,7 @@ AXLES = {"f": "front", "r": "rear", "vehicle": "body", "car": "body", "all": "bo
 def placed(case: HiddenCase, diagnosis: Mapping) -> tuple[bool | None, bool | None]:
     """Whether the axle and the driver of an unknown are right; None where nothing is said."""
     told = diagnosis.get("unexplained") or {}
-    axles, drivers = where(case.effects[0], case.hidden)
+    axles, drivers = WHERE[case.effects[0]]
     axle, driver = told.get("axle"), told.get("driver") or told.get("depends_on")
     if isinstance(driver, list | tuple):
         driver = driver[0] if driver else None

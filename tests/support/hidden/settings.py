@@ -22,8 +22,10 @@ class Hidden:
     radius_mismatch : true over nominal rear radius, less one [1].
     threshold : pressure before the pads press [Pa]; the corner is rounded.
     lag, delay : of the line pressure [s].
+    surge, surge_damping : the line pressure swings at this frequency [Hz], damped so far [1].
     knee, knee_slope : rear pressure above the knee [Pa] rises with this slope [1].
     hysteresis : width of the loop between application and release, relative [1].
+    hysteresis_fixed : half width of a play that does not depend on the pressure [Pa].
     pitch_frequency, pitch_damping, pitch_gain : [Hz], [1], dive per deceleration over g [rad].
     bias, scale_error : of the accelerometer [m/s^2], [1].
     inertia : added to each front wheel [kg m^2].
@@ -31,14 +33,15 @@ class Hidden:
     thickness, thickness_right, thickness_order : torque ripple of the front left disc [1], that of
         the right one over it [1], ripples per turn.
     mass_error : true over nominal mass, less one [1].
-
+    sticking : pressure [Pa] that stays in the rear brakes after the first release.
     regen_torque, regen_power, regen_axle : while braking, per wheel [N m], [W], 0 front, 1 rear.
+    radius_load : share by which a rolling radius falls when the load of its wheel doubles [1].
+    tooth_error : amplitude [1] once per turn of the front left wheel-speed reading.
+
     abs_slip : slip above which wheel pressures are modulated [1]; 0 for never.
     stiffness_speed : relative change of the tyre's stiffness per speed [s/m], nothing at 20 m/s.
     stiffness_heat : relative loss of the tyre's stiffness per braking energy of the car [1/J].
-    sticking : pressure [Pa] that stays in the rear brakes after the first release.
     slosh_mass, slosh_frequency : share of the mass [1] on a spring [Hz].
-    tooth_error : amplitude [1] once per turn of the front left wheel-speed reading.
     weaker_by : loss of brake force with each further application in a run [1].
     seized : constant torque on the rear left wheel [N m].
     """
@@ -58,9 +61,12 @@ class Hidden:
     threshold: float = 0.0
     lag: float = 0.0
     delay: float = 0.0
+    surge: float = 0.0
+    surge_damping: float = 0.4
     knee: float = 0.0
     knee_slope: float = 1.0
     hysteresis: float = 0.0
+    hysteresis_fixed: float = 0.0
     pitch_frequency: float = 0.0
     pitch_damping: float = 0.3
     pitch_gain: float = 0.0
@@ -73,16 +79,17 @@ class Hidden:
     thickness_right: float = 1.0
     thickness_order: int = 1
     mass_error: float = 0.0
-
+    sticking: float = 0.0
     regen_torque: float = 0.0
     regen_power: float = 0.0
     regen_axle: int = 0
+    radius_load: float = 0.0
+    tooth_error: float = 0.0
+
     abs_slip: float = 0.0
     stiffness_speed: float = 0.0
     stiffness_heat: float = 0.0
-    sticking: float = 0.0
     slosh_mass: float = 0.0
     slosh_frequency: float = 0.6
-    tooth_error: float = 0.0
     weaker_by: float = 0.0
     seized: float = 0.0

@@ -68,6 +68,13 @@ def pitch(s: Strength, rng: np.random.Generator) -> dict[str, float]:
     }
 
 
+def hysteresis(s: Strength, rng: np.random.Generator) -> dict[str, float]:
+    """A width that grows with the pressure, or a fixed one."""
+    if rng.random() < 0.5:
+        return {"hysteresis": s(0.08, 0.20)}
+    return {"hysteresis_fixed": s(0.8e5, 2.0e5)}
+
+
 def regeneration(s: Strength, rng: np.random.Generator) -> dict[str, float]:
     """On either axle, limited by power from some 20 m/s on."""
     return {
@@ -99,7 +106,7 @@ CATALOGUE: dict[str, Draw] = {
         "knee": float(r.uniform(10e5, 20e5)),
         "knee_slope": 0.9 - s(0.3, 0.6),
     },
-    "caliper_hysteresis": lambda s, r: {"hysteresis": s(0.08, 0.20)},
+    "caliper_hysteresis": hysteresis,
     "pitch_coupling": pitch,
     "accelerometer_bias": lambda s, r: {"bias": sign(r) * s(0.08, 0.25)},
     "accelerometer_scale": lambda s, r: {"scale_error": sign(r) * s(0.03, 0.08)},
@@ -107,16 +114,21 @@ CATALOGUE: dict[str, Draw] = {
     "side_imbalance": imbalance,
     "disc_thickness_variation": thickness,
     "mass_error": lambda s, r: {"mass_error": sign(r) * s(0.03, 0.08)},
+    "residual_torque": lambda s, r: {"sticking": s(1.5e5, 5e5)},
+    "hydraulic_oscillation": lambda s, r: {
+        "surge": 4.0 - s(0.8, 2.8),
+        "surge_damping": float(r.uniform(0.2, 0.5)),
+    },
+    "regenerative_torque": regeneration,
+    "rolling_radius_load": lambda s, r: {"radius_load": s(0.003, 0.012)},
+    "tone_ring_runout": lambda s, r: {"tooth_error": s(0.0006, 0.002)},
 }
 
 OUTSIDE: dict[str, Draw] = {
-    "regenerative_torque": regeneration,
     "abs_modulation": lambda s, r: {"abs_slip": 0.024 - s(0.004, 0.012)},
     "stiffness_over_speed": lambda s, r: {"stiffness_speed": sign(r) * s(0.006, 0.018)},
     "tyre_warming": lambda s, r: {"stiffness_heat": s(0.25e-6, 0.6e-6)},
-    "sticking_rear_brake": lambda s, r: {"sticking": s(1.5e5, 5e5)},
     "tank_slosh": slosh,
-    "tooth_error": lambda s, r: {"tooth_error": s(0.0006, 0.002)},
     "weaker_applications": lambda s, r: {"weaker_by": s(0.05, 0.12)},
     "seized_wheel": lambda s, r: {"seized": s(50.0, 150.0)},
 }
@@ -128,24 +140,11 @@ WHERE: dict[str, tuple[frozenset[str], frozenset[str]]] = {
         frozenset({"both", "front", "rear"}),
         frozenset({"energy", "time", "elapsed", "temperature"}),
     ),
-    "sticking_rear_brake": (
-        frozenset({"rear"}),
-        frozenset({"time", "elapsed", "pressure", "application"}),
-    ),
     "tank_slosh": (frozenset({"both", "body"}), frozenset({"time", "frequency", "deceleration"})),
-    "tooth_error": (frozenset({"front"}), frozenset({"angle", "wheel_angle", "speed"})),
     "weaker_applications": (
         frozenset({"both"}),
         frozenset({"time", "elapsed", "application", "energy"}),
     ),
     "seized_wheel": (frozenset({"rear"}), frozenset({"always", "time", "speed", "constant"})),
 }
-"""Right answers about an unknown: where, and on what it depends. Regeneration: see `where`."""
-
-
-def where(name: str, hidden: Hidden) -> tuple[frozenset[str], frozenset[str]]:
-    """Axles and drivers that a report may name for an effect outside the catalogue."""
-    if name == "regenerative_torque":
-        axle = ("front", "rear")[hidden.regen_axle]
-        return frozenset({axle}), frozenset({"speed", "pressure", "power"})
-    return WHERE[name]
+"""Right answers about an unknown: where, and on what it depends."""

@@ -9,7 +9,7 @@ import pytest
 from calib.logs.read import read_log
 from calib.physics.vehicle_file import read_vehicle
 from tests.support.hidden.cases import CARS, NOISE, TRUTH, draw, write
-from tests.support.hidden.hydraulics import lines, loop
+from tests.support.hidden.hydraulics import backlash, lines, loop
 from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT, Manoeuvre, manoeuvre
 from tests.support.hidden.plant import AMBIENT, COOLING, Car, Start, drive
 from tests.support.hidden.score import outcome, score
@@ -23,7 +23,7 @@ SHOWN_BY = {
     "pad_thermal_fade": "hot",
     "abs_modulation": "hot_stop",
     "aerodynamic_drag": "coast",
-    "tooth_error": "coast",
+    "tone_ring_runout": "coast",
 }
 
 
@@ -119,6 +119,15 @@ def test_the_loop_has_its_width_and_closes():
     assert np.all(np.diff(c[3000:]) <= 0.0)
 
 
+def test_a_backlash_is_behind_by_its_half_width_and_stays():
+    up = np.linspace(0.0, 30e5, 3000)
+    p = np.concatenate([up, up[::-1]])
+    c = backlash(p, 1e5)
+    assert c[2000] == pytest.approx(p[2000] - 1e5)
+    assert c[-1501] == pytest.approx(p[-1501] + 1e5)
+    assert c[-1] == pytest.approx(1e5)
+
+
 @pytest.mark.parametrize("name", [*CATALOGUE, *OUTSIDE])
 def test_every_effect_is_seen_even_when_modest(name):
     hidden = hide(Hidden(), name, 0, np.random.default_rng(1))
@@ -144,7 +153,7 @@ def test_a_higher_severity_is_stronger(name):
         )
         return abs(getattr(hidden, field))
 
-    falling = name in ("abs_modulation", "rear_proportioning")
+    falling = name in ("abs_modulation", "rear_proportioning", "hydraulic_oscillation")
     steps = np.diff([change(severity) for severity in range(3)])
     assert np.all(steps < 0.0 if falling else steps > 0.0)
 

@@ -1,0 +1,57 @@
+"""Regenerative torque: an electric motor slows an axle while the driver brakes.
+
+M ^  M_0 ________
+  |     /        '-.._  P/omega
+  |    /
+  +---'-----------------> v
+"""
+
+import numpy as np
+
+from calib.physics.braking import BITE
+from calib.physics.effects.effect import Card, Effect, Pair, Parameter, Parameters
+from calib.physics.history import Motion
+from calib.physics.vehicle import Vehicle
+
+FADE_OUT = 3.0
+"""Speed below which the motor hands over to the brakes [m/s], as usual for a blended stop."""
+
+
+def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
+    """M = min(M_0, P/omega) [N m per axle] while p_mc is above `BITE`, shared by the axles.
+
+    omega is that of free rolling. Not valid for a motor whose torque follows the pedal, or that
+    slows the car without the brake (`engine_drag`). A logged ``T_drive`` counts besides: the effect
+    is what the log does not hold.
+    """
+    share = parameters["regen_rear_share"]
+    braked = motion.history.p_mc > BITE
+    fading = np.clip(motion.v / FADE_OUT, 0.0, 1.0)
+    omega = np.maximum(motion.v, 0.1) / vehicle.front.rolling_radius
+    moment = np.minimum(parameters["regen_torque"], parameters["regen_power"] / omega)
+    moment = np.where(braked, moment * fading, 0.0)
+    return (1.0 - share) * moment, share * moment
+
+
+EFFECT = Effect(
+    card=Card(
+        name="regenerative_torque",
+        cause="an electric motor that brakes an axle, limited by the power it can take",
+        equation=(
+            "M = min(M_0, P/omega) while braked, 1 - s of it front, s rear; fades out below 3 m/s; "
+            "no effect at regen_torque = 0"
+        ),
+        source="Breuer and Bill, Brake Technology Handbook (regenerative braking)",
+        looks_like=(
+            "a deceleration that sets in with the brake, does not grow with pressure and falls "
+            "with speed, with slip of the driven axle; at one pressure and speed the pads absorb "
+            "it: light and hard stops from high speed show it"
+        ),
+        parameters=(
+            Parameter("regen_torque", "N*m", 0.0, 3000.0, 170.0, 110.0),
+            Parameter("regen_power", "W", 1e3, 200e3, 15e3, 8e3),
+            Parameter("regen_rear_share", "1", 0.0, 1.0, 0.5, 0.5),
+        ),
+    ),
+    axle_moment=axle_moment,
+)
