@@ -74,14 +74,16 @@ def remainder_of(replays: Sequence[Log], measured: Sequence[Log], moved: Moved) 
     errors = [lasting(sim, log) for sim, log in zip(replays, measured, strict=True)]
     noise = noises_of(measured)
     spread = np.maximum(noise_of_means(errors), noise / np.sqrt(samples_of(measured)))
-    plain = judged(errors, noise, spread, replays, measured)
+    plain = judged(errors, noise, spread, measured)
     if not plain.significant:
         return plain
     directions = []
     for other in moved():
         pairs = zip(replays, other, strict=True)
         directions.append([lasting(sim, log) for log, sim in pairs])
-    return judged(without(errors, directions, spread), noise, spread, replays, measured)
+    if not directions:
+        return plain
+    return judged(without(errors, directions, spread), noise, spread, measured)
 
 
 def lasting(simulated: Log, measured: Log) -> Array:
@@ -140,7 +142,6 @@ def judged(
     errors: list[Array],
     noise: Array,
     spread: Array,
-    replays: Sequence[Log],
     measured: Sequence[Log],
 ) -> Remainder:
     """Size, certainty and place of what the means (6, m) of each log hold beyond their noise."""

@@ -192,7 +192,7 @@ def something_else(found: Diagnosis) -> str:
         f"is noise alone, and in the replays {left.size:.1f} times the sensors' noise"
     )
     if left.significant:
-        text += f", {left.sigma:.0f} standard deviations from nothing"
+        text += f", {min(left.sigma, 99.0):.0f} standard deviations or more from noise alone"
     at = f"{span(left.pressure, 'Pa')} and {span(left.speed, 'm/s')}"
     return (
         f"{text}. It is largest in {left.channel} of {left.log} ({left.largest:.1f} times the "
