@@ -157,7 +157,7 @@ def _further(problem: Problem, held: HoldOuts, present: Proved) -> Proved | None
         judged = _judged(held, option)
         if judged is None or not _helpful(problem, held, present, option):
             continue
-        if remains(option, judged[1]) and not _closes_most(present, option, judged[1]):
+        if not _closes_most(present, option, judged[1]):
             continue
         rivals = tuple(o for o in options if o is not option)
         return _added(present, option, rivals, judged)

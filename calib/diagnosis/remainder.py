@@ -35,9 +35,8 @@ tests/studies/naming.py."""
 SURE = 5.0
 """Least distance of the sum of squares from that of noise, in its standard deviations."""
 
-FARTHEST = 3.0
-"""Largest move along a direction of the parameters' covariance, in standard deviations; the 95 %
-interval that is told for a parameter is four wide."""
+FARTHEST = 2.0
+"""Largest move along a direction of the parameters' covariance, in standard deviations: 95 %."""
 
 
 @dataclass(frozen=True)
