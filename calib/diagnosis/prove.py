@@ -37,8 +37,8 @@ TRIED = 3
 """Further effects that are fitted in each step, the most promising ones."""
 
 FURTHER = 0.012
-"""Least gain of a further effect in the mean squared innovation. Where the form of an effect that is
-named differs from the car's, a wrong one gains up to 0.009: a drag of 0.05 m^2 beside a rolling
+"""Least gain of a further effect in the mean squared innovation. Where the form of a named effect
+differs from the car's, a wrong one gains up to 0.009: a drag of 0.05 m^2 beside a rolling
 resistance that grows with speed gains 0.003 and closes 60 % of the replays' errors."""
 
 MOST = 0.6
