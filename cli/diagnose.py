@@ -87,7 +87,8 @@ def _told(found: "Diagnosis") -> str:
         lines += [f"{effect.name}: {words.where(effect)}", words.evidence(effect, found)]
         lines += [f"  {n} = {words.value_of(v)}" for n, v in effect.parameters.items()]
         lines.append(words.rivals(effect))
+    lines += [words.something_else(found), words.withdrawn(found)]
     if found.unexplained is not None:
         lines.append(words.unexplained(found.unexplained))
-    lines += [words.gap(found), words.not_resolved(found)]
+    lines += [words.gap(found), words.noise(found), words.not_resolved(found)]
     return "\n".join(line for line in lines if line)

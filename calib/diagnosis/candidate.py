@@ -87,11 +87,9 @@ class Candidate:
 def problem_of(vehicle: Vehicle, runs: list[ObservedRun]) -> Problem:
     """Build a problem; its noise is that of the unbraked parts, where no base parameter acts."""
     nominal = base_of(vehicle, np.zeros(4))
-    parts = []
-    for run in runs:
-        whole = residuals(run, predict(vehicle, nominal, Effects(), run))
-        parts.append(whole[:, : unbraked_length(run)])
-    noise = noise_of(parts)
+    wholes = [residuals(run, predict(vehicle, nominal, Effects(), run)) for run in runs]
+    pairs = zip(runs, wholes, strict=True)
+    noise = noise_of([whole[:, : unbraked_length(run)] for run, whole in pairs], wholes)
     turned = tuple(turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
     return Problem(vehicle, turned, noise)
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.predict import ObservedRun, Prediction
 from calib.physics.braking import BITE, MOVING
 from calib.signals.filters import block_mean
+from calib.statistics.intervals import QUARTILE
 
 Array = NDArray[np.float64]
 
@@ -37,13 +38,26 @@ WALK = 0.9
 FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
 """Lower limit of the innovation's sd by channel, in its unit; simulated logs may have no noise."""
 
+LONG = 10 * ORDER
+"""Least samples of an unbraked part that shows noise: ten for each coefficient."""
+
 
 @dataclass(frozen=True)
 class ChannelNoise:
-    """AR coefficients (6, ORDER) and innovation sd (6,) of the channels, in their units."""
+    """AR coefficients (6, ORDER) and innovation sd (6,) of the channels, in their units.
+
+    ``source`` says what it was taken from.
+    """
 
     coefficients: Array
     sigma: Array
+    source: str
+
+    @property
+    def at_floor(self) -> tuple[str, ...]:
+        """Channels whose noise is `FLOOR`, as they show less."""
+        pairs = zip(CHANNELS, self.sigma, FLOOR, strict=True)
+        return tuple(name for name, sigma, floor in pairs if sigma <= floor)
 
 
 def residuals(run: ObservedRun, predicted: Prediction) -> Array:
@@ -83,15 +97,20 @@ def unbraked_length(run: ObservedRun) -> int:
     return max(int(braked[0]) - 8, 0) if braked.size else p.size
 
 
-def noise_of(parts: list[Array]) -> ChannelNoise:
-    """Noise from unbraked residuals, (6, m) each; a parabola is subtracted from every part."""
+def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
+    """Noise from unbraked residuals, (6, m) each; a parabola is subtracted from every part.
+
+    Where no part is long enough, from the third differences of the ``wholes``, (6, n) each: these
+    hold almost no motion, and the noise then counts as white. Never below `FLOOR`.
+    """
+    long = [part for part in parts if part.shape[1] >= LONG]
+    if not long:
+        return _noise_of_differences(wholes)
     coefficients, sigma = [], []
     for c in range(len(CHANNELS)):
         rows, sides = [], []
-        for part in parts:
+        for part in long:
             m = part.shape[1]
-            if m < 10 * ORDER:
-                continue
             t = np.linspace(-1.0, 1.0, m)
             x = part[c] - np.polyval(np.polyfit(t, part[c], 2), t)
             rows.append(np.stack([x[ORDER - k - 1 : m - k - 1] for k in range(ORDER)], axis=1))
@@ -99,8 +118,16 @@ def noise_of(parts: list[Array]) -> ChannelNoise:
         A, y = np.vstack(rows), np.concatenate(sides)
         fitted = np.linalg.lstsq(A, y, rcond=None)[0]
         coefficients.append(fitted)
-        sigma.append(max(float(np.std(y - A @ fitted)), FLOOR[c]))
-    return ChannelNoise(np.array(coefficients), np.array(sigma))
+        sigma.append(float(np.std(y - A @ fitted)))
+    return ChannelNoise(np.array(coefficients), np.maximum(sigma, FLOOR), "unbraked parts")
+
+
+def _noise_of_differences(wholes: list[Array]) -> ChannelNoise:
+    """White noise, its sd the median over the runs; a bite or a release does not move that."""
+    found = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes if x.shape[1] > 3]
+    typical = np.median(found, axis=0) if found else np.zeros(len(CHANNELS))
+    sigma = np.maximum(typical / QUARTILE / np.sqrt(20.0), FLOOR)
+    return ChannelNoise(np.zeros((len(CHANNELS), ORDER)), sigma, "differences between samples")
 
 
 def whiten(residual: Array, noise: ChannelNoise) -> list[Array]:

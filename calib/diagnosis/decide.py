@@ -151,13 +151,15 @@ def second_earns(first: Candidate, pair: Candidate) -> bool:
 def standing(problem: Problem, base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
     """The verdict on the best explanation: named, ambiguous or unknown."""
     closed = gain(base, best) / max(base.reduced - QUIET, 1e-9)
-    if best.reduced > QUIET and closed < ENOUGH:
-        return "unknown"
-    if float(np.max(cells(problem, best) - cells(problem, base))) > HURTS:
-        return "unknown"
-    if contradicted(problem, best):
+    if (best.reduced > QUIET and closed < ENOUGH) or refuted(problem, base, best):
         return "unknown"
     return "ambiguous" if confusable(best, rivals) else "named"
+
+
+def refuted(problem: Problem, base: Candidate, best: Candidate) -> bool:
+    """Whether a channel of a run is explained worse with the effects than without them."""
+    worse = float(np.max(cells(problem, best) - cells(problem, base)))
+    return worse > HURTS or contradicted(problem, best)
 
 
 def contradicted(problem: Problem, best: Candidate) -> bool:

@@ -1,7 +1,7 @@
 """The diagnosis of a car: find the gap, name its cause, add it, measure the gap on hold-outs.
 
-calibration logs ──> problem ──> decide ──> (unknown: locate) ──> model
-hold-out logs ────────────────── confirm ──────────────────────── replays, gap
+calibration logs ──> problem ──> decide ───────────> (something left: locate) ──> model
+hold-out logs ────────────────── confirm ──> prove ─────────────────────────────── replays, gap
 """
 
 from dataclasses import dataclass, replace
@@ -10,36 +10,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.checks.gates import require_same_wheels
-from calib.diagnosis.candidate import (
-    Candidate,
-    Problem,
-    base_of,
-    fit,
-    problem_of,
-    turned_to_ripple,
-)
-from calib.diagnosis.channels import CHANNELS, residuals, thinned, whiten
-from calib.diagnosis.decide import (
-    DETECT,
-    FLOOR,
-    SECOND_SHARE,
-    STRANGE,
-    Decision,
-    confusable,
-    decide,
-    gain,
-)
+from calib.diagnosis.candidate import Candidate, Problem, fit, problem_of
+from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
+from calib.diagnosis.confirm import chi2_by_run, confirm, count_of
+from calib.diagnosis.decide import DETECT, Decision, confusable, decide, gain
 from calib.diagnosis.gap import Gap, gap_of, replays
-from calib.diagnosis.predict import SHAPE, ObservedRun, predict, run_of
+from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
+from calib.diagnosis.predict import ObservedRun, predict, run_of
+from calib.diagnosis.prove import Step, Withdrawn, prove
+from calib.diagnosis.remainder import Remainder, range_of
 from calib.diagnosis.search import unresolved
 from calib.diagnosis.separate import separate_by
 from calib.diagnosis.unexplained import UnexplainedTerm, locate
-from calib.errors import LogError
+from calib.errors import LogError, ModelError
 from calib.logs.log import Log
 from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.effect import acts_on_wheels
 from calib.physics.effects.effects import Effects
-from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
@@ -100,7 +87,10 @@ class Diagnosis:
     """The whole answer.
 
     ``before`` and ``after`` are the hold-outs replayed open loop; ``not_resolved`` the effects that
-    the calibration logs could not have shown at their usual size.
+    the calibration logs could not have shown at their usual size. ``unexplained`` describes what is
+    left, beside "unknown" or beside effects, None where nothing significant is left; ``left`` is
+    its size in the replays; ``withdrawn`` what fits the calibration logs and not the hold-outs;
+    ``steps`` the course of the search; ``noise`` that of the evidence, and where it comes from.
     """
 
     verdict: str
@@ -115,6 +105,10 @@ class Diagnosis:
     measured: tuple[Log, ...]
     reduced_before: float
     reduced_after: float
+    left: Remainder
+    withdrawn: tuple[Withdrawn, ...]
+    steps: tuple[Step, ...]
+    noise: ChannelNoise
     not_resolved: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -124,6 +118,8 @@ class Diagnosis:
                 low, high = p.ci95
                 interval = f"{p.value:.4g} {p.unit} (95 % {low:.4g} to {high:.4g})"
                 lines.append(f"  {effect.name}: {name} = {interval}")
+        if self.effects and self.unexplained is not None:
+            lines.append(f"  and something else: {self.left.size:.1f} times the noise is left")
         lines.append(f"  gap on the hold-outs: {100.0 * self.gap.closed:.0f} % closed")
         return "\n".join(lines)
 
@@ -160,43 +156,50 @@ def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Di
         require_same_wheels(vehicle, log, signals(log, vehicle))
     ordered = sorted(calibration, key=lambda log: log.digest)
     problem = problem_of(vehicle, [run_of(log) for log in ordered])
-    decision = decide(problem, fit(problem, (), np.zeros(4)))
-    held = held_out(problem, holdout)
-    decision = confirm(decision, held)
-    unexplained = None
-    if decision.verdict == "unknown":
-        unexplained = locate(problem, decision.base, held.runs)
+    held = hold_outs_of(problem, holdout)
+    decision = confirm(decide(problem, fit(problem, (), np.zeros(4))), held.problem)
+    proved = prove(problem, held, decision)
+    decision, stands = proved.decision, proved.decision.verdict in ("named", "ambiguous")
+    left_of = decision.best if stands else decision.base
+    unexplained = locate(problem, left_of, held.problem.runs) if proved.rest else None
     before = model_of(vehicle, decision.base)
-    after = after_model(vehicle, decision, unexplained)
-    first = tuple(replays(before, holdout))
-    last = first if after == before else tuple(replays(after, holdout))
-    gap = gap_of(first, last, holdout)
-    if unexplained is not None and gap.closed <= 0.0:
-        # a term that does not help on the hold-outs is left out of the model
-        after, last, gap = before, first, gap_of(first, first, holdout)
-    stands = decision.verdict in ("named", "ambiguous")
+    after, last = model_of(vehicle, left_of), proved.after
+    if unexplained is not None and not stands:
+        after, last = with_term(before, unexplained, proved.before, held)
+    at = unexplained.at if unexplained and not stands else decision.best
     return Diagnosis(
         verdict=decision.verdict,
-        effects=named(problem, held, decision) if stands else (),
+        effects=named(problem, held.problem, decision) if stands else (),
         unexplained=unexplained,
-        base=base_estimates(decision.best if stands else decision.base),
-        gap=gap,
+        base=base_estimates(left_of),
+        gap=gap_of(proved.before, last, holdout),
         model_before=before,
         model_after=after,
-        before=first,
+        before=proved.before,
         after=last,
         measured=tuple(holdout),
         reduced_before=decision.base.reduced,
         not_resolved=unresolved(problem, decision.best, DETECT),
-        reduced_after=unexplained.at.reduced if unexplained else decision.best.reduced,
+        reduced_after=at.reduced,
+        left=proved.left,
+        withdrawn=proved.withdrawn,
+        steps=proved.steps,
+        noise=problem.noise,
     )
 
 
-def held_out(problem: Problem, logs: list[Log]) -> Problem:
-    """The hold-outs as a problem, with the noise of the calibration."""
-    nominal = base_of(problem.vehicle, np.zeros(4))
-    runs = [turned_to_ripple(problem.vehicle, nominal, run_of(log), problem.noise) for log in logs]
-    return Problem(problem.vehicle, tuple(runs), problem.noise)
+def with_term(
+    before: Model, unexplained: UnexplainedTerm, replayed: tuple[Log, ...], held: HoldOuts
+) -> tuple[Model, tuple[Log, ...]]:
+    """The model with an empirical term, and its replays; without it where it does not help."""
+    model = model_of(before.vehicle, unexplained.at)
+    model = replace(model, effects=replace(model.effects, terms=(unexplained.term,)))
+    try:
+        last = tuple(replays(model, held.logs))
+    except ModelError:  # such a term need not have an equilibrium
+        return before, replayed
+    helped = gap_of(replayed, last, held.logs).closed > 0.0
+    return (model, last) if helped else (before, replayed)
 
 
 def check_logs(calibration: list[Log], holdout: list[Log]) -> None:
@@ -222,87 +225,6 @@ def check_logs(calibration: list[Log], holdout: list[Log]) -> None:
             "nothing is braked in the calibration logs",
             expected="pressure above 5 bar in at least one",
         )
-
-
-PROOF, BEYOND_DOUBT = 0.003, 0.02
-"""Least gain on the hold-outs of an effect that the calibration shows, and of one that is faint."""
-
-FELT, FELT_PART = 10.0, 0.02
-"""Change of the sum of squares above which a hold-out shows the effect: three sigma, and a share of
-the change in the hold-out that shows it most."""
-
-
-def confirm(decision: Decision, held: Problem) -> Decision:
-    """Withdraw an effect that does not help on the hold-outs, log by log.
-
-    A log that does not show the effect is not counted. After a withdrawal the verdict is `no_gap`
-    only if neither the calibration logs nor the hold-outs have a gap without the effect.
-    """
-    if decision.faint is not None and second_shown(decision.faint, held):
-        return without_refuted(decision.faint, held)
-    if not decision.best.names:
-        return decision
-    fall = chi2_by_run(held, decision.base) - chi2_by_run(held, decision.best)
-    count = count_of(held, decision.base)
-    detected = gain(decision.base, decision.best) >= DETECT
-    if np.sum(fall) / count > (PROOF if detected else BEYOND_DOUBT) and helps(fall):
-        return without_refuted(decision, held)
-    left = max(float(np.sum(chi2_by_run(held, decision.base))) / count, decision.base.reduced)
-    verdict = "no_gap" if left < STRANGE else "unknown"
-    return replace(decision, verdict=verdict, best=decision.base)
-
-
-def without_refuted(decision: Decision, held: Problem) -> Decision:
-    """Drop rivals that the hold-outs refute; an ambiguous effect may then become a named one."""
-    count = count_of(held, decision.base)
-    own = float(np.sum(chi2_by_run(held, decision.best)))
-    refuted = [
-        rival
-        for rival in confusable(decision.best, decision.rivals)
-        if float(np.sum(chi2_by_run(held, rival))) - own > BEYOND_DOUBT * count
-    ]
-    rivals = tuple(c for c in decision.rivals if all(c is not r for r in refuted))
-    verdict = decision.verdict
-    if verdict == "ambiguous" and not confusable(decision.best, rivals):
-        verdict = "named"
-    return replace(decision, verdict=verdict, rivals=rivals)
-
-
-def helps(fall: Array) -> bool:
-    """Whether most of the hold-outs (n,) that show an effect are explained better with it."""
-    felt = fall[np.abs(fall) > max(FELT, FELT_PART * float(np.max(np.abs(fall))))]
-    return bool(np.mean(felt > 0.0) > 0.5) if felt.size else False
-
-
-SECOND_PROOF, SECOND_PART = 0.05, 0.01
-"""Least gain on the hold-outs of a faint second effect, and its least share of the first's gain: if
-the form of the first is not exact, any second effect takes half a percent of its gain."""
-
-
-def second_shown(pair: Decision, held: Problem) -> bool:
-    """Whether the hold-outs show a second effect clearly, and it explains most of the rest."""
-    assert pair.first is not None
-    count = count_of(held, pair.base)
-    none, first, both = (chi2_by_run(held, c) / count for c in (pair.base, pair.first, pair.best))
-    fall = first - both
-    gained = float(np.sum(fall))
-    return bool(
-        gained > SECOND_PROOF
-        and gained > SECOND_PART * float(np.sum(none - first))
-        and gained > SECOND_SHARE * (float(np.sum(first)) - FLOOR)
-        and helps(fall * count)
-    )
-
-
-def chi2_by_run(problem: Problem, candidate: Candidate) -> Array:
-    """Sum of squared innovations of every run."""
-    parts = problem.whitened(candidate.base, candidate.effects)
-    return np.array([sum(float(c @ c) for c in run) for run in parts])
-
-
-def count_of(problem: Problem, candidate: Candidate) -> int:
-    """Number of innovations of a candidate in a problem."""
-    return sum(c.size for run in problem.whitened(candidate.base, Effects()) for c in run)
 
 
 def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, ...]:
@@ -367,9 +289,9 @@ def where_of(problem: Problem, best: Candidate, name: str) -> Where:
     return Where(
         channel=strongest,
         axle=_axle(problem, best, name),
-        pressure=_range(p, weight),
-        speed=_range(v, weight),
-        temperature=_range(heat, weight) if warm else None,
+        pressure=range_of(p, weight),
+        speed=range_of(v, weight),
+        temperature=range_of(heat, weight) if warm else None,
     )
 
 
@@ -400,15 +322,6 @@ def _axle(problem: Problem, best: Candidate, name: str) -> str:
     return "front" if front > rear else "rear"
 
 
-def _range(driver: Array, weight: Array) -> tuple[float, float]:
-    """The range of a driver that holds the middle 80 % of the weight."""
-    order = np.argsort(driver)
-    share = np.cumsum(weight[order]) / max(float(np.sum(weight)), 1e-12)
-    low, high = np.searchsorted(share, [0.1, 0.9])
-    last = driver.size - 1
-    return float(driver[order[min(low, last)]]), float(driver[order[min(high, last)]])
-
-
 def base_estimates(candidate: Candidate) -> dict[str, ParameterEstimate]:
     """Base parameters with intervals."""
     sigma = standard_errors(candidate)
@@ -424,24 +337,3 @@ def base_estimates(candidate: Candidate) -> dict[str, ParameterEstimate]:
         factor = float(np.exp(Z95 * np.hypot(sigma[i], 0.005)))
         out[name] = ParameterEstimate(value, "1", (value / factor, value * factor))
     return out
-
-
-def model_of(vehicle: Vehicle, candidate: Candidate) -> Model:
-    """A candidate as a model that can be simulated."""
-    b = candidate.base
-    return Model(
-        vehicle=vehicle,
-        pad_friction_f=b.pad_friction_f,
-        pad_friction_r=b.pad_friction_r,
-        tyre=MagicFormula(b.stiffness, b.peak, SHAPE),
-        effects=candidate.effects,
-        surfaces=(),
-    )
-
-
-def after_model(vehicle: Vehicle, decision: Decision, unexplained: UnexplainedTerm | None) -> Model:
-    """The vehicle as a model with the accepted effects, and the empirical term if there is one."""
-    if unexplained is None:
-        return model_of(vehicle, decision.best)
-    model = model_of(vehicle, unexplained.at)
-    return replace(model, effects=replace(model.effects, terms=(unexplained.term,)))

@@ -2,10 +2,12 @@
 
 import json
 import math
+from dataclasses import asdict
 from typing import Any
 
 from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate
 from calib.diagnosis.gap import UNITS, Gap
+from calib.diagnosis.remainder import Remainder
 from calib.diagnosis.unexplained import UnexplainedTerm
 from calib.physics.effects.empirical import DRIVERS
 
@@ -18,10 +20,14 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "schema": SCHEMA,
         "verdict": found.verdict,
         "effects": [_effect(effect) for effect in found.effects],
-        "unexplained": None if found.unexplained is None else _structure(found.unexplained),
+        "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
         "not_resolved": list(found.not_resolved),
         "base": {name: _estimate(value) for name, value in found.base.items()},
         "innovation": {"before": found.reduced_before, "after": found.reduced_after},
+        "noise": {"from": found.noise.source, "at_floor": list(found.noise.at_floor)},
+        "left": _left(found.left),
+        "steps": [asdict(step) for step in found.steps],
+        "withdrawn": [asdict(one) for one in found.withdrawn],
         "gap": _gap(found.gap),
     }
 
@@ -69,9 +75,27 @@ def _effect(effect: Named) -> dict[str, Any]:
     }
 
 
-def _structure(found: UnexplainedTerm) -> dict[str, Any]:
+def _left(left: Remainder) -> dict[str, Any]:
+    return {
+        "size": left.size,
+        "unit": "rms of lasting replay errors over the noise of the sensors",
+        "sigma": left.sigma,
+        "log": left.log,
+        "channel": left.channel,
+        "largest": left.largest,
+        "pressure": {"range": list(left.pressure), "unit": "Pa"},
+        "speed": {"range": list(left.speed), "unit": "m/s"},
+        "time": {"range": list(left.time), "unit": "s"},
+    }
+
+
+def _structure(found: UnexplainedTerm, whole: Diagnosis) -> dict[str, Any]:
     term = found.term
     return {
+        "beside": [effect.name for effect in whole.effects],
+        "in_model": whole.model_after.effects.terms != (),
+        "replays": _left(whole.left),
+        "innovation": whole.reduced_after if whole.effects else whole.reduced_before,
         "place": term.place,
         "axle": found.axle,
         "wheel": found.wheel,

@@ -21,6 +21,10 @@ Array = NDArray[np.float64]
 CHANNELS = ("a_x", *(f"omega_{w}" for w in WHEELS), "v")
 UNITS = {"a_x": "m/s^2", "v": "m/s", **{f"omega_{w}": "rad/s" for w in WHEELS}}
 
+FLOOR = {"a_x": 0.005, "v": 0.003, **{f"omega_{w}": 0.005 for w in WHEELS}}
+"""Least noise of a channel, in its unit: a simulated log may have none, and no car is described to
+better than that."""
+
 
 @dataclass(frozen=True)
 class ChannelGap:
@@ -48,9 +52,9 @@ class Gap:
 
 def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log]) -> Gap:
     """Compare replays with their logs; a replay that ends early is compared up to its end."""
-    noise = {c: float(np.median([noise_of(log[c]) for log in measured])) for c in CHANNELS}
+    floor = noises_of(measured)
+    noise = dict(zip(CHANNELS, floor.tolist(), strict=True))
     squares = {"before": squares_of(before, measured), "after": squares_of(after, measured)}
-    floor = np.array([noise[c] for c in CHANNELS])
     excess = {key: np.maximum(value - floor**2, 0.0) for key, value in squares.items()}
     scaled = {key: value / floor**2 for key, value in excess.items()}
     total = {key: float(np.sqrt(np.mean(value))) for key, value in scaled.items()}
@@ -79,12 +83,18 @@ def squares_of(simulated: Sequence[Log], measured: Sequence[Log]) -> Array:
     return np.array([[square(sim, log, c) for c in CHANNELS] for sim, log in pairs])
 
 
+def noises_of(measured: Sequence[Log]) -> Array:
+    """Sd of the noise of every channel (6,), at least `FLOOR`; the median over the logs."""
+    found = [[max(noise_of(log[c]), FLOOR[c]) for c in CHANNELS] for log in measured]
+    return np.asarray(np.median(found, axis=0))
+
+
 def noise_of(x: Array) -> float:
     """Sd of the noise of a channel, from its third differences, which hold almost no motion.
 
     They do not show the slow part of coloured noise; the factor 1.3 corrects for that of the road.
     """
-    return max(1.3 * float(np.std(np.diff(x, 3)) / np.sqrt(20.0)), 1e-4)
+    return 1.3 * float(np.std(np.diff(x, 3)) / np.sqrt(20.0))
 
 
 def square(simulated: Log, measured: Log, channel: str) -> float:

@@ -25,8 +25,9 @@ Array = NDArray[np.float64]
 KNOTS = 5
 """Knots of a term over the range of its driver."""
 
-FITTED = 4
-"""Terms fitted in full after the linear ranking."""
+FITTED, FITTED_BESIDE = 4, 1
+"""Terms fitted in full after the linear ranking: alone, and beside effects. Beside effects the base
+is right already, and one linear step nearly is."""
 
 PLAIN = 0.03
 """Share of the excess that a term must explain beyond a constant one for its driver to be named."""
@@ -84,10 +85,11 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
             )
             found.append((gain / excess, place, driver, knots, values, at))
     found.sort(key=lambda item: -item[0])
-    tried = found[:FITTED]
-    tried += _constant_beside(tried[0], found)
+    tried = found[: FITTED_BESIDE if at.names else FITTED]
+    tried += _constant_beside(tried[0], found[len(tried) :])
     fitted = [_fitted(problem, at, item, excess) for item in tried]
     fitted.sort(key=lambda item: -item[0])
+    others = fitted if len(fitted) > FITTED_BESIDE + 1 else fitted + found[len(tried) :]
     best = next(
         (f for f in fitted if f[2] == "constant" and f[0] > fitted[0][0] - PLAIN), fitted[0]
     )
@@ -103,7 +105,7 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
         at=best[5],
         runners_up=tuple(
             (place, driver, float(s))
-            for s, place, driver, *_ in fitted
+            for s, place, driver, *_ in others
             if (place, driver) != best[1:3]
         )[:3],
     )
@@ -119,8 +121,8 @@ def _warm(place: str, runs: tuple[ObservedRun, ...]) -> bool:
 
 
 def _constant_beside(best: "Found", found: "list[Found]") -> "list[Found]":
-    """The constant term on the place of the best one, if it is not already among the first."""
-    return [f for f in found[FITTED:] if f[1] == best[1] and f[2] == "constant"]
+    """The constant term on the place of the best one, if it is among the others ``found``."""
+    return [f for f in found if f[1] == best[1] and f[2] == "constant"]
 
 
 def _turning(problem: Problem, at: Candidate, excess: float) -> tuple[float, str]:

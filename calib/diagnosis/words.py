@@ -109,14 +109,15 @@ def verdict(found: Diagnosis) -> str:
     names = [effect.name for effect in found.effects]
     if found.verdict == "no_gap":
         return "These logs show nothing that is missing from the model."
+    more = ", and something else" if found.unexplained is not None else ""
     if found.verdict == "named":
-        return f"Missing from the model: {listed(names)}."
+        return f"Missing from the model: {listed(names)}{more}."
     if found.verdict == "ambiguous":
         others = [n for effect in found.effects for n in effect.indistinguishable_from]
         rivals = sorted(set(others) - set(names))
         return (
             f"Missing from the model: {listed(names)}, or else {listed(rivals, 'or')}; "
-            "these logs cannot tell which."
+            f"these logs cannot tell which{more}."
         )
     if found.unexplained is None:
         return "The model lacks something that is not in the catalogue."
@@ -179,6 +180,55 @@ def rivals(effect: Named) -> str:
         return ""
     text = f"These logs cannot tell it from {listed(effect.indistinguishable_from, 'or')}."
     return f"{text} What would: {effect.separate_by}." if effect.separate_by else text
+
+
+def something_else(found: Diagnosis) -> str:
+    """What is left beside the effects that are named, in two sentences; empty if nothing is."""
+    if found.unexplained is None or not found.effects:
+        return ""
+    left = found.left
+    text = (
+        f"Something else is left: a mean squared innovation of {found.reduced_after:.2f}, where 1 "
+        f"is noise alone, and in the replays {left.size:.1f} times the sensors' noise"
+    )
+    if left.significant:
+        text += f", {min(left.sigma, 99.0):.0f} standard deviations or more from noise alone"
+    at = f"{span(left.pressure, 'Pa')} and {span(left.speed, 'm/s')}"
+    return (
+        f"{text}. It is largest in {left.channel} of {left.log} ({left.largest:.1f} times the "
+        f"noise), at {at}, {span(left.time, 's')} after the start."
+    )
+
+
+def withdrawn(found: Diagnosis) -> str:
+    """What fits the calibration logs and not the hold-outs; empty if there is nothing."""
+    lines = []
+    for one in found.withdrawn:
+        text = f"{listed(one.names).capitalize()} fits the calibration logs and is not named: "
+        if one.closed is None:
+            text += "the hold-outs cannot be replayed with it."
+        elif one.closed < 0.0:
+            text += (
+                f"the lasting errors of the hold-outs grow by {-100.0 * one.closed:.0f} % with it."
+            )
+        else:
+            text += f"it closes {100.0 * one.closed:.0f} % of the lasting errors of the hold-outs."
+        lines.append(text)
+    return " ".join(lines)
+
+
+def noise(found: Diagnosis) -> str:
+    """Where the noise of the evidence comes from, where that is not the usual place."""
+    text = ""
+    if found.noise.source != "unbraked parts":
+        text = (
+            "No log has an unbraked part that is long enough to show the noise; it was taken from "
+            f"{found.noise.source}. "
+        )
+    if found.noise.at_floor:
+        channels = listed(found.noise.at_floor)
+        text += f"The noise of {channels} is below what the model resolves; that was taken instead."
+    return text.strip()
 
 
 def unexplained(found: UnexplainedTerm) -> str:

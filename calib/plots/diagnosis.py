@@ -109,9 +109,11 @@ def heading(found: Diagnosis) -> str:
     """The verdict in a few words."""
     if found.verdict == "no_gap":
         return "no gap"
-    if found.unexplained is not None:
-        return f"unknown, {plain(found.unexplained.term.place)}"
     names = " and ".join(plain(effect.name) for effect in found.effects)
+    if found.unexplained is not None:
+        if names:
+            return f"{names}, and something else"
+        return f"unknown, {plain(found.unexplained.term.place)}"
     return f"{names} (ambiguous)" if found.verdict == "ambiguous" else names or found.verdict
 
 
@@ -258,7 +260,7 @@ def explanations(found: Diagnosis) -> list[tuple[str, float, Stroke]]:
     """The explanations, worst first: label, mean squared innovation that it leaves, stroke."""
     before, after = found.reduced_before, found.reduced_after
     rows = [("nothing added", before, BEFORE)]
-    if found.unexplained is not None:
+    if found.unexplained is not None and not found.effects:
         for place, driver, share in reversed(found.unexplained.runners_up):
             left = before - share * (before - 1.0)
             rows.append((f"{plain(place)} over {driver}", left, BODY))
@@ -271,6 +273,10 @@ def explanations(found: Diagnosis) -> list[tuple[str, float, Stroke]]:
     if found.effects:
         names = " + ".join(plain(effect.name) for effect in found.effects)
         rows.append((f"{names}, added", after, AFTER))
+        if found.unexplained is not None:
+            term, share = found.unexplained.term, found.unexplained.explained
+            left = after - share * (after - 1.0)
+            rows.append((f"{plain(term.place)} over {term.driver}, not added", left, BODY))
     return rows
 
 

@@ -17,10 +17,18 @@ BASE = {
     "tyre_peak": "peak of the tyres, over load",
 }
 
+KINDS = {
+    "no_gap": "No gap",
+    "named": "Named",
+    "ambiguous": "Ambiguous",
+    "unknown": "Unknown cause",
+}
+
 
 def report_html(found: Diagnosis, title: str) -> str:
     """Return the report of a diagnosis as one HTML document with the heading ``title``."""
     sheet = diagnosis.sheet(found, title)
+    beside = found.unexplained is not None and found.effects != ()
     when = ("before",) if found.verdict == "no_gap" else ("before", "after")
     return page(
         "diagnosis",
@@ -35,6 +43,12 @@ def report_html(found: Diagnosis, title: str) -> str:
         speed_ends=_speed_ends(found, when),
         effects=[_effect(effect, found) for effect in found.effects],
         unexplained=found.unexplained and _unexplained(found.unexplained, sheet),
+        kind=KINDS[found.verdict] + (" and something else" if beside else ""),
+        colour="ambiguous" if beside else found.verdict,
+        something_else=words.something_else(found),
+        withdrawn=words.withdrawn(found),
+        noise=words.noise(found),
+        steps=_steps(found),
         not_resolved=words.not_resolved(found),
         evidence=drawn(sheet, ("evidence",)),
         tried=[f"{label} leaves {left:.2f}" for label, left, _ in diagnosis.explanations(found)],
@@ -50,6 +64,18 @@ def report_html(found: Diagnosis, title: str) -> str:
         early_ends=words.early_ends(found),
         base=_base(found),
     )
+
+
+def _steps(found: Diagnosis) -> list[tuple[str, ...]]:
+    """What was added, step by step, and what it left."""
+    return [
+        (
+            words.listed(step.names) if step.names else "none",
+            f"{step.innovation:.3f}",
+            f"{step.left:.2f}",
+        )
+        for step in found.steps
+    ]
 
 
 def _speed_ends(found: Diagnosis, when: tuple[str, ...]) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.candidate import fit, problem_of
-from calib.diagnosis.diagnose import model_of
+from calib.diagnosis.hold_outs import model_of
 from calib.diagnosis.predict import run_of
 from calib.diagnosis.search import unresolved
 from calib.diagnosis.separate import distance, manoeuvres, separate_by

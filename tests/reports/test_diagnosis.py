@@ -3,12 +3,16 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from lxml import html
 
 from calib.diagnosis.candidate import Candidate
+from calib.diagnosis.channels import ChannelNoise
 from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate, Where
 from calib.diagnosis.gap import CHANNELS, ChannelGap, Gap
+from calib.diagnosis.prove import Step, Withdrawn
+from calib.diagnosis.remainder import Remainder
 from calib.diagnosis.unexplained import UnexplainedTerm
 from calib.logs.read import read_log
 from calib.physics.effects.effects import Effects, EmpiricalTerm
@@ -18,6 +22,7 @@ from calib.physics.vehicle_file import read_vehicle
 from calib.reports.diagnosis import report_html
 
 CASE = Path(__file__).parents[2] / "sample_logs" / "hidden" / "case_0"
+LEFT = Remainder(3.5, 40.0, "v", "stop", 7.25, (1e6, 2e6), (10.0, 20.0), (3.0, 6.0))
 MARKUP = "<img src=x onerror=alert(1)>&\"'"
 
 
@@ -39,7 +44,9 @@ def named():
         MARKUP: (8.25, 1.5)})  # fmt: skip
     return Diagnosis(
         "named", (drag,), None, {"pad_friction_f": estimate(0.375), "tyre_peak": estimate(0.8)},
-        gap, model, model, (log,), (log,), (log,), 3.5, 1.0,
+        gap, model, model, (log,), (log,), (log,), 3.5, 1.0, LEFT, (),
+        (Step((), 3.5, 8.0), Step(("aerodynamic_drag",), 1.0, 0.25)),
+        ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts"),
     )  # fmt: skip
 
 
@@ -84,6 +91,29 @@ def test_an_unknown_cause_is_described_by_its_term(named):
     assert texts(page, "//h2")[0] == "Place and driver of the cause"
     assert rows(page, "The empirical term") == [["0", "+0.00 %"], ["25", "-12.50 %"]]  # bar
     assert rows(page, "Other places") == [["body", "speed", "50 %"]]
+
+
+def test_what_is_left_beside_a_name_is_in_headline_colour_and_text(named):
+    rest = unknown(named).unexplained
+    page = read(replace(named, unexplained=rest))
+    assert texts(page, "//header/p")[0] == "Named and something else"
+    assert page.xpath("string(//header/@class)") == "ambiguous"  # not the colour of a name
+    (left,) = [t for t in texts(page, "//header/p") if t.startswith("Something else is left")]
+    assert "3.5 times the sensors' noise" in left
+    assert "10 to 20 bar and 36 to 72 km/h" in left
+    assert "What is left" in texts(page, "//h2")
+    assert page.xpath("string(//header/@class)") != read(named).xpath("string(//header/@class)")
+    assert not any("Something else" in text for text in texts(read(named), "//p"))
+
+
+def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
+    wrong = Withdrawn(("rear_proportioning",), -1.39)
+    page = read(replace(unknown(named), withdrawn=(wrong,)))
+    assert rows(page, "The course of the search") == [
+        ["none", "3.500", "8.00"],
+        ["aerodynamic drag", "1.000", "0.25"],
+    ]
+    assert any("grow by 139 %" in text for text in texts(page, "//header/p"))
 
 
 def test_without_a_gap_there_is_one_replay_and_no_cause(named):

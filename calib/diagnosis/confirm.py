@@ -1,0 +1,103 @@
+"""Whether an explanation of the calibration logs holds on the hold-outs, step by step.
+
+Nothing is fitted to the hold-outs. An effect that does not explain them better is withdrawn.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.candidate import Candidate, Problem
+from calib.diagnosis.decide import (
+    DETECT,
+    FLOOR,
+    SECOND_SHARE,
+    STRANGE,
+    Decision,
+    confusable,
+    gain,
+)
+from calib.physics.effects.effects import Effects
+
+Array = NDArray[np.float64]
+
+PROOF, BEYOND_DOUBT = 0.003, 0.02
+"""Least gain on the hold-outs of an effect that the calibration shows, and of one that is faint."""
+
+FELT, FELT_PART = 10.0, 0.02
+"""Change of the sum of squares above which a hold-out shows the effect: three sigma, and a share of
+the change in the hold-out that shows it most."""
+
+
+def confirm(decision: Decision, held: Problem) -> Decision:
+    """Withdraw an effect that does not help on the hold-outs, log by log.
+
+    A log that does not show the effect is not counted. After a withdrawal the verdict is `no_gap`
+    only if neither the calibration logs nor the hold-outs have a gap without the effect.
+    """
+    if decision.faint is not None and second_shown(decision.faint, held):
+        return without_refuted(decision.faint, held)
+    if not decision.best.names:
+        return decision
+    fall = chi2_by_run(held, decision.base) - chi2_by_run(held, decision.best)
+    count = count_of(held, decision.base)
+    detected = gain(decision.base, decision.best) >= DETECT
+    if np.sum(fall) / count > (PROOF if detected else BEYOND_DOUBT) and helps(fall):
+        return without_refuted(decision, held)
+    left = max(float(np.sum(chi2_by_run(held, decision.base))) / count, decision.base.reduced)
+    verdict = "no_gap" if left < STRANGE else "unknown"
+    return replace(decision, verdict=verdict, best=decision.base)
+
+
+def without_refuted(decision: Decision, held: Problem) -> Decision:
+    """Drop rivals that the hold-outs refute; an ambiguous effect may then become a named one."""
+    count = count_of(held, decision.base)
+    own = float(np.sum(chi2_by_run(held, decision.best)))
+    refuted = [
+        rival
+        for rival in confusable(decision.best, decision.rivals)
+        if float(np.sum(chi2_by_run(held, rival))) - own > BEYOND_DOUBT * count
+    ]
+    rivals = tuple(c for c in decision.rivals if all(c is not r for r in refuted))
+    verdict = decision.verdict
+    if verdict == "ambiguous" and not confusable(decision.best, rivals):
+        verdict = "named"
+    return replace(decision, verdict=verdict, rivals=rivals)
+
+
+def helps(fall: Array) -> bool:
+    """Whether most of the hold-outs (n,) that show an effect are explained better with it."""
+    felt = fall[np.abs(fall) > max(FELT, FELT_PART * float(np.max(np.abs(fall))))]
+    return bool(np.mean(felt > 0.0) > 0.5) if felt.size else False
+
+
+SECOND_PROOF, SECOND_PART = 0.05, 0.01
+"""Least gain on the hold-outs of a faint second effect, and its least share of the first's gain: if
+the form of the first is not exact, any second effect takes half a percent of its gain."""
+
+
+def second_shown(pair: Decision, held: Problem) -> bool:
+    """Whether the hold-outs show a second effect clearly, and it explains most of the rest."""
+    assert pair.first is not None
+    count = count_of(held, pair.base)
+    none, first, both = (chi2_by_run(held, c) / count for c in (pair.base, pair.first, pair.best))
+    fall = first - both
+    gained = float(np.sum(fall))
+    return bool(
+        gained > SECOND_PROOF
+        and gained > SECOND_PART * float(np.sum(none - first))
+        and gained > SECOND_SHARE * (float(np.sum(first)) - FLOOR)
+        and helps(fall * count)
+    )
+
+
+def chi2_by_run(problem: Problem, candidate: Candidate) -> Array:
+    """Sum of squared innovations of every run."""
+    parts = problem.whitened(candidate.base, candidate.effects)
+    return np.array([sum(float(c @ c) for c in run) for run in parts])
+
+
+def count_of(problem: Problem, candidate: Candidate) -> int:
+    """Number of innovations of a candidate in a problem."""
+    return sum(c.size for run in problem.whitened(candidate.base, Effects()) for c in run)

@@ -1,0 +1,79 @@
+"""Noise-free 40 Hz logs without an unbraked part are diagnosed too, of a plant of tests/."""
+
+import numpy as np
+import pytest
+
+from calib.checks.check import problems_for
+from calib.diagnosis.channels import CHANNELS, FLOOR, noise_of
+from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.document import to_dict
+from calib.diagnosis.words import noise
+from calib.logs.log import Log
+from tests.support.plant import Plant, as_log, drive
+from tests.support.reference_car import CAR, IDEAL, REAL
+
+
+def braked(plant: Plant, name: str, pressure: float, rise: float, v0: float) -> Log:
+    """Braked from 0.5 s on: shorter than any part from which noise can be taken."""
+    run = drive(
+        plant,
+        lambda t: pressure * min(max((t - 0.5) / rise, 0.0), 1.0),
+        v0,
+        duration=6.0,
+        rate=40.0,
+        stop_speed=2.0,
+    )
+    return as_log(run, name)
+
+
+def logs(plant: Plant) -> tuple[list[Log], list[Log]]:
+    calibration = [
+        braked(plant, "ramp", 40e5, 5.0, 33.0),
+        braked(plant, "light", 12e5, 0.3, 30.0),
+        braked(plant, "hard", 35e5, 0.3, 30.0),
+    ]
+    return calibration, [braked(plant, "held", 20e5, 0.3, 28.0)]
+
+
+@pytest.fixture(scope="module")
+def ideal() -> Diagnosis:
+    calibration, held = logs(IDEAL)
+    assert all(problems_for(log, "diagnose") == [] for log in (*calibration, *held))
+    return diagnose(CAR, calibration, held)
+
+
+def test_a_car_that_lacks_nothing_has_no_gap(ideal):
+    assert ideal.verdict == "no_gap"
+
+
+def test_the_noise_that_was_assumed_is_told(ideal):
+    told = to_dict(ideal)["noise"]
+    assert told["from"] == "differences between samples"
+    assert set(told["at_floor"]) <= set(CHANNELS)
+    assert {"front_sides", "rear_sides"} <= set(told["at_floor"])
+    assert "No log has an unbraked part that is long enough" in noise(ideal)
+    assert ideal.gap.by_channel["v"].noise >= 0.003
+
+
+def test_three_effects_of_a_real_car_are_named_with_intervals_that_hold_them():
+    found = diagnose(CAR, *logs(REAL))
+    told = {name: p.ci95 for effect in found.effects for name, p in effect.parameters.items()}
+    truth = {"drag_area": 0.66, "coefficient": 0.011, "radius_mismatch": 0.0008}
+    assert told.keys() == truth.keys()
+    assert all(told[name][0] <= true <= told[name][1] for name, true in truth.items())
+    assert found.unexplained is None
+    assert found.gap.closed > 0.9
+
+
+def test_white_noise_is_found_in_the_differences_beside_a_bite():
+    rng = np.random.default_rng(5)
+    sigma = np.array([0.06, 0.02, 0.02, 0.02, 0.03, 0.03])
+    bite = np.where(np.arange(240) > 12, 5.0, 0.0)
+    whole = bite + sigma[:, None] * rng.normal(size=(6, 240))
+    found = noise_of([whole[:, :4]], [whole])
+    assert found.sigma == pytest.approx(sigma, rel=0.25)
+    assert found.source == "differences between samples"
+    assert found.at_floor == ()
+    silent = noise_of([], [np.zeros((6, 240))])
+    assert silent.sigma == pytest.approx(FLOOR)
+    assert silent.at_floor == CHANNELS

@@ -1,0 +1,90 @@
+"""The proof on hold-outs: what makes them worse is not named, and what is left is told."""
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.candidate import fit, problem_of
+from calib.diagnosis.decide import Decision
+from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.document import to_dict
+from calib.diagnosis.hold_outs import hold_outs_of
+from calib.diagnosis.predict import run_of
+from calib.diagnosis.prove import better, prove
+from calib.diagnosis.words import something_else, verdict
+from calib.reports.diagnosis import report_html
+from tests.support.hidden.cases import HiddenCase, draw
+from tests.support.reference_car import CAR, IDEAL, noisy, ramp, stop
+
+
+def answer(case: HiddenCase) -> Diagnosis:
+    return diagnose(case.vehicle, list(case.calibration), list(case.holdout))
+
+
+def test_three_effects_at_once_are_named_and_nothing_else():
+    hidden = ("aerodynamic_drag", "pad_thermal_fade", "accelerometer_bias")
+    found = answer(draw("double", 71, names=hidden, severity=1))
+    assert {effect.name for effect in found.effects} == set(hidden)
+    assert found.unexplained is None
+    assert len(found.steps[-1].names) == 3
+    assert found.steps[-1].left < 2.0 < found.steps[0].left
+
+
+@pytest.fixture(scope="module")
+def beside() -> Diagnosis:
+    """A drag of the catalogue, beside brakes that weaken, which no card has."""
+    return answer(draw("double", 72, names=("aerodynamic_drag", "weaker_applications"), severity=1))
+
+
+def test_a_cause_outside_the_catalogue_beside_an_effect_is_told(beside):
+    assert beside.verdict in ("named", "unknown")
+    assert {effect.name for effect in beside.effects} <= {"aerodynamic_drag"}
+    left = beside.unexplained
+    assert left is not None
+    told = to_dict(beside)["unexplained"]
+    assert told["beside"] == [effect.name for effect in beside.effects]
+    assert told["replays"]["size"] > 0.0
+    assert told["replays"]["log"] in {log.name for log in beside.measured}
+
+
+def test_text_and_report_say_that_something_else_is_left(beside):
+    words = verdict(beside)
+    report = report_html(beside, "car")
+    if beside.effects:
+        assert "and something else" in words
+        assert "Something else is left" in something_else(beside)
+        assert "Something else is left" in report
+        assert not beside.model_after.effects.terms
+    else:
+        assert "not in the catalogue" in words
+
+
+def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn():
+    """The hold-outs are of the car without drag: the named drag would add a gap to them."""
+    calibration = [noisy(ramp(IDEAL), 1), noisy(stop(IDEAL), 2)]
+    problem = problem_of(CAR, [run_of(log) for log in calibration])
+    base = fit(problem, (), np.zeros(4))
+    wrong = fit(problem, ("aerodynamic_drag",), np.concatenate([base.x, [1.0]]), evaluations=1)
+    assert wrong.effects.parameters["aerodynamic_drag"]["drag_area"] > 0.2
+    held = hold_outs_of(problem, [noisy(stop(IDEAL, pressure=15e5), 3)])
+    proved = prove(problem, held, Decision("named", base, wrong, ()))
+    assert proved.decision.verdict == "unknown"
+    assert proved.rest
+    (withdrawn,) = proved.withdrawn
+    assert withdrawn.names == ("aerodynamic_drag",)
+    assert withdrawn.closed < 0.0
+    kept = prove(problem, held, Decision("no_gap", base, base, ()))
+    assert (kept.decision.verdict, kept.rest) == ("no_gap", False)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"),
+    [
+        (393.0, 396.0, False),
+        (393.0, 390.0, False),
+        (20.0, 1.0, True),
+        (0.5, 0.6, True),
+        (0.5, 1.2, False),
+    ],
+)
+def test_replays_must_become_better_or_stay_at_the_noise(before, after, expected):
+    assert better(before, after) is expected
