@@ -10,6 +10,7 @@ from calib.fitting.fit import fit
 from calib.validation.limits import DEFAULTS
 from calib.validation.validate import to_dict, validate_one
 from tests.support.reference_car import CAR, IDEAL, REAL, noisy, ramp, stop, with_pads
+from tests.support.tables import stored_as
 
 LAWS = {f"{law}_{name}" for law in ("gradient", "rls") for name in ("paper", "difference", "tyre")}
 LAWS |= {"gradient_as_written"}
@@ -55,7 +56,7 @@ def test_a_law_that_is_unstable_is_left_out_with_a_note(table, hard):
 def test_it_does_not_stop_a_validation(table, hard):
     result = validate_one(table, hard, None, DEFAULTS)
     assert set(result.baselines) == {"kalman", *PLAIN, *LAWS - UNSTABLE}
-    (log,) = to_dict("car@1", [result])["logs"]
+    (log,) = to_dict(stored_as("car@1"), [result])["logs"]
     assert log["notes"] == list(result.estimate.notes)
     assert "gradient_paper" not in log["rms_error_by_method"]
 
