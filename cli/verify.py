@@ -12,7 +12,7 @@ from cli.options import STORE, Json, PublicKey, Store, example
 if TYPE_CHECKING:
     from calib.store.store import StoreVerdict
 
-EPILOG = example("brake-cal tables verify", "brake-cal tables verify --key line.pub")
+EPILOG = example("brake-cal tables verify", "brake-cal tables verify sedan-2up")
 DAMAGED = 4
 """Exit code of a damaged store, that of `StoreError`."""
 
