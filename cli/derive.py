@@ -43,11 +43,7 @@ def derive(
         emit_json(
             {
                 "schema": 1,
-                "id": stored.id,
-                "name": stored.name,
-                "version": stored.version,
-                "digest": stored.digest,
-                "path": stored.path,
+                **stored.address,
                 "parent": {"id": parent.id, "digest": parent.digest},
                 "set": made.set_,
                 "moved": made.moved,

@@ -1,6 +1,7 @@
 """Optional input files of commands, and checks of names."""
 
 from collections.abc import Collection, Sequence
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,18 @@ if TYPE_CHECKING:
     from calib.physics.vehicle import Vehicle
     from calib.store.version import Stored
     from calib.validation.limits import Limit
+
+
+def require_day(written: str | None, option: str) -> None:
+    """Refuse what is written as a day and is none."""
+    if written is None:
+        return
+    try:
+        date.fromisoformat(written)
+    except ValueError:
+        raise typer.BadParameter(
+            f"{written!r} is not a date such as 2025-03-31", param_hint=option
+        ) from None
 
 
 def channel_map_of(path: Path | None) -> "ChannelMap | None":

@@ -1,6 +1,5 @@
 """`brake-cal tables list` and `find`: the versions of a store, told apart."""
 
-from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,6 +8,7 @@ import typer
 import calib
 from cli.console import emit, emit_json
 from cli.grid import grid
+from cli.inputs import require_day
 from cli.options import STORE, Json, Store, example
 
 if TYPE_CHECKING:
@@ -79,13 +79,7 @@ def _check(state: str | None, since: str | None) -> None:
             f"{state!r} is none of {', '.join(STATES)}{'; ' + near if near else ''}",
             param_hint="--state",
         )
-    if since is not None:
-        try:
-            date.fromisoformat(since)
-        except ValueError:
-            raise typer.BadParameter(
-                f"{since!r} is not a date such as 2025-03-31", param_hint="--since"
-            ) from None
+    require_day(since, "--since")
 
 
 def _none(serial: str, every: "list[Row]") -> str:

@@ -78,11 +78,7 @@ def _document(stored: "Stored") -> dict[str, object]:
     eta = table.difference.eta
     return {
         "schema": 1,
-        "id": stored.id,
-        "name": stored.name,
-        "version": stored.version,
-        "digest": stored.digest,
-        "path": stored.path,
+        **stored.address,
         "parents": table.provenance.parents,
         "cars": table.spread.cars if table.spread else 1,
         "eta": [eta[0], eta[-1]],

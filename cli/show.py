@@ -41,11 +41,7 @@ def _document(stored: "Stored") -> dict[str, object]:
     eta, D = stored.table.difference.peak
     return {
         "schema": 1,
-        "id": stored.id,
-        "name": stored.name,
-        "version": stored.version,
-        "digest": stored.digest,
-        "path": stored.path,
+        **stored.address,
         "state": stored.state.word,
         "keys": key_ids(stored),
         "answer": answer(stored),

@@ -1,7 +1,6 @@
 """`brake-cal station`: one car, from its logs to a verdict, a report and the files of the line."""
 
 from dataclasses import dataclass
-from datetime import date as day
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,7 +9,15 @@ import typer
 import calib
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
-from cli.inputs import channel_map_of, golden_of, limits_of_car, mass_of, tell_kin, unknown_format
+from cli.inputs import (
+    channel_map_of,
+    golden_of,
+    limits_of_car,
+    mass_of,
+    require_day,
+    tell_kin,
+    unknown_format,
+)
 from cli.options import (
     STORE,
     By,
@@ -119,13 +126,7 @@ class ExportOptions:
                     f"{form} holds a date; give one, so that the same run gives the same bytes",
                     param_hint="--date",
                 )
-        if self.date is not None:
-            try:
-                day.fromisoformat(self.date)
-            except ValueError:
-                raise typer.BadParameter(
-                    f"{self.date!r} is not a date such as 2025-03-31", param_hint="--date"
-                ) from None
+        require_day(self.date, "--date")
         return forms
 
 

@@ -70,22 +70,13 @@ class Parent(Section):
     digest: str
 
 
-class Address(Section):
-    """The part of a stored table that a listing reads."""
-
-    model_config = ConfigDict(extra="ignore")
-
-    digest: str
-    parents: tuple[Parent, ...]
-
-
-class RecordFile(Address):
+class RecordFile(Section):
     """A stored table: its address, the SHA-256 of the file of each curve, and its record."""
-
-    model_config = ConfigDict(extra="forbid")
 
     id: str
     version: int
+    digest: str
+    parents: tuple[Parent, ...]
     files: dict[str, str]
     record: Record
     states: Literal["journal.jsonl"] | None = None

@@ -62,6 +62,12 @@ class Stored:
         """name@version."""
         return f"{self.name}@{self.version}"
 
+    @property
+    def address(self) -> dict[str, object]:
+        """Which table it is and where: the head of every document about it."""
+        named = {"id": self.id, "name": self.name, "version": self.version}
+        return {**named, "digest": self.digest, "path": self.path}
+
 
 def write_curves(table: Table, path: Path) -> None:
     """Write the curves' files into the directory ``path``, which must not be a version yet."""
