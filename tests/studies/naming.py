@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.studies.pool import carried_out
 from tests.support.hidden.cases import KINDS, HiddenCase, draw, write
-from tests.support.hidden.score import FAINT, Replays, Score, score
+from tests.support.hidden.score import FAINT, MOST_LEFT, Replays, Score, score
 
 
 @dataclass(frozen=True)
@@ -156,8 +156,12 @@ def goals(scores: list[Score], rows: list[Row]) -> str:
     """The table of goals."""
     single = [s for s in scores if s.kind == "single" and not set(s.truth) & FAINT]
     faint = [s for s in scores if s.kind == "single" and set(s.truth) & FAINT]
-    double, none, outside = (
-        [s for s in scores if s.kind == kind] for kind in ("double", "none", "outside")
+    double, triple, none, varied, outside = (
+        [s for s in scores if s.kind == kind]
+        for kind in ("double", "triple", "none", "varied", "outside")
+    )
+    groups, grouped = (
+        [s for s in scores if s.kind == kind] for kind in ("groups", "grouped_single")
     )
     held = [i.held for s in scores for i in s.intervals]
     slack = [i.held_with_slack for s in scores for i in s.intervals]
@@ -165,9 +169,16 @@ def goals(scores: list[Score], rows: list[Row]) -> str:
         ("one effect: exact name", ">= 95", [s.outcome == "exact" for s in single]),
         ("one effect: exact or in the set", "", [s.outcome in ("exact", "set") for s in single]),
         ("one effect: wrong name", "<= 2", [s.outcome == "wrong" for s in single]),
-        ("two effects: both exact", ">= 85", [s.outcome == "exact" for s in double]),
-        ("two effects: wrong name", "", [s.outcome == "wrong" for s in double]),
+        ("two effects: both exact", ">= 90", [s.outcome == "exact" for s in double]),
+        ("two effects: wrong name", "<= 2", [s.outcome == "wrong" for s in double]),
+        ("three effects: all exact", ">= 70", [s.outcome == "exact" for s in triple]),
+        ("three effects: wrong name", "<= 2", [s.outcome == "wrong" for s in triple]),
         ("nothing hidden: no gap", ">= 99", [s.outcome == "exact" for s in none]),
+        ("nothing hidden, other logs: no gap", ">= 99", [s.outcome == "exact" for s in varied]),
+        ("logs of two groups: no gap", "", [s.outcome == "exact" for s in groups]),
+        ("logs of two groups: a wrong name", "", [s.outcome == "wrong" for s in groups]),
+        ("two groups, one effect: exact", "", [s.outcome == "exact" for s in grouped]),
+        ("two groups, one effect: wrong name", "", [s.outcome == "wrong" for s in grouped]),
         ("outside: unknown or a set", ">= 95", [s.passed for s in outside]),
         ("outside: a single wrong name", "<= 2", [s.outcome == "wrong" for s in outside]),
         ("outside: axle right, where said", "", [s.axle for s in outside if s.axle is not None]),
@@ -176,6 +187,7 @@ def goals(scores: list[Score], rows: list[Row]) -> str:
             "",
             [s.driver for s in outside if s.driver is not None],
         ),
+        (f"more than {MOST_LEFT:g} noise units left, not told", "<= 1", [s.silent for s in scores]),
         ("mass, inertia: set or no gap", ">= 95", [s.passed for s in faint]),
         ("intervals hold the truth", "90-99", held),
         ("... with slack where forms differ", "", slack),

@@ -8,7 +8,7 @@ The same seed gives the same case. Nothing in names, order or metadata tells wha
 """
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,15 +19,27 @@ from calib.physics.vehicle import Axle, Vehicle
 from calib.physics.vehicle_file import write_vehicle
 from calib.simulation.sensor_noise import NoiseLevel, add_noise
 from tests.support.hidden.hydraulics import lines
-from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT, manoeuvre
+from tests.support.hidden.manoeuvres import manoeuvre
 from tests.support.hidden.plant import Car, Start, drive
 from tests.support.hidden.settings import Hidden
 from tests.support.hidden.severities import CATALOGUE, OUTSIDE, SEVERITIES, hide
+from tests.support.hidden.variety import Ground, Variety, grouped, varied
 from tests.support.plant import Tyre, brush, magic
 
 Array = NDArray[np.float64]
 
-KINDS = ("single", "double", "none", "outside")
+KINDS = (
+    "single",
+    "double",
+    "none",
+    "outside",
+    "triple",
+    "varied",
+    "groups",
+    "grouped_single",
+)
+"""``varied``: nothing hidden, other numbers of logs, rates, noise. ``groups``: nothing hidden, some
+logs with other pads or on another road; ``grouped_single``: one effect besides."""
 
 # As the shared logs measure: the accelerometer rides on the body, a part of its noise is slow.
 NOISE = {
@@ -108,22 +120,51 @@ def draw(
         float(rng.uniform(0.85, 1.15)),
         hidden,
     )
+    variety = VARIETIES.get(kind, lambda _: Variety())(rng)
+    levels = {k: scaled(level, variety.noise) for k, level in NOISE.items()}
     logs, truth = {}, {}
-    for name in (*CALIBRATION, *HOLDOUT):
-        clean = run(car, name, rng)
-        logs[name] = add_noise(clean, int(rng.integers(2**31)), NOISE)
-        if name in HOLDOUT:
+    for i, name in enumerate((*variety.calibration, *variety.holdout)):
+        clean = run(on(car, variety.ground(i)), name, rng, variety.rate)
+        logs[name] = add_noise(clean, int(rng.integers(2**31)), levels)
+        if name in variety.holdout:
             truth[name] = {k: v for k, v in clean.channels.items() if k in TRUTH}
     return HiddenCase(
         kind,
         tuple(effects),
         vehicle,
-        tuple(logs[n] for n in CALIBRATION),
-        tuple(logs[n] for n in HOLDOUT),
+        tuple(logs[n] for n in variety.calibration),
+        tuple(logs[n] for n in variety.holdout),
         hidden,
-        answer(kind, tuple(effects), car, surface),
+        answer(kind, tuple(effects), car, surface) | told_of(variety),
         truth,
     )
+
+
+VARIETIES = {"varied": varied, "groups": grouped, "grouped_single": grouped}
+
+
+def scaled(level: NoiseLevel, factor: float) -> NoiseLevel:
+    """A sensor that is louder or quieter, with the same rounding."""
+    return replace(level, sd=level.sd * factor)
+
+
+def on(car: Car, ground: Ground) -> Car:
+    """The car with other pads or on another road."""
+    front, rear = (a * b for a, b in zip(car.pad_scale, ground.pad_scale, strict=True))
+    peak = ground.peak
+    stiffness = car.stiffness_scale * ground.stiffness
+
+    def tyre(slip: float, load: float, stiffness_factor: float, peak_factor: float) -> float:
+        return car.tyre(slip, load, stiffness_factor, peak_factor * peak)
+
+    return replace(car, pad_scale=(front, rear), stiffness_scale=stiffness, tyre=tyre)
+
+
+def told_of(variety: Variety) -> dict[str, object]:
+    """Variety of a case for its answer; nothing for the usual one."""
+    usual = asdict(Variety())
+    changed = {k: v for k, v in asdict(variety).items() if v != usual[k]}
+    return {"variety": changed} if changed else {}
 
 
 TRUTH = ("time", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v")
@@ -132,14 +173,15 @@ TRUTH = ("time", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v")
 def choose(kind: str, seed: int, rng: np.random.Generator) -> tuple[str, ...]:
     """Names for a kind. Pairs leave out what is nearly a pad level even alone."""
     catalogue, outside = list(CATALOGUE), list(OUTSIDE)
-    if kind == "single":
+    if kind in ("single", "grouped_single"):
         return (catalogue[seed % len(catalogue)],)
     if kind == "outside":
         return (outside[seed % len(outside)],)
-    if kind == "double":
+    if kind in ("double", "triple"):
         plain = [n for n in catalogue if n not in ("mass_error", "wheel_inertia")]
-        return tuple(str(n) for n in rng.choice(plain, 2, replace=False))
-    return {"none": ()}[kind]
+        count = 2 if kind == "double" else 3
+        return tuple(str(n) for n in rng.choice(plain, count, replace=False))
+    return {"none": (), "varied": (), "groups": ()}[kind]
 
 
 def tyre(surface: str, rng: np.random.Generator) -> Tyre:
@@ -153,12 +195,12 @@ def tyre(surface: str, rng: np.random.Generator) -> Tyre:
     return magic(stiffness, peak, curvature=float(rng.uniform(-0.3, 0.2)), load_exponent=load)
 
 
-def run(car: Car, name: str, rng: np.random.Generator) -> Log:
+def run(car: Car, name: str, rng: np.random.Generator, rate: float = 200.0) -> Log:
     """One run without noise. Wheels start anywhere in their turn."""
-    m = manoeuvre(name, car.vehicle, rng)
+    m = manoeuvre(name.partition(":")[0], car.vehicle, rng)
     start = Start(m.v0, m.temperature, float(rng.uniform(0.0, 2.0 * np.pi)))
     rtol = 5e-6 if car.hidden.thickness else 1e-6  # a ripple costs steps; both lie below the noise
-    channels = drive(car, lines(car.hidden, m.pressure), start, rtol=rtol)
+    channels = drive(car, lines(car.hidden, m.pressure), start, rate, rtol=rtol)
     return Log(name=name, source=f"{name}.csv", digest="", channels=channels)
 
 

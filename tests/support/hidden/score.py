@@ -103,6 +103,10 @@ COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
 }
 
 
+MOST_LEFT = 3.0
+"""Noise units on the noise-free hold-outs above which an answer must say that something is left."""
+
+
 @dataclass(frozen=True)
 class Interval:
     """Whether one 95 % interval holds the truth: as it stands, and with the slack of the form."""
@@ -118,8 +122,9 @@ class Score:
     """One case against its answer.
 
     ``closed`` share of the gap to the noise-free hold-outs that is gone [1], nan without replays,
-    ``by_channel`` the same; ``axle``, ``driver`` whether an unknown was placed right, None if not
-    asked or not said.
+    ``by_channel`` the same; ``left`` rms distance to the noise-free hold-outs, in noise units,
+    ``remainder`` whether the answer says that something is left; ``axle``, ``driver`` whether an
+    unknown was placed right, None if not asked or not said.
     """
 
     kind: str
@@ -132,6 +137,13 @@ class Score:
     intervals: tuple[Interval, ...]
     axle: bool | None = None
     driver: bool | None = None
+    left: float = math.nan
+    remainder: bool = False
+
+    @property
+    def silent(self) -> bool:
+        """Whether a verdict without a remainder stands while more than `MOST_LEFT` is left."""
+        return self.verdict != "unknown" and not self.remainder and self.left > MOST_LEFT
 
     @property
     def passed(self) -> bool:
@@ -151,9 +163,10 @@ def score(
 ) -> Score:
     """Score one diagnosis."""
     axle, driver = placed(case, diagnosis) if case.kind == "outside" else (None, None)
-    closed, by_channel = math.nan, {}
+    closed, by_channel, left = math.nan, {}, math.nan
     if before is not None and after is not None:
         closed, by_channel = gap_closed(case, before, after)
+        left = math.sqrt(sum(distances(case, after).values()) / len(CHANNELS))
     return Score(
         kind=case.kind,
         truth=tuple(sorted(case.effects)),
@@ -165,6 +178,8 @@ def score(
         intervals=intervals(case, diagnosis),
         axle=axle,
         driver=driver,
+        left=left,
+        remainder=bool(diagnosis.get("unexplained")),
     )
 
 
