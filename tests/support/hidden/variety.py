@@ -1,0 +1,70 @@
+"""How the logs of a case are driven and recorded: which runs, how often sampled, how loud, on what.
+
+A case of twelve runs at 200 Hz is one of many. A user has three logs or forty, of a logger at 40 Hz
+or 1 kHz, with quiet or loud sensors, and some of them after a change of pads or on another road.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What a run is driven with: factor on the pads of both axles, on stiffness and peak [1]."""
+
+    pad_scale: tuple[float, float] = (1.0, 1.0)
+    stiffness: float = 1.0
+    peak: float = 1.0
+
+
+@dataclass(frozen=True)
+class Variety:
+    """Runs of both parts, sample rate [Hz], factor on the noise [1], what each run is driven on.
+
+    A run's name is a manoeuvre, with a number behind a colon where it is driven more than once.
+    """
+
+    calibration: tuple[str, ...] = CALIBRATION
+    holdout: tuple[str, ...] = HOLDOUT
+    rate: float = 200.0
+    noise: float = 1.0
+    grounds: tuple[Ground, ...] = (Ground(),)
+    of_run: tuple[int, ...] = ()
+
+    def ground(self, index: int) -> Ground:
+        """The ground of the run at ``index``, calibration before hold-outs."""
+        return self.grounds[self.of_run[index]] if self.of_run else self.grounds[0]
+
+
+FEW = (("coast", "ramp", "step_low"), ("stop_a",))
+"""The least that a user drives."""
+
+MANY = (
+    tuple(f"{name}:{i}" for i in range(4) for name in CALIBRATION[:7]),
+    tuple(f"{name}:{i}" for i in range(3) for name in HOLDOUT),
+)
+"""Forty runs."""
+
+
+def varied(rng: np.random.Generator) -> Variety:
+    """Three, twelve or forty logs at 40 Hz to 1 kHz, a quarter to three times the noise."""
+    calibration, holdout = (FEW, (CALIBRATION, HOLDOUT), MANY)[int(rng.integers(3))]
+    rate = float(rng.choice([40.0, 50.0, 100.0, 200.0, 500.0, 1000.0]))
+    return Variety(calibration, holdout, rate, float(rng.choice([0.25, 1.0, 3.0])))
+
+
+def grouped(rng: np.random.Generator) -> Variety:
+    """Two groups of runs that differ in the pads of both axles, in the road, or in both."""
+    kind = int(rng.integers(3))
+    pads = tuple(float(rng.choice([-1.0, 1.0]) * rng.uniform(0.06, 0.15)) for _ in "fr")
+    other = Ground(
+        (1.0 + pads[0], 1.0 + pads[1]) if kind != 1 else (1.0, 1.0),
+        float(rng.uniform(0.75, 0.9)) if kind != 0 else 1.0,
+        float(rng.uniform(0.7, 0.85)) if kind != 0 else 1.0,
+    )
+    names = (*CALIBRATION, *HOLDOUT)
+    of_run = tuple(int(x) for x in rng.permutation(len(names)) < rng.integers(3, 6))
+    return Variety(grounds=(Ground(), other), of_run=of_run)
