@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.channels import (
+    CHANNELS,
     ChannelNoise,
     noise_of,
     residuals,
@@ -31,8 +32,15 @@ Array = NDArray[np.float64]
 STIFFNESS, PEAK = 25.0, 0.95
 """Start of the fit for the tyre: slip stiffness and peak of a passenger car, both per load [1]."""
 
-BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35])
-"""Standard deviations of the priors on the logarithms of pads, stiffness and peak: wide."""
+SHAPE, LOAD_EXPONENT = 1.65, 0.03
+"""Middle of the priors on the tyre's form [1]: passenger cars on asphalt; `calib.fitting`."""
+
+BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04])
+"""Standard deviations of the priors on the logarithms of pads, stiffness and peak: wide; on that of
+the shape factor, and on the load exponent: the spread of passenger tyres."""
+
+BASE = BASE_SIGMA.size
+"""Number of base parameters, the first ones of every vector."""
 
 COASTING = 1e5
 """Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that of
@@ -67,7 +75,9 @@ class Candidate:
     """A fitted explanation.
 
     ``names`` of its effects; ``x`` the fitted vector (see `unpack`) with its ``covariance``;
-    ``chi2`` the sum of squared innovations, over ``count`` of them.
+    ``chi2`` the sum of squared innovations, over ``count`` of them; ``scatter`` the standard
+    deviation of `reduced` where nothing is left: that of so many squares, and of the noise that
+    they are held against.
     """
 
     names: tuple[str, ...]
@@ -77,6 +87,7 @@ class Candidate:
     covariance: Array
     chi2: float
     count: int
+    scatter: float
 
     @property
     def reduced(self) -> float:
@@ -86,7 +97,7 @@ class Candidate:
 
 def problem_of(vehicle: Vehicle, runs: list[ObservedRun]) -> Problem:
     """Build a problem; its noise is that of the unbraked parts, where no base parameter acts."""
-    nominal = base_of(vehicle, np.zeros(4))
+    nominal = base_of(vehicle, np.zeros(BASE))
     wholes = [residuals(run, predict(vehicle, nominal, Effects(), run)) for run in runs]
     pairs = zip(runs, wholes, strict=True)
     noise = noise_of([whole[:, : unbraked_length(run)] for run, whole in pairs], wholes)
@@ -114,22 +125,24 @@ def turned_to_ripple(
 
 
 def base_of(vehicle: Vehicle, x: Array) -> Base:
-    """Base parameters from the first four of the vector: logarithms of the ratio to nominal."""
+    """Base parameters from the first `BASE` of the vector; logarithms of the ratio to nominal."""
     return Base(
         pad_friction_f=vehicle.front.pad_friction * float(np.exp(x[0])),
         pad_friction_r=vehicle.rear.pad_friction * float(np.exp(x[1])),
         stiffness=STIFFNESS * float(np.exp(x[2])),
         peak=PEAK * float(np.exp(x[3])),
+        shape=SHAPE * float(np.exp(x[4])),
+        load_exponent=LOAD_EXPONENT + float(x[5]),
     )
 
 
 def unpack(vehicle: Vehicle, names: tuple[str, ...], x: Array) -> tuple[Base, Effects]:
-    """Base and effects from a vector: four logarithms, then the parameters of the effects.
+    """Base and effects from a vector: the base, then the parameters of the effects.
 
     A parameter is in units of its spread. A strength counts from its neutral value, any other
     parameter from its typical value.
     """
-    effects, i = {}, 4
+    effects, i = {}, BASE
     for name in names:
         card = effect_named(name).card
         values = {}
@@ -146,7 +159,7 @@ def _origin(card: Card, index: int) -> float:
 
 def bounds(names: tuple[str, ...]) -> tuple[Array, Array]:
     """Bounds of the vector: the cards' ranges."""
-    low, high = [-2.0] * 4, [2.0] * 4
+    low, high = [*[-2.0] * 4, -0.4, -0.2], [*[2.0] * 4, 0.18, 0.2]
     for name in names:
         card = effect_named(name).card
         for j, p in enumerate(card.parameters):
@@ -158,8 +171,8 @@ def bounds(names: tuple[str, ...]) -> tuple[Array, Array]:
 
 def prior_rows(names: tuple[str, ...], x: Array) -> Array:
     """Residuals of the weak priors; the strengths have none."""
-    rows = list(x[:4] / BASE_SIGMA)
-    i = 4
+    rows = list(x[:BASE] / BASE_SIGMA)
+    i = BASE
     for name in names:
         count = len(effect_named(name).card.parameters)
         rows += [float(v) / SECOND_SIGMA for v in x[i + 1 : i + count]]
@@ -199,7 +212,7 @@ def fit(
         return np.concatenate([*rows, x[own:] / 2.0])
 
     first = np.clip(start, low + 1e-6, high - 1e-6)
-    scale = np.concatenate([np.full(4, 0.1), np.ones(own - 4), np.full(knots, 0.1)])
+    scale = np.concatenate([np.full(BASE, 0.1), np.ones(own - BASE), np.full(knots, 0.1)])
     result = least_squares(
         objective,
         first,
@@ -221,4 +234,7 @@ def fit(
         covariance=np.linalg.pinv(result.jac.T @ result.jac),
         chi2=float(innovations @ innovations),
         count=innovations.size,
+        scatter=float(
+            np.sqrt(2.0 / innovations.size + 2.0 / (len(CHANNELS) * problem.noise.freedom))
+        ),
     )

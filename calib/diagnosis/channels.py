@@ -38,6 +38,12 @@ WALK = 0.9
 FLOOR = (0.005, 0.003, 0.005, 0.003, 0.003, 0.003)
 """Lower limit of the innovation's sd by channel, in its unit; simulated logs may have no noise."""
 
+PARABOLA = 3
+"""Coefficients of the parabola that is taken out of every unbraked part."""
+
+DIFFERENCED = 4
+"""Samples that a third difference joins: so many count as one."""
+
 LONG = 10 * ORDER
 """Least samples of an unbraked part that shows noise: ten for each coefficient."""
 
@@ -46,12 +52,13 @@ LONG = 10 * ORDER
 class ChannelNoise:
     """AR coefficients (6, ORDER) and innovation sd (6,) of the channels, in their units.
 
-    ``source`` says what it was taken from.
+    ``source`` says what it was taken from, ``freedom`` from how many independent samples.
     """
 
     coefficients: Array
     sigma: Array
     source: str
+    freedom: int
 
     @property
     def at_floor(self) -> tuple[str, ...]:
@@ -107,6 +114,7 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
     if not long:
         return _noise_of_differences(wholes)
     coefficients, sigma = [], []
+    freedom = sum(part.shape[1] - ORDER - PARABOLA for part in long) - ORDER
     for c in range(len(CHANNELS)):
         rows, sides = [], []
         for part in long:
@@ -118,8 +126,8 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
         A, y = np.vstack(rows), np.concatenate(sides)
         fitted = np.linalg.lstsq(A, y, rcond=None)[0]
         coefficients.append(fitted)
-        sigma.append(float(np.std(y - A @ fitted)))
-    return ChannelNoise(np.array(coefficients), np.maximum(sigma, FLOOR), "unbraked parts")
+        sigma.append(float(np.sqrt(np.sum((y - A @ fitted) ** 2) / freedom)))
+    return ChannelNoise(np.array(coefficients), np.maximum(sigma, FLOOR), "unbraked parts", freedom)
 
 
 def _noise_of_differences(wholes: list[Array]) -> ChannelNoise:
@@ -127,7 +135,9 @@ def _noise_of_differences(wholes: list[Array]) -> ChannelNoise:
     found = [np.median(np.abs(np.diff(x, 3, axis=1)), axis=1) for x in wholes if x.shape[1] > 3]
     typical = np.median(found, axis=0) if found else np.zeros(len(CHANNELS))
     sigma = np.maximum(typical / QUARTILE / np.sqrt(20.0), FLOOR)
-    return ChannelNoise(np.zeros((len(CHANNELS), ORDER)), sigma, "differences between samples")
+    freedom = max(sum(x.shape[1] for x in wholes) // DIFFERENCED, 1)
+    source = "differences between samples"
+    return ChannelNoise(np.zeros((len(CHANNELS), ORDER)), sigma, source, freedom)
 
 
 def whiten(residual: Array, noise: ChannelNoise) -> list[Array]:

@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem
 from calib.diagnosis.decide import (
-    DETECT,
     FLOOR,
     SECOND_SHARE,
-    STRANGE,
     Decision,
     confusable,
-    gain,
+    strange,
 )
 from calib.physics.effects.effects import Effects
 
@@ -42,12 +40,13 @@ def confirm(decision: Decision, held: Problem) -> Decision:
         return decision
     fall = chi2_by_run(held, decision.base) - chi2_by_run(held, decision.best)
     count = count_of(held, decision.base)
-    detected = gain(decision.base, decision.best) >= DETECT
-    if np.sum(fall) / count > (PROOF if detected else BEYOND_DOUBT) and helps(fall):
+    if np.sum(fall) / count > (PROOF if decision.detected else BEYOND_DOUBT) and helps(fall):
         return without_refuted(decision, held)
-    left = max(float(np.sum(chi2_by_run(held, decision.base))) / count, decision.base.reduced)
-    verdict = "no_gap" if left < STRANGE else "unknown"
-    return replace(decision, verdict=verdict, best=decision.base)
+    on_hold_outs = float(np.sum(chi2_by_run(held, decision.base))) / count
+    base = decision.base
+    left = replace(base, chi2=max(on_hold_outs, base.reduced) * base.count)
+    verdict = "unknown" if strange(left) else "no_gap"
+    return replace(decision, verdict=verdict, best=base)
 
 
 def without_refuted(decision: Decision, held: Problem) -> Decision:

@@ -8,30 +8,29 @@ The measure is the excess of the mean squared innovation over 1. An effect is na
 the innovations enough, explains most of the excess, and helps on hold-outs it was not fitted to.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem
+from calib.diagnosis.chance import chance_of
 from calib.diagnosis.channels import CHANNELS
 from calib.diagnosis.search import refine
 
 Array = NDArray[np.float64]
 
-DETECT = 0.004
-"""Gain in the mean squared innovation above which an effect counts as present. On an independent
-plant without any effect the best name gains up to 0.0013 (tests/studies/naming.py)."""
+SURE = 4.0
+"""Gain, over what chance gives, above which an effect counts as present: twice the size. From 1 on
+it may be present, and counts only if the hold-outs, which may excite it more, show it clearly."""
 
-FAINT = 0.0015
-"""Gain above which an effect may be present. It counts only if the hold-outs, which may excite it
-more, show it clearly."""
+FLOOR = 1.01
+"""Mean squared innovation that the best model leaves on an independent plant."""
 
-QUIET = 1.06
-"""Mean squared innovation below which nothing is left to explain; no tyre curve is exact."""
-
-STRANGE = 1.15
-"""Mean squared innovation above which a cause is present, even if no known effect explains it."""
+QUIET, STRANGE = 3.0, 6.0
+"""Scatter above `FLOOR` up to which nothing is left to explain, and from which a cause is present
+even if no known effect explains it."""
 
 PARAMETER = 0.001
 """Gain in the mean squared innovation that each further parameter must bring. So an effect that can
@@ -42,14 +41,11 @@ HURTS = 0.35
 five sigma of the difference of two runs of 450 steps."""
 
 ENOUGH = 0.80
-"""Share of the excess over QUIET that an explanation must close to be accepted."""
+"""Share of the excess over what is quiet that an explanation must close to be accepted."""
 
 FELT_POWER = 50.0
 """Least change by an effect, in squared sigma, for a channel to count in the test of that effect. A
 wrong effect raises the channel's sum of squares by as much, which is seven sigma of chance."""
-
-FLOOR = 1.03
-"""Mean squared innovation that the best model leaves on an independent plant."""
 
 SECOND = 0.02
 """Least gain in the mean squared innovation of a second effect."""
@@ -75,7 +71,9 @@ class Decision:
 
     ``verdict`` as in diagnosis.json; ``base`` without effects; ``best`` the explanation that was
     accepted or comes nearest; ``rivals`` the other fitted ones of the last step, best first.
-    ``faint`` is the decision for two effects that replaces this one if the hold-outs confirm it.
+    ``faint`` is the decision for two effects that replaces this one if the hold-outs confirm it;
+    ``chance`` the gain in chi-square, by effect, that chance alone could give
+    (`calib.diagnosis.chance`).
     """
 
     verdict: str
@@ -84,13 +82,33 @@ class Decision:
     rivals: tuple[Candidate, ...]
     first: Candidate | None = None
     faint: "Decision | None" = None
+    chance: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def detected(self) -> bool:
+        """Whether the calibration logs alone show the best explanation."""
+        return self.best.names != () and beyond_chance(self.chance, self.base, self.best) > SURE
+
+    @property
+    def least_shown(self) -> dict[str, float]:
+        """Gain in chi-square from which the calibration logs alone show an effect, by effect."""
+        return {name: SURE * gain for name, gain in self.chance.items()}
 
 
 def decide(problem: Problem, base: Candidate) -> Decision:
     """Search for one or two effects and judge them; ``base`` is the fit without any."""
     singles = simplest_first(refine(problem, base))
-    if not singles or gain(base, singles[0]) < FAINT:
-        verdict = "no_gap" if base.reduced < STRANGE else "unknown"
+    chance = chance_of(problem, base, singles[0] if singles else base)
+    decision = _decided(problem, base, singles, chance)
+    faint = decision.faint and replace(decision.faint, chance=chance)
+    return replace(decision, chance=chance, faint=faint)
+
+
+def _decided(
+    problem: Problem, base: Candidate, singles: list[Candidate], chance: Mapping[str, float]
+) -> Decision:
+    if not singles or beyond_chance(chance, base, singles[0]) < 1.0:
+        verdict = "unknown" if strange(base) else "no_gap"
         return Decision(verdict, base, base, tuple(singles))
     first = singles[0]
     pairs = seconds(problem, singles) if first.reduced > 1.0 else []
@@ -102,7 +120,7 @@ def decide(problem: Problem, base: Candidate) -> Decision:
             return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
         return Decision("unknown", base, pairs[0], tuple(pairs[1:]), faint=faint)
     verdict = standing(problem, base, first, singles[1:])
-    if verdict == "unknown" and base.reduced < STRANGE and gain(base, first) < SECOND:
+    if verdict == "unknown" and not strange(base) and gain(base, first) < SECOND:
         # too weak here for an excess; the hold-outs may excite it more
         shown = "ambiguous" if confusable(first, singles[1:]) else "named"
         faint = faint or Decision(shown, base, first, tuple(singles[1:]), first=base)
@@ -119,6 +137,22 @@ def _faint(
     if verdict == "unknown":
         return None
     return Decision(verdict, base, pairs[0], tuple(pairs[1:]), first=first)
+
+
+def beyond_chance(chance: Mapping[str, float], base: Candidate, best: Candidate) -> float:
+    """Gain of an explanation over the largest that chance gives one of its effects [1]."""
+    by_chance = max(chance.get(name, 0.0) for name in best.names)
+    return (base.chi2 - best.chi2) / max(by_chance, 1e-9)
+
+
+def quiet(candidate: Candidate) -> float:
+    """Mean squared innovation up to which nothing is left to explain."""
+    return FLOOR + QUIET * candidate.scatter
+
+
+def strange(candidate: Candidate) -> bool:
+    """Whether a cause is present, even if no known effect explains it."""
+    return candidate.reduced > FLOOR + STRANGE * candidate.scatter
 
 
 def gain(before: Candidate, after: Candidate) -> float:
@@ -150,8 +184,8 @@ def second_earns(first: Candidate, pair: Candidate) -> bool:
 
 def standing(problem: Problem, base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
     """The verdict on the best explanation: named, ambiguous or unknown."""
-    closed = gain(base, best) / max(base.reduced - QUIET, 1e-9)
-    if (best.reduced > QUIET and closed < ENOUGH) or refuted(problem, base, best):
+    closed = gain(base, best) / max(base.reduced - quiet(best), 1e-9)
+    if (best.reduced > quiet(best) and closed < ENOUGH) or refuted(problem, base, best):
         return "unknown"
     return "ambiguous" if confusable(best, rivals) else "named"
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.checks.gates import require_same_wheels
-from calib.diagnosis.candidate import Candidate, Problem, fit, problem_of
+from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, problem_of
 from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.confirm import chi2_by_run, confirm, count_of
-from calib.diagnosis.decide import DETECT, Decision, confusable, decide, gain
+from calib.diagnosis.decide import Decision, confusable, decide, gain
 from calib.diagnosis.gap import Gap, gap_of, replays
 from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
 from calib.diagnosis.predict import ObservedRun, predict, run_of
@@ -157,7 +157,7 @@ def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Di
     ordered = sorted(calibration, key=lambda log: log.digest)
     problem = problem_of(vehicle, [run_of(log) for log in ordered])
     held = hold_outs_of(problem, holdout)
-    decision = confirm(decide(problem, fit(problem, (), np.zeros(4))), held.problem)
+    decision = confirm(decide(problem, fit(problem, (), np.zeros(BASE))), held.problem)
     proved = prove(problem, held, decision)
     decision, stands = proved.decision, proved.decision.verdict in ("named", "ambiguous")
     left_of = decision.best if stands else decision.base
@@ -179,7 +179,7 @@ def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Di
         after=last,
         measured=tuple(holdout),
         reduced_before=decision.base.reduced,
-        not_resolved=unresolved(problem, decision.best, DETECT),
+        not_resolved=unresolved(problem, decision.best, decision.least_shown),
         reduced_after=at.reduced,
         left=proved.left,
         withdrawn=proved.withdrawn,
@@ -232,7 +232,7 @@ def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, .
     best, sigma = decision.best, standard_errors(decision.best)
     like = confusable(best, decision.rivals)
     held_gain = chi2_by_run(held, decision.base).sum() - chi2_by_run(held, best).sum()
-    out, i = [], 4
+    out, i = [], BASE
     for name in best.names:
         parameters = {}
         for p in effect_named(name).card.parameters:

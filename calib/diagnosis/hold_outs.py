@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.diagnosis.candidate import (
+    BASE,
     Candidate,
     Problem,
     base_of,
@@ -14,12 +15,11 @@ from calib.diagnosis.candidate import (
     unpack,
 )
 from calib.diagnosis.gap import replays
-from calib.diagnosis.predict import SHAPE, Base, run_of
+from calib.diagnosis.predict import Base, run_of
 from calib.diagnosis.remainder import Remainder, remainder_of
 from calib.errors import ModelError
 from calib.logs.log import Log
 from calib.physics.effects.effects import Effects
-from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
 
@@ -57,7 +57,7 @@ class HoldOuts:
 
 def hold_outs_of(problem: Problem, logs: Sequence[Log]) -> HoldOuts:
     """The hold-outs of a problem, with its noise."""
-    nominal = base_of(problem.vehicle, np.zeros(4))
+    nominal = base_of(problem.vehicle, np.zeros(BASE))
     runs = [turned_to_ripple(problem.vehicle, nominal, run_of(log), problem.noise) for log in logs]
     return HoldOuts(tuple(logs), Problem(problem.vehicle, tuple(runs), problem.noise))
 
@@ -72,7 +72,7 @@ def _model(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
         vehicle=vehicle,
         pad_friction_f=base.pad_friction_f,
         pad_friction_r=base.pad_friction_r,
-        tyre=MagicFormula(base.stiffness, base.peak, SHAPE),
+        tyre=base.tyre,
         effects=effects,
         surfaces=(),
     )

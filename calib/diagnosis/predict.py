@@ -34,6 +34,7 @@ from calib.physics.effects.effect import Pair
 from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads, tyre_force
 from calib.physics.history import Motion, RunHistory
+from calib.physics.magic_formula import MagicFormula
 from calib.physics.vehicle import Vehicle
 from calib.signals.filters import block_mean, centred_mean
 from calib.signals.pedal import as_pressed
@@ -43,21 +44,28 @@ Array = NDArray[np.float64]
 GRID = 0.01
 """Clock on which a run is predicted [s]; a disc turns at most 20 times a second."""
 
-SHAPE = 1.65
-"""Shape factor C of the Magic Formula, the same for every tyre in a diagnosis [1]."""
-
 EDGE = 0.985
 """Share of the peak up to which the rising branch is inverted; forces past it are held there."""
 
 
 @dataclass(frozen=True)
 class Base:
-    """Parameters that are always re-identified [1]: pad friction by axle, tyre stiffness, peak."""
+    """Parameters that are always re-identified [1]: pad friction by axle, and the tyre.
+
+    ``stiffness``, ``peak``, ``shape`` and ``load_exponent`` as in `MagicFormula`.
+    """
 
     pad_friction_f: float
     pad_friction_r: float
     stiffness: float
     peak: float
+    shape: float = 1.65
+    load_exponent: float = 0.0
+
+    @property
+    def tyre(self) -> MagicFormula:
+        """The tyre of both axles."""
+        return MagicFormula(self.stiffness, self.peak, self.shape, self.load_exponent)
 
 
 @dataclass(frozen=True)
@@ -150,7 +158,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     slips: list[Array] = []
     for i, force in enumerate(forces):
         twin = i % 2 == 1 and force is forces[i - 1]
-        slips.append(slips[-1] if twin else _slip(base, force, loads[i]))
+        slips.append(slips[-1] if twin else _slip(car, base, force, loads[i]))
     a_true = -G * z
     last = _history(run, z, energy)
     a_read = as_read(car, effects, last, a_true)
@@ -240,10 +248,11 @@ def _balance(
     return forces, loads, (total + total_body_force(car, effects, motion)) / car.weight
 
 
-def _slip(base: Base, force: Array, load: Array) -> Array:
-    """Slip [1] on the rising branch of the Magic Formula."""
-    x = np.clip(force / np.maximum(load, 1.0) / base.peak, -EDGE, EDGE)
-    return np.asarray(SHAPE * base.peak / base.stiffness * np.tan(np.arcsin(x) / SHAPE))
+def _slip(car: Vehicle, base: Base, force: Array, load: Array) -> Array:
+    """Slip [1] of a wheel on the rising branch of the tyre; forces past it are held there."""
+    load = np.maximum(load, 1.0)
+    held = np.clip(force / load, -EDGE * base.peak, EDGE * base.peak)
+    return base.tyre.slip(held, 4.0 * load / car.weight)
 
 
 def follow(x: Array, time_constant: Array, step: float) -> Array:

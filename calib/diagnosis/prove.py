@@ -14,15 +14,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.diagnosis.candidate import Candidate, Problem, fit
+from calib.diagnosis.candidate import BASE, Candidate, Problem, fit
 from calib.diagnosis.confirm import chi2_by_run, helps
 from calib.diagnosis.decide import (
     FAINT_SECOND,
     FLOOR,
-    QUIET,
     Decision,
     confusable,
     gain,
+    quiet,
     refuted,
     simplest_first,
 )
@@ -115,12 +115,7 @@ def prove(problem: Problem, held: HoldOuts, decision: Decision) -> Proved:
 
 def remains(best: Candidate, left: Remainder) -> bool:
     """Whether something significant is left, in the innovations or in the replays."""
-    return left.significant or best.reduced > limit(best)
-
-
-def limit(candidate: Candidate) -> float:
-    """Mean squared innovation up to which the form of a tyre and chance explain it."""
-    return QUIET + 3.0 * float(np.sqrt(2.0 / candidate.count))
+    return left.significant or best.reduced > quiet(best)
 
 
 def _step(candidate: Candidate, left: Remainder) -> Step:
@@ -136,7 +131,9 @@ def _confirmed(held: HoldOuts, present: Proved) -> Proved:
         steps = (*present.steps, _step(best, left))
         return replace(present, after=after, left=left, steps=steps)
     closed = None if judged is None else 1.0 - judged[1].size / max(present.left.size, 1e-9)
-    decision = replace(present.decision, verdict="unknown", best=present.decision.base)
+    base = present.decision.base
+    verdict = "unknown" if remains(base, present.left) else "no_gap"
+    decision = replace(present.decision, verdict=verdict, best=base)
     return replace(present, decision=decision, withdrawn=(Withdrawn(best.names, closed),))
 
 
@@ -215,7 +212,7 @@ def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
     them, in innovations and replays, and if none of them can be spared.
     """
     at, rivals = present.decision.best, list[Candidate]()
-    while at.names and at.reduced > limit(at):
+    while at.names and at.reduced > quiet(at):
         options = _options(problem, at)
         if not options or gain(at, options[0]) < STEP * (at.reduced - FLOOR):
             return present
@@ -241,7 +238,7 @@ def _spared(problem: Problem, at: Candidate) -> Candidate:
 
 def _without(problem: Problem, at: Candidate, name: str) -> Candidate:
     """Fitted anew without one of its effects."""
-    kept, i = [at.x[:4]], 4
+    kept, i = [at.x[:BASE]], BASE
     for other in at.names:
         count = len(effect_named(other).card.parameters)
         if other != name:

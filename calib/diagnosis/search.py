@@ -6,12 +6,13 @@ innovations on the rest. That is cheap. The best ones are then fitted in full, s
 hysteresis are not linear.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem, fit, unpack
+from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, unpack
 from calib.physics.effects.catalogue import CATALOGUE
 from calib.physics.effects.effects import Effects
 
@@ -67,7 +68,7 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
             continue
         best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(effect.card.parameters))]))
         for trial in trials(name):
-            _, effects = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(4), trial]))
+            _, effects = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(BASE), trial]))
             change = problem.flat(at.base, at.effects.with_(effects)) - innovations
             gain, amount = along(innovations, directions, change)
             if amount > 0.0 and gain > best.gain:
@@ -78,11 +79,11 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
     return sorted(found, key=lambda hint: -hint.gain)
 
 
-def unresolved(problem: Problem, at: Candidate, least: float) -> tuple[str, ...]:
+def unresolved(problem: Problem, at: Candidate, least: Mapping[str, float]) -> tuple[str, ...]:
     """Effects of usual size that these runs could not have shown.
 
-    The gain in the mean squared innovation that such an effect would have, beyond that of base and
-    present effects, is below ``least``.
+    The gain in chi-square that such an effect would have, beyond that of base and present effects,
+    is below ``least`` of it.
     """
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
@@ -97,7 +98,7 @@ def unresolved(problem: Problem, at: Candidate, least: float) -> tuple[str, ...]
         values = {strength.name: usual} | {p.name: p.typical for p in others}
         change = problem.flat(at.base, at.effects.with_(Effects({name: values}))) - innovations
         free = change - directions @ (directions.T @ change)
-        if float(free @ free) < least * at.count:
+        if float(free @ free) < least[name]:
             faint.append(name)
     return tuple(faint)
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.candidate import fit, problem_of
+from calib.diagnosis.candidate import BASE, fit, problem_of
 from calib.diagnosis.decide import decide
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.document import to_dict
@@ -24,7 +24,7 @@ def answer(case: HiddenCase) -> Diagnosis:
 
 def verdict(logs: list[Log], case: HiddenCase) -> tuple[str, tuple[str, ...]]:
     problem = problem_of(case.vehicle, [run_of(log) for log in logs])
-    decision = decide(problem, fit(problem, (), np.zeros(4)))
+    decision = decide(problem, fit(problem, (), np.zeros(BASE)))
     return decision.verdict, decision.best.names
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.diagnosis.candidate import fit, problem_of
+from calib.diagnosis.candidate import BASE, fit, problem_of
 from calib.diagnosis.decide import Decision
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.document import to_dict
@@ -62,7 +62,7 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn():
     """The hold-outs are of the car without drag: the named drag would add a gap to them."""
     calibration = [noisy(ramp(IDEAL), 1), noisy(stop(IDEAL), 2)]
     problem = problem_of(CAR, [run_of(log) for log in calibration])
-    base = fit(problem, (), np.zeros(4))
+    base = fit(problem, (), np.zeros(BASE))
     wrong = fit(problem, ("aerodynamic_drag",), np.concatenate([base.x, [1.0]]), evaluations=1)
     assert wrong.effects.parameters["aerodynamic_drag"]["drag_area"] > 0.2
     held = hold_outs_of(problem, [noisy(stop(IDEAL, pressure=15e5), 3)])

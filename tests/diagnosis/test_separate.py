@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.candidate import fit, problem_of
+from calib.diagnosis.candidate import BASE, fit, problem_of
 from calib.diagnosis.hold_outs import model_of
 from calib.diagnosis.predict import run_of
 from calib.diagnosis.search import unresolved
@@ -24,7 +24,7 @@ def rivals():
     case = draw("single", 41, names=("aerodynamic_drag",), severity=1)
     runs = [run_of(log) for log in case.calibration if log.name.startswith("step")]
     problem = problem_of(case.vehicle, runs)
-    base = fit(problem, (), np.zeros(4))
+    base = fit(problem, (), np.zeros(BASE))
     start = np.concatenate([base.x, [0.5]])
     pair = [fit(problem, (n,), start) for n in ("aerodynamic_drag", "rolling_resistance")]
     return case.vehicle, problem, pair
@@ -61,7 +61,7 @@ def test_a_cold_car_cannot_show_fade_and_coasting_shows_drag():
     case = draw("none", 42)
     runs = [run_of(log) for log in case.calibration if log.name in ("coast", "step_low")]
     problem = problem_of(case.vehicle, runs)
-    silent = unresolved(problem, fit(problem, (), np.zeros(4)), 0.004)
+    silent = unresolved(problem, fit(problem, (), np.zeros(BASE)), 0.004)
     assert "pad_thermal_fade" in silent
     assert "mass_error" in silent
     assert "aerodynamic_drag" not in silent

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.candidate import fit, problem_of
+from calib.diagnosis.candidate import BASE, fit, problem_of
 from calib.diagnosis.predict import run_of
 from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm, locate
 from tests.support.hidden.cases import draw
@@ -17,7 +17,7 @@ def placed(name: str, seed: int) -> UnexplainedTerm:
     case = draw("outside", seed, names=(name,), severity=2)
     runs = [run_of(log) for log in case.calibration if log.name in FEW]
     problem = problem_of(case.vehicle, runs)
-    return locate(problem, fit(problem, (), np.zeros(4)))
+    return locate(problem, fit(problem, (), np.zeros(BASE)))
 
 
 def test_what_turns_with_the_front_wheels_is_told_by_their_angle():
@@ -49,7 +49,7 @@ def test_a_temperature_that_a_hold_out_lacks_is_no_driver():
     runs = [run_of(log) for log in case.calibration if log.name in ("ramp", "coast", "hot")]
     problem = problem_of(case.vehicle, runs)
     held = (replace(runs[0], temperature_r=None),)
-    found = locate(problem, fit(problem, (), np.zeros(4)), held)
+    found = locate(problem, fit(problem, (), np.zeros(BASE)), held)
     tried = [(found.term.place, found.term.driver), *(r[:2] for r in found.runners_up)]
     assert tried[0] == ("front_brakes", "temperature")
     assert not {("brakes", "temperature"), ("rear_brakes", "temperature")} & set(tried)

@@ -1,0 +1,154 @@
+"""What an effect that is not there would gain by chance, on these very logs.
+
+    innovations without effects --> blocks, each kept or turned over --> best effect's gain --> 99 %
+
+A wild block bootstrap: every block of the innovations gets a random sign. That destroys a common
+course and keeps what noise has: how many samples, how loud in which run and channel, how correlated
+within a block. So the share of false alarms is the same for three logs and forty, at any rate.
+Gains are those of one linear step beside the base parameters, as in `calib.diagnosis.search`.
+
+It knows chance only. Where the form of a tyre or of a named effect differs from the car's, a wrong
+effect gains in proportion to what it imitates, on all logs alike: that is for the hold-outs.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.candidate import BASE, Candidate, Problem, unpack
+from calib.diagnosis.search import STARTS, base_directions, trials
+from calib.physics.effects.catalogue import CATALOGUE
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+BLOCK = 25
+"""Innovations in a block: 0.5 s, several times the correlation time of a road's noise."""
+
+REPLICAS = 400
+
+FALSE_ALARMS = 0.01
+"""Share of cars without an effect in which the best effect of the catalogue gains more."""
+
+
+LEAST = 1e-6
+"""Change in squared sigma below which these runs do not show an effect at all."""
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Where the blocks (b,) of the innovations start, and at which block each run starts (r,)."""
+
+    start: Index
+    run: Index
+
+    def sums(self, x: Array) -> Array:
+        """Sums of ``x`` (n,) over the blocks (b,)."""
+        return np.asarray(np.add.reduceat(x, self.start))
+
+    def by_run(self, x: Array) -> Array:
+        """Sums of blocks (..., b) over the runs (..., r)."""
+        return np.asarray(np.add.reduceat(x, self.run, axis=-1))
+
+
+def chance_of(problem: Problem, at: Candidate, best: Candidate) -> Mapping[str, float]:
+    """Gains in chi-square, by effect, that chance exceeds in 1 % of cars that have no effect.
+
+    The share holds for all effects together; each has as large a part of it as any other. The
+    noise is what the ``best`` explanation leaves, so that a hidden effect does not count as noise.
+    """
+    draws = _Draws.of(problem, at, best)
+    by_name = {name: draws.gains(name) for name in CATALOGUE if name not in at.names}
+    usual = {name: max(float(np.quantile(gains, 0.9)), 1e-9) for name, gains in by_name.items()}
+    largest = np.max([gains / usual[name] for name, gains in by_name.items()], axis=0)
+    factor = float(np.quantile(largest, 1.0 - FALSE_ALARMS))
+    return {name: factor * value for name, value in usual.items()}
+
+
+@dataclass(frozen=True)
+class _Draws:
+    """Replicas of the innovations of a candidate, as ``signs`` (`REPLICAS`, b) of their blocks.
+
+    ``rest`` (n,) innovations without what base and effects of ``at`` can do: ``directions`` (n, k).
+    """
+
+    problem: Problem
+    at: Candidate
+    blocks: Blocks
+    rest: Array
+    innovations: Array
+    directions: Array
+    signs: Array
+
+    @classmethod
+    def of(cls, problem: Problem, at: Candidate, best: Candidate) -> "_Draws":
+        """The same replicas for the same problem."""
+        blocks = _blocks(problem.whitened(at.base, at.effects))
+        innovations = problem.flat(at.base, at.effects)
+        directions = base_directions(problem, at, innovations)
+        noise = problem.flat(best.base, best.effects)
+        rest = noise - directions @ (directions.T @ noise)
+        rng = np.random.default_rng(0)
+        signs = rng.choice(np.array([-1.0, 1.0]), (REPLICAS, blocks.start.size))
+        return cls(problem, at, blocks, rest, innovations, directions, signs)
+
+    def gains(self, name: str) -> Array:
+        """Gain in chi-square of an effect in every replica (`REPLICAS`,), the best of its forms."""
+        largest = np.zeros(REPLICAS)
+        turned = _quarter_turned(self.problem) if self._turns(name) else None
+        for trial in trials(name):
+            if abs(trial[0]) < STARTS[-1]:
+                continue  # weaker ones have the same direction
+            change = self._free(self.problem, name, trial)
+            length = float(change @ change)
+            if length < LEAST:
+                continue
+            drawn = self.signs * self.blocks.sums(change * self.rest)
+            if turned is None:
+                gains = np.sum(drawn, axis=1) ** 2
+            else:  # the innovations of every run set its phase
+                other = self.signs * self.blocks.sums(self._free(turned, name, trial) * self.rest)
+                by_run = np.hypot(self.blocks.by_run(drawn), self.blocks.by_run(other))
+                gains = np.sum(by_run, axis=1) ** 2
+            largest = np.maximum(largest, gains / length)
+        return largest
+
+    def _free(self, problem: Problem, name: str, trial: Array) -> Array:
+        """Change of the innovations by an effect that base and present effects cannot make (n,)."""
+        _, one = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(BASE), trial]))
+        effects = self.at.effects.with_(one)
+        change = problem.flat(self.at.base, effects) - self.innovations
+        return np.asarray(change - self.directions @ (self.directions.T @ change))
+
+    def _turns(self, name: str) -> bool:
+        """Whether an effect goes with the angle of the wheels."""
+        first = replace(self.problem, runs=self.problem.runs[:1])
+        _, trial = unpack(
+            first.vehicle, (name,), np.concatenate([np.zeros(BASE), trials(name)[-1]])
+        )
+        effects = self.at.effects.with_(trial)
+        one, other = (p.flat(self.at.base, effects) for p in (first, _quarter_turned(first)))
+        return not np.allclose(one, other, atol=1e-9)
+
+
+def _blocks(whitened: list[list[Array]]) -> Blocks:
+    start: list[int] = []
+    run: list[int] = []
+    at = 0
+    for channels in whitened:
+        run.append(len(start))
+        for channel in channels:
+            start += list(range(at, at + channel.size, BLOCK))
+            at += channel.size
+    return Blocks(np.array(start), np.array(run))
+
+
+def _quarter_turned(problem: Problem) -> Problem:
+    quarter = 0.5 * np.pi
+    runs = tuple(
+        replace(run, angle_f=run.angle_f + quarter, angle_r=run.angle_r + quarter)
+        for run in problem.runs
+    )
+    return replace(problem, runs=runs)
