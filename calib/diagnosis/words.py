@@ -6,7 +6,9 @@ Numbers are in SI inside; here they are converted to bar, km/h and degC.
 import math
 
 from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate
+from calib.diagnosis.drives import Drive
 from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm
+from calib.physics.effects.catalogue import effect_named
 
 SHOWN = {
     "Pa": ("bar", 1e-5),
@@ -28,6 +30,9 @@ SEEN_IN = {
     "rear_sides": "the difference between left and right, rear wheels",
 }
 """Channels of evidence, in words."""
+
+UNEXPLAINED = "unexplained error (1 = noise)"
+"""The mean squared innovation of the calibration logs, in words."""
 
 AXLES = {
     "front": "at the front axle",
@@ -159,13 +164,13 @@ def where(effect: Named) -> str:
 def evidence(effect: Named, found: Diagnosis) -> str:
     """The evidence for an effect, and the runner-up."""
     text = (
-        f"With it the mean squared innovation falls from {found.reduced_before:.2f} to "
-        f"{found.reduced_after:.2f}, where 1 is noise alone"
+        f"With it the {UNEXPLAINED} falls from {found.reduced_before:.2f} to "
+        f"{found.reduced_after:.2f}"
     )
     if len(found.effects) > 1:
         text = (
-            f"Without it the mean squared innovation would be {effect.gain:.2f} higher than its "
-            f"{found.reduced_after:.2f}, where 1 is noise alone"
+            f"Without it the {UNEXPLAINED} would be {found.reduced_after + effect.gain:.2f}; with "
+            f"it, it is {found.reduced_after:.2f}"
         )
     if effect.runner_up is None:
         return f"{text}. No other effect came near."
@@ -188,8 +193,8 @@ def something_else(found: Diagnosis) -> str:
         return ""
     left = found.left
     text = (
-        f"Something else is left: a mean squared innovation of {found.reduced_after:.2f}, where 1 "
-        f"is noise alone, and in the replays {left.size:.1f} times the sensors' noise"
+        f"Something else is left: an {UNEXPLAINED} of {found.reduced_after:.2f}, and in the "
+        f"replays lasting errors of {left.size:.1f} times the sensors' noise"
     )
     if left.significant:
         text += f", {min(left.sigma, 99.0):.0f} standard deviations or more from noise alone"
@@ -259,6 +264,27 @@ def not_resolved(found: Diagnosis) -> str:
         f"At their usual size these logs could not have shown: {listed(found.not_resolved)}. "
         "They may still be present."
     )
+
+
+def would_show(drive: Drive) -> str:
+    """The manoeuvre that would show an effect, in words."""
+    return drive.name if drive.clear else f"none that was tried; most of all {drive.name}"
+
+
+def usual_size(drive: Drive) -> str:
+    """The usual size of an effect: its strength with the unit."""
+    strength = effect_named(drive.effect).card.parameters[0]
+    value = in_shown(drive.size[strength.name], strength.unit)
+    return f"{plain(strength.name)} {_with_unit(f'{value:.3g}', strength.unit)}"
+
+
+def drives(found: Diagnosis) -> list[str]:
+    """The drives that would show what these logs could not have shown, each with its effects."""
+    by_drive: dict[str, list[str]] = {}
+    for drive in found.drives:
+        if drive.clear:
+            by_drive.setdefault(drive.name, []).append(drive.effect)
+    return [f"{drive}: {listed(names)}" for drive, names in by_drive.items()]
 
 
 def gap(found: Diagnosis) -> str:
