@@ -81,14 +81,16 @@ def diagnose(
 def _told(found: "Diagnosis") -> str:
     """The diagnosis in the sentences of the report."""
     from calib.diagnosis import words
+    from calib.diagnosis.headline import headline
+    from calib.diagnosis.printed import value_of
 
-    lines = [words.verdict(found)]
+    lines = [headline(found)]
     for effect in found.effects:
         lines += [f"{effect.name}: {words.where(effect)}", words.evidence(effect, found)]
-        lines += [f"  {n} = {words.value_of(v)}" for n, v in effect.parameters.items()]
+        lines += [f"  {n} = {value_of(v)}" for n, v in effect.parameters.items()]
         lines.append(words.rivals(effect))
     lines += [words.something_else(found), words.withdrawn(found)]
     if found.unexplained is not None:
         lines.append(words.unexplained(found.unexplained))
-    lines += [words.gap(found), words.noise(found), words.not_resolved(found)]
+    lines += [words.noise(found), words.not_resolved(found), *words.drives(found)]
     return "\n".join(line for line in lines if line)

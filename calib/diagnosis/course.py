@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from calib.diagnosis.prove import Step
 
@@ -31,5 +32,5 @@ def changes(steps: Sequence[Step]) -> list[Change]:
             fall=last.left - now.left,
             step=now,
         )
-        for last, now in zip(steps, steps[1:], strict=False)
+        for last, now in pairwise(steps)
     ]

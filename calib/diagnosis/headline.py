@@ -10,10 +10,10 @@ from calib.diagnosis.words import verdict
 KINDS = {
     "no_gap": "No gap",
     "named": "Named",
-    "rest": "Named, and something else is left",
+    "rest": "Named and something else",
     "worse": "Named, and the hold-outs are no better",
     "ambiguous": "Ambiguous",
-    "ambiguous_rest": "Ambiguous, and something else is left",
+    "ambiguous_rest": "Ambiguous and something else",
     "unknown": "Unknown cause",
 }
 """The outcomes, each in a few words."""
@@ -51,7 +51,7 @@ def closure(found: Diagnosis) -> str:
             f"The gap on the hold-outs does not shrink: {gap.before:.1f} {noise} before, "
             f"{gap.after:.1f} after."
         )
-    return (
-        f"{100.0 * gap.closed:.1f} % of the gap on the hold-outs is closed; {gap.after:.1f} "
-        f"{noise} is left."
-    )
+    share, left = f"{100.0 * gap.closed:.1f} %", f"{gap.after:.1f} {noise} is left"
+    if found.verdict == "unknown":
+        return f"An empirical term closes {share} of the gap on the hold-outs; {left}."
+    return f"{share} of the gap on the hold-outs is closed; {left}."

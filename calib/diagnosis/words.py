@@ -1,25 +1,10 @@
-"""The diagnosis in words, for the screen and the head of the report.
+"""The diagnosis in words, for the screen and the head of the report."""
 
-Numbers are in SI inside; here they are converted to bar, km/h and degC.
-"""
-
-import math
-
-from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate
+from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.drives import Drive
+from calib.diagnosis.printed import in_shown, span, with_unit
 from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm
 from calib.physics.effects.catalogue import effect_named
-
-SHOWN = {
-    "Pa": ("bar", 1e-5),
-    "m/s": ("km/h", 3.6),
-    "1/Pa": ("1/bar", 1e5),
-    "s/m": ("h/km", 1.0 / 3.6),
-    "rad": ("deg", 180.0 / math.pi),
-    "J": ("kJ", 1e-3),
-    "1": ("", 1.0),
-}
-"""SI unit to the unit that is printed, and the factor; other units are printed unchanged."""
 
 SEEN_IN = {
     "a_x": "the deceleration",
@@ -52,61 +37,6 @@ def listed(names: list[str] | tuple[str, ...], last: str = "and") -> str:
     """Names as a list in words: `a, b and c`."""
     words = [plain(name) for name in names]
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
-
-
-def in_shown(value: float, unit: str) -> float:
-    """A value [SI ``unit``] in the unit that is printed."""
-    return value * SHOWN.get(unit, (unit, 1.0))[1]
-
-
-def unit_shown(unit: str) -> str:
-    """The unit that is printed for an SI unit; nothing for a plain number."""
-    return SHOWN.get(unit, (unit, 1.0))[0]
-
-
-def number(value: float, step: float) -> str:
-    """A value rounded to the second digit of ``step``, such as the half width of its interval."""
-    if not math.isfinite(value) or not math.isfinite(step):
-        return "not known"
-    if step <= 0.0:
-        return f"{value:.4g}"
-    first = math.floor(math.log10(step))
-    if first < -4 and abs(value) < 1e-2:
-        digits = max(0, math.floor(math.log10(max(abs(value), step))) - first + 1)
-        return f"{value:.{digits}e}"
-    return f"{value:.{max(0, 1 - first)}f}"
-
-
-def value_of(found: ParameterEstimate) -> str:
-    """The value of a parameter with its unit."""
-    return _with_unit(number(_shown(found, found.value), _half(found)), found.unit)
-
-
-def interval_of(found: ParameterEstimate) -> str:
-    """The 95 % interval of a parameter, in the unit of `value_of`."""
-    low, high = (number(_shown(found, end), _half(found)) for end in found.ci95)
-    return f"{low} to {high}"
-
-
-def _shown(found: ParameterEstimate, value: float) -> float:
-    return in_shown(value, found.unit)
-
-
-def _half(found: ParameterEstimate) -> float:
-    low, high = found.ci95
-    return 0.5 * (in_shown(high, found.unit) - in_shown(low, found.unit))
-
-
-def _with_unit(text: str, unit: str) -> str:
-    return f"{text} {unit_shown(unit)}".rstrip()
-
-
-def span(ends: tuple[float, float], unit: str) -> str:
-    """A range [SI ``unit``] as it is printed, to three digits at most: `20 to 29 bar`."""
-    low, high = (in_shown(end, unit) for end in ends)
-    digits = 0 if high - low >= 2.0 else 1
-    text = f"{low:.{digits}f}", f"{high:.{digits}f}"
-    return _with_unit(text[0] if text[0] == text[1] else f"{text[0]} to {text[1]}", unit)
 
 
 def verdict(found: Diagnosis) -> str:
@@ -275,7 +205,7 @@ def usual_size(drive: Drive) -> str:
     """The usual size of an effect: its strength with the unit."""
     strength = effect_named(drive.effect).card.parameters[0]
     value = in_shown(drive.size[strength.name], strength.unit)
-    return f"{plain(strength.name)} {_with_unit(f'{value:.3g}', strength.unit)}"
+    return f"{plain(strength.name)} {with_unit(f'{value:.3g}', strength.unit)}"
 
 
 def drives(found: Diagnosis) -> list[str]:
@@ -285,24 +215,6 @@ def drives(found: Diagnosis) -> list[str]:
         if drive.clear:
             by_drive.setdefault(drive.name, []).append(drive.effect)
     return [f"{drive}: {listed(names)}" for drive, names in by_drive.items()]
-
-
-def gap(found: Diagnosis) -> str:
-    """The gap between simulation and measurement on the hold-outs, in a sentence."""
-    count = len(found.measured)
-    logs = f"{count} hold-out log{'s' * (count > 1)}"
-    g = found.gap
-    if found.verdict == "no_gap":
-        return f"Replayed open loop, {logs} differ by {g.before:.1f} times the sensors' noise."
-    if g.closed <= 0.0:
-        return (
-            f"On {logs} the gap does not shrink: {g.before:.1f} times the sensors' noise before, "
-            f"{g.after:.1f} after."
-        )
-    return (
-        f"On {logs}, replayed open loop, the gap falls from {g.before:.1f} to {g.after:.1f} times "
-        f"the sensors' noise: {100.0 * g.closed:.1f} % of it is closed."
-    )
 
 
 def early_ends(found: Diagnosis) -> list[str]:
