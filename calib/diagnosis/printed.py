@@ -39,6 +39,11 @@ def number(value: float, step: float) -> str:
     return f"{value:.{max(0, 1 - first)}f}"
 
 
+def percent(share: float) -> str:
+    """A share [1] in whole percent, without a sign before zero."""
+    return f"{round(100.0 * share):d} %"
+
+
 def value_of(found: ParameterEstimate) -> str:
     """The value of a parameter with its unit."""
     return with_unit(number(_shown(found, found.value), _half(found)), found.unit)

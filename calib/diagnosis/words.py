@@ -2,7 +2,7 @@
 
 from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.drives import Drive
-from calib.diagnosis.printed import in_shown, span, with_unit
+from calib.diagnosis.printed import in_shown, percent, span, with_unit
 from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm
 from calib.physics.effects.catalogue import effect_named
 
@@ -170,17 +170,17 @@ def unexplained(found: UnexplainedTerm) -> str:
     """The location of a cause that is not in the catalogue."""
     text = (
         f"An empirical term on the {plain(found.term.place)} over {_driver(found.term.driver)} "
-        f"explains {100.0 * found.explained:.0f} % of the remaining gap."
+        f"explains {percent(found.explained)} of the remaining gap."
     )
     if found.driver == WHEEL_ANGLE:
         text = (
-            f"{100.0 * found.turning:.0f} % of the remaining gap goes with the angle of the "
+            f"{percent(found.turning)} of the remaining gap goes with the angle of the "
             f"{found.axle} wheels: something turns with them. {text}"
         )
     if found.runners_up:
         place, driver, share = found.runners_up[0]
         text += (
-            f" Next: {plain(place)} over {_driver(driver)}, {100.0 * share:.0f} %. "
+            f" Next: {plain(place)} over {_driver(driver)}, {percent(share)}. "
             "The term describes the gap; its physical cause is not known."
         )
     return text
@@ -198,7 +198,9 @@ def not_resolved(found: Diagnosis) -> str:
 
 def would_show(drive: Drive) -> str:
     """The manoeuvre that would show an effect, in words."""
-    return drive.name if drive.clear else f"none that was tried; most of all {drive.name}"
+    if drive.clear:
+        return drive.name
+    return f"none that was tried; most of all {drive.name}" if drive.sigma > 1.0 else "none"
 
 
 def usual_size(drive: Drive) -> str:
