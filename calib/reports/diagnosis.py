@@ -96,8 +96,8 @@ def _closed(channel: ChannelGap) -> str:
     if channel.closed is None or channel.within_noise:
         return "within noise"
     if channel.closed < 0.0:
-        return f"{100.0 * channel.closed:.0f} %, worse"
-    return f"{100.0 * channel.closed:.0f} %"
+        return f"{printed.percent(channel.closed)}, worse"
+    return printed.percent(channel.closed)
 
 
 def _closure_kinds(gap: Gap) -> list[str]:
@@ -134,7 +134,7 @@ def _confusion(found: Confusion) -> dict[str, object]:
         "heads": ["explanation", words.UNEXPLAINED, "behind A", *(f"to {x}" for x in letters)],
         "rows": rows,
         "drives": [
-            (f"{letters[pair.one]} or {letters[pair.other]}", pair.drive, f"{pair.sigma:.0f}")
+            (f"{letters[pair.one]} or {letters[pair.other]}", pair.drive, f"{pair.sigma:.0f} sigma")
             for pair in found.pairs
         ],
     }
@@ -147,7 +147,7 @@ def _drives(found: Diagnosis) -> list[tuple[str, ...]]:
             words.plain(drive.effect),
             words.usual_size(drive),
             words.would_show(drive),
-            f"{drive.sigma:.0f}",
+            f"{drive.sigma:.0f} sigma",
         )
         for drive in found.drives
     ]
@@ -194,7 +194,7 @@ def _unexplained(found: UnexplainedTerm, sheet: Sheet) -> dict[str, object]:
             for knot, value in zip(term.knots, term.values, strict=True)
         ],
         "runners_up": [
-            (words.plain(place), driver, f"{100.0 * share:.0f} %")
+            (words.plain(place), driver, printed.percent(share))
             for place, driver, share in found.runners_up
         ],
     }
