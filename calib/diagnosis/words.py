@@ -94,19 +94,19 @@ def where(effect: Named) -> str:
 def evidence(effect: Named, found: Diagnosis) -> str:
     """The evidence for an effect, and the runner-up."""
     text = (
-        f"With it the {UNEXPLAINED} falls from {found.reduced_before:.2f} to "
-        f"{found.reduced_after:.2f}"
+        f"With it the {UNEXPLAINED} falls from {found.reduced_before:.3f} to "
+        f"{found.reduced_after:.3f}"
     )
     if len(found.effects) > 1:
         text = (
-            f"Without it the {UNEXPLAINED} would be {found.reduced_after + effect.gain:.2f}; with "
-            f"it, it is {found.reduced_after:.2f}"
+            f"Without it the {UNEXPLAINED} would be {found.reduced_after + effect.gain:.3f}; with "
+            f"it, it is {found.reduced_after:.3f}"
         )
     if effect.runner_up is None:
         return f"{text}. No other effect came near."
     name, gained = effect.runner_up
     left = found.reduced_before - gained
-    return f"{text}. Runner-up: {plain(name)}, which leaves {left:.2f}."
+    return f"{text}. Runner-up: {plain(name)}, which leaves {left:.3f}."
 
 
 def rivals(effect: Named) -> str:
