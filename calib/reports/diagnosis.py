@@ -21,15 +21,15 @@ BASE = {
 }
 
 COLOURS = {
-    "no_gap": "passed",
+    "no_gap": "no_gap",
     "named": "named",
-    "rest": "warning",
-    "worse": "failed",
-    "ambiguous": "warning",
-    "ambiguous_rest": "warning",
-    "unknown": "failed",
+    "rest": "ambiguous",
+    "worse": "unknown",
+    "ambiguous": "ambiguous",
+    "ambiguous_rest": "ambiguous",
+    "unknown": "unknown",
 }
-"""Classes of the style sheet by outcome: only "passed" and "named" are good enough."""
+"""Classes of the style sheet by outcome: only the first two are green or blue."""
 
 
 def report_html(found: Diagnosis, title: str) -> str:
