@@ -108,6 +108,23 @@ def progress(task: str, total: int) -> Iterator[Callable[[], None]]:
         yield lambda: bar.advance(step)
 
 
+@contextmanager
+def stages() -> Iterator[Callable[[str, int, int], None]]:
+    """Show on stderr the stage of a long work, with a bar of its steps.
+
+    Yields the function to call at each step: the stage, its steps that are done, their number.
+    Without a terminal nothing is shown.
+    """
+    if not is_watched():
+        yield lambda _stage, _done, _total: None
+        return
+    with progress_bar("", None, time_left=False) as bar:
+        (task,) = bar.task_ids
+        yield lambda stage, done, total: bar.update(
+            task, description=stage, completed=done, total=total
+        )
+
+
 def is_watched() -> bool:
     """Whether stderr is a terminal on which a bar can be drawn."""
     return sys.stderr.isatty() and console().is_interactive

@@ -63,7 +63,7 @@ def demo(
 
 def _hidden(story: "Story") -> str:
     """The verdict, the gap, and the gain in the agreement of the pads."""
-    from calib.diagnosis import words
+    from calib.diagnosis.headline import headline
 
     pads = [
         f"{100 * a.spread_f:.1f} % front, {100 * a.spread_r:.1f} % rear"
@@ -71,8 +71,7 @@ def _hidden(story: "Story") -> str:
     ]
     return "\n".join(
         (
-            words.verdict(story.found),
-            words.gap(story.found),
+            headline(story.found),
             f"Pads of the stops differ by up to {pads[0]};",
             f"with a table that accounts for it, by {pads[1]}.",
         )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from cli.console import emit, emit_json, say
+from cli.console import emit, emit_json, say, stages
 from cli.inputs import channel_map_of
 from cli.options import Json, Map, example, needed_vehicle, out_folder
 from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
@@ -65,12 +65,18 @@ def diagnose(
     refuse_overwriting((out / file for file in files_of(stems)), [*logs, *kept], [vehicle])
     car = read_vehicle(vehicle)
     mapping = channel_map_of(channel_map)
-    calibration = [read_log(path, mapping) for path in logs]
-    held = [read_log(path, mapping) for path in kept]
+    paths, read = [*logs, *kept], []
+    with stages() as tell:
+        for i, path in enumerate(paths):
+            tell(f"reading {path.name}", i, len(paths))
+            read.append(read_log(path, mapping))
     say(f"searching {len(logs)} logs, confirming on {len(kept)}")
-    found = find(car, calibration, held)
+    with stages() as tell:
+        found = find(car, read[: len(logs)], read[len(logs) :], tell)
+        tell("drawing the report", 0, 1)
+        report = report_html(found, car.name)
     with writing(out):
-        write_folder(found, text_of(found), report_html(found, car.name), out)
+        write_folder(found, text_of(found), report, out)
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
     if json:
         emit_json(to_dict(found))
@@ -81,14 +87,16 @@ def diagnose(
 def _told(found: "Diagnosis") -> str:
     """The diagnosis in the sentences of the report."""
     from calib.diagnosis import words
+    from calib.diagnosis.headline import headline
+    from calib.diagnosis.printed import value_of
 
-    lines = [words.verdict(found)]
+    lines = [headline(found)]
     for effect in found.effects:
         lines += [f"{effect.name}: {words.where(effect)}", words.evidence(effect, found)]
-        lines += [f"  {n} = {words.value_of(v)}" for n, v in effect.parameters.items()]
+        lines += [f"  {n} = {value_of(v)}" for n, v in effect.parameters.items()]
         lines.append(words.rivals(effect))
     lines += [words.something_else(found), words.withdrawn(found)]
     if found.unexplained is not None:
         lines.append(words.unexplained(found.unexplained))
-    lines += [words.gap(found), words.noise(found), words.not_resolved(found)]
+    lines += [words.noise(found), words.not_resolved(found), *words.drives(found)]
     return "\n".join(line for line in lines if line)

@@ -22,6 +22,7 @@ from calib.diagnosis.channels import (
     whiten,
 )
 from calib.diagnosis.predict import Base, ObservedRun, predict
+from calib.diagnosis.progress import Tell, silent
 from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects, EmpiricalTerm
@@ -52,11 +53,12 @@ SECOND_SIGMA = 2.0
 
 @dataclass(frozen=True)
 class Problem:
-    """All runs of a case and their noise."""
+    """All runs of a case and their noise; ``tell`` is told of the progress."""
 
     vehicle: Vehicle
     runs: tuple[ObservedRun, ...]
     noise: ChannelNoise
+    tell: Tell = silent
 
     def whitened(self, base: Base, effects: Effects) -> list[list[Array]]:
         """Innovations by run and channel."""
@@ -95,14 +97,14 @@ class Candidate:
         return self.chi2 / self.count
 
 
-def problem_of(vehicle: Vehicle, runs: list[ObservedRun]) -> Problem:
+def problem_of(vehicle: Vehicle, runs: list[ObservedRun], tell: Tell = silent) -> Problem:
     """Build a problem; its noise is that of the unbraked parts, where no base parameter acts."""
     nominal = base_of(vehicle, np.zeros(BASE))
     wholes = [residuals(run, predict(vehicle, nominal, Effects(), run)) for run in runs]
     pairs = zip(runs, wholes, strict=True)
     noise = noise_of([whole[:, : unbraked_length(run)] for run, whole in pairs], wholes)
     turned = tuple(turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
-    return Problem(vehicle, turned, noise)
+    return Problem(vehicle, turned, noise, tell)
 
 
 def turned_to_ripple(

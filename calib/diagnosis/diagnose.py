@@ -13,10 +13,13 @@ from calib.checks.gates import require_same_wheels
 from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, problem_of
 from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.confirm import chi2_by_run, confirm, count_of
+from calib.diagnosis.confusion import Confusion, confusion_of
 from calib.diagnosis.decide import Decision, confusable, decide, gain
+from calib.diagnosis.drives import Drive, drives
 from calib.diagnosis.gap import Gap, gap_of, replays
 from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
 from calib.diagnosis.predict import ObservedRun, predict, run_of
+from calib.diagnosis.progress import Tell, silent
 from calib.diagnosis.prove import Step, Withdrawn, prove
 from calib.diagnosis.remainder import Remainder, range_of
 from calib.diagnosis.search import unresolved
@@ -87,7 +90,9 @@ class Diagnosis:
     """The whole answer.
 
     ``before`` and ``after`` are the hold-outs replayed open loop; ``not_resolved`` the effects that
-    the calibration logs could not have shown at their usual size. ``unexplained`` describes what is
+    the calibration logs could not have shown at their usual size, and ``drives`` for each of them
+    the manoeuvre that shows it most. ``confusion`` is the set of explanations that the logs cannot
+    tell apart, None where there is one alone. ``unexplained`` describes what is
     left, beside "unknown" or beside effects, None where nothing significant is left; ``left`` is
     its size in the replays; ``withdrawn`` what fits the calibration logs and not the hold-outs;
     ``steps`` the course of the search; ``noise`` that of the evidence, and where it comes from.
@@ -109,7 +114,9 @@ class Diagnosis:
     withdrawn: tuple[Withdrawn, ...]
     steps: tuple[Step, ...]
     noise: ChannelNoise
-    not_resolved: tuple[str, ...] = ()
+    not_resolved: tuple[str, ...]
+    drives: tuple[Drive, ...]
+    confusion: Confusion | None
 
     def __repr__(self) -> str:
         lines = [f"Diagnosis: {self.verdict}"]
@@ -124,7 +131,9 @@ class Diagnosis:
         return "\n".join(lines)
 
 
-def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Diagnosis:
+def diagnose(
+    vehicle: Vehicle, calibration: list[Log], holdout: list[Log], tell: Tell = silent
+) -> Diagnosis:
     """Find where a car and its model disagree, name the missing effect, and confirm it.
 
     Parameters
@@ -132,6 +141,8 @@ def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Di
     vehicle : the car as its datasheet has it.
     calibration : two or more logs of different manoeuvres, in which the effect is searched.
     holdout : one or more logs, on which the effect must close the gap.
+    tell : called at each step with the stage in words, the steps of it that are done, and their
+        number.
 
     Returns
     -------
@@ -155,13 +166,17 @@ def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Di
     for log in (*calibration, *holdout):
         require_same_wheels(vehicle, log, signals(log, vehicle))
     ordered = sorted(calibration, key=lambda log: log.digest)
-    problem = problem_of(vehicle, [run_of(log) for log in ordered])
+    tell("fitting the model without effects", 0, 1)
+    problem = problem_of(vehicle, [run_of(log) for log in ordered], tell)
     held = hold_outs_of(problem, holdout)
     decision = confirm(decide(problem, fit(problem, (), np.zeros(BASE))), held.problem)
     proved = prove(problem, held, decision)
     decision, stands = proved.decision, proved.decision.verdict in ("named", "ambiguous")
     left_of = decision.best if stands else decision.base
     unexplained = locate(problem, left_of, held.problem.runs) if proved.rest else None
+    tell("asking what these logs could not show", 0, 1)
+    not_resolved = unresolved(problem, decision.best, decision.least_shown)
+    like = confusable(decision.best, decision.rivals) if stands else []
     before = model_of(vehicle, decision.base)
     after, last = model_of(vehicle, left_of), proved.after
     if unexplained is not None and not stands:
@@ -179,7 +194,9 @@ def diagnose(vehicle: Vehicle, calibration: list[Log], holdout: list[Log]) -> Di
         after=last,
         measured=tuple(holdout),
         reduced_before=decision.base.reduced,
-        not_resolved=unresolved(problem, decision.best, decision.least_shown),
+        not_resolved=not_resolved,
+        drives=drives(problem, decision.best, not_resolved),
+        confusion=confusion_of(problem, decision.best, like),
         reduced_after=at.reduced,
         left=proved.left,
         withdrawn=proved.withdrawn,

@@ -5,10 +5,15 @@ import math
 from dataclasses import asdict
 from typing import Any
 
+from calib.diagnosis.confusion import Confusion
+from calib.diagnosis.course import changes
 from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate
-from calib.diagnosis.gap import UNITS, Gap
+from calib.diagnosis.drives import Drive
+from calib.diagnosis.gap import UNITS, ChannelGap, Gap
+from calib.diagnosis.prove import Step
 from calib.diagnosis.remainder import Remainder
 from calib.diagnosis.unexplained import UnexplainedTerm
+from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.empirical import DRIVERS
 
 SCHEMA = 1
@@ -21,12 +26,14 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "verdict": found.verdict,
         "effects": [_effect(effect) for effect in found.effects],
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
+        "confusion": None if found.confusion is None else _confusion(found.confusion),
         "not_resolved": list(found.not_resolved),
+        "would_show": [_drive(drive) for drive in found.drives],
         "base": {name: _estimate(value) for name, value in found.base.items()},
         "innovation": {"before": found.reduced_before, "after": found.reduced_after},
         "noise": {"from": found.noise.source, "at_floor": list(found.noise.at_floor)},
         "left": _left(found.left),
-        "steps": [asdict(step) for step in found.steps],
+        "steps": _steps(found.steps),
         "withdrawn": [asdict(one) for one in found.withdrawn],
         "gap": _gap(found.gap),
     }
@@ -72,6 +79,46 @@ def _effect(effect: Named) -> dict[str, Any]:
         else {"name": effect.runner_up[0], "innovation_gain": effect.runner_up[1]},
         "indistinguishable_from": list(effect.indistinguishable_from),
         "separate_by": effect.separate_by,
+    }
+
+
+def _steps(steps: tuple[Step, ...]) -> list[dict[str, Any]]:
+    """Every step; what it added and what that brought, for each but the first."""
+    brought = [
+        {"added": c.added, "removed": c.removed, "innovation_gain": c.gain, "left_fall": c.fall}
+        for c in changes(steps)
+    ]
+    return [asdict(step) | change for step, change in zip(steps, [{}, *brought], strict=True)]
+
+
+def _confusion(found: Confusion) -> dict[str, Any]:
+    best = found.explanations[0].innovation
+    return {
+        "explanations": [
+            {"effects": list(e.names), "innovation": e.innovation, "behind": e.innovation - best}
+            for e in found.explanations
+        ],
+        "pairs": [
+            {
+                "between": [pair.one, pair.other],
+                "apart_in_logs": pair.apart,
+                "drive": pair.drive,
+                "apart_in_drive": pair.sigma,
+                "unit": "sigma",
+            }
+            for pair in found.pairs
+        ],
+    }
+
+
+def _drive(found: Drive) -> dict[str, Any]:
+    units = {p.name: p.unit for p in effect_named(found.effect).card.parameters}
+    return {
+        "effect": found.effect,
+        "usual_size": {n: {"value": v, "unit": units[n]} for n, v in found.size.items()},
+        "drive": found.name,
+        "sigma": found.sigma,
+        "clear": found.clear,
     }
 
 
@@ -121,16 +168,23 @@ def _gap(gap: Gap) -> dict[str, Any]:
         "after": gap.after,
         "closed": gap.closed,
         "unit": "rms over the noise of the sensors",
-        "by_channel": {
-            name: {
-                "before": c.before,
-                "after": c.after,
-                "noise": c.noise,
-                "unit": UNITS[name],
-            }
-            for name, c in gap.by_channel.items()
-        },
+        "by_channel": {name: _channel(name, channel) for name, channel in gap.by_channel.items()},
         "by_log": {
-            name: {"before": before, "after": after} for name, (before, after) in gap.by_log.items()
+            log: {
+                "before": before,
+                "after": after,
+                "by_channel": {name: _channel(name, c) for name, c in gap.cells[log].items()},
+            }
+            for log, (before, after) in gap.by_log.items()
         },
+    }
+
+
+def _channel(name: str, channel: ChannelGap) -> dict[str, Any]:
+    return {
+        "before": channel.before,
+        "after": channel.after,
+        "noise": channel.noise,
+        "closed": channel.closed,
+        "unit": UNITS[name],
     }

@@ -34,13 +34,23 @@ class ChannelGap:
     after: float
     noise: float
 
+    @property
+    def closed(self) -> float | None:
+        """Share of the gap that is closed [1]; None where there was none."""
+        return 1.0 - self.after / self.before if self.before > 0.0 else None
+
+    @property
+    def within_noise(self) -> bool:
+        """Whether the channel has less gap than noise, before and after."""
+        return max(self.before, self.after) < self.noise
+
 
 @dataclass(frozen=True)
 class Gap:
     """Gap over all hold-outs, channels in units of their noise.
 
     ``before`` without, ``after`` with the effects; ``closed`` the share of it that is closed [1];
-    ``by_channel``, ``by_log`` (before, after).
+    ``by_channel``, ``by_log`` (before, after); ``cells`` by log, then by channel.
     """
 
     before: float
@@ -48,6 +58,7 @@ class Gap:
     closed: float
     by_channel: dict[str, ChannelGap]
     by_log: dict[str, tuple[float, float]]
+    cells: dict[str, dict[str, ChannelGap]]
 
 
 def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log]) -> Gap:
@@ -73,8 +84,16 @@ def gap_of(before: Sequence[Log], after: Sequence[Log], measured: Sequence[Log])
         )
         for j, c in enumerate(CHANNELS)
     }
+    rms = {key: np.sqrt(value) for key, value in excess.items()}
+    cells = {
+        log.name: {
+            c: ChannelGap(float(rms["before"][i, j]), float(rms["after"][i, j]), noise[c])
+            for j, c in enumerate(CHANNELS)
+        }
+        for i, log in enumerate(measured)
+    }
     closed = 1.0 - total["after"] / total["before"] if total["before"] > 0.0 else 0.0
-    return Gap(total["before"], total["after"], closed, by_channel, by_log)
+    return Gap(total["before"], total["after"], closed, by_channel, by_log, cells)
 
 
 def squares_of(simulated: Sequence[Log], measured: Sequence[Log]) -> Array:

@@ -1,7 +1,7 @@
 """The hold-outs, seen in both ways: step by step as innovations, and replayed open loop."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +33,7 @@ class HoldOuts:
 
     def replayed(self, candidate: Candidate) -> tuple[Log, ...]:
         """Every log replayed open loop. Raises ModelError if a replay cannot be computed."""
+        self.problem.tell("proving on the hold-outs", 0, 1)
         return tuple(replays(model_of(self.problem.vehicle, candidate), self.logs))
 
     def left(self, candidate: Candidate, replayed: Sequence[Log]) -> Remainder:
@@ -59,7 +60,7 @@ def hold_outs_of(problem: Problem, logs: Sequence[Log]) -> HoldOuts:
     """The hold-outs of a problem, with its noise."""
     nominal = base_of(problem.vehicle, np.zeros(BASE))
     runs = [turned_to_ripple(problem.vehicle, nominal, run_of(log), problem.noise) for log in logs]
-    return HoldOuts(tuple(logs), Problem(problem.vehicle, tuple(runs), problem.noise))
+    return HoldOuts(tuple(logs), replace(problem, runs=tuple(runs)))
 
 
 def model_of(vehicle: Vehicle, candidate: Candidate) -> Model:

@@ -63,7 +63,8 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
     found = []
-    for name, effect in CATALOGUE.items():
+    for i, (name, effect) in enumerate(CATALOGUE.items()):
+        problem.tell(f"trying effect {i + 1} of {len(CATALOGUE)}", i, len(CATALOGUE))
         if name in at.names:
             continue
         best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(effect.card.parameters))]))
@@ -91,12 +92,8 @@ def unresolved(problem: Problem, at: Candidate, least: Mapping[str, float]) -> t
     for name, effect in CATALOGUE.items():
         if name in at.names:
             continue
-        strength, *others = effect.card.parameters
-        usual = strength.typical
-        if usual == effect.card.neutral:
-            usual += strength.spread
-        values = {strength.name: usual} | {p.name: p.typical for p in others}
-        change = problem.flat(at.base, at.effects.with_(Effects({name: values}))) - innovations
+        usual = Effects({name: effect.card.usual})
+        change = problem.flat(at.base, at.effects.with_(usual)) - innovations
         free = change - directions @ (directions.T @ change)
         if float(free @ free) < least[name]:
             faint.append(name)
@@ -128,7 +125,11 @@ def trials(name: str) -> list[Array]:
 
 def refine(problem: Problem, at: Candidate, count: int = REFINED) -> list[Candidate]:
     """Fit the most promising effects on top of ``at``; best first."""
-    fitted = [_fitted(problem, at, hint) for hint in hints(problem, at)[:count] if hint.gain > 0.0]
+    fitted = []
+    for i, hint in enumerate(hints(problem, at)[:count]):
+        problem.tell(f"fitting the best {count}: {hint.name.replace('_', ' ')}", i, count)
+        if hint.gain > 0.0:
+            fitted.append(_fitted(problem, at, hint))
     return sorted(fitted, key=lambda candidate: candidate.chi2)
 
 

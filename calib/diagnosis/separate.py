@@ -16,10 +16,16 @@ Array = NDArray[np.float64]
 
 
 def separate_by(problem: Problem, one: Candidate, other: Candidate) -> str:
+    """Name of the best manoeuvre with the distance in it, in words."""
+    drive, sigma = best_drive(problem, one, other)
+    return f"{drive} ({sigma:.0f} sigma apart)"
+
+
+def best_drive(problem: Problem, one: Candidate, other: Candidate) -> tuple[str, float]:
     """Name of the best manoeuvre, and the distance of the two explanations in it [sigma]."""
     distances = {name: distance(problem, one, other, run) for name, run in manoeuvres(problem)}
     best = max(distances, key=lambda name: distances[name])
-    return f"{best} ({distances[best]:.0f} sigma apart)"
+    return best, distances[best]
 
 
 def distance(problem: Problem, one: Candidate, other: Candidate, run: ObservedRun) -> float:

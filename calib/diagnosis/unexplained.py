@@ -87,7 +87,10 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
     found.sort(key=lambda item: -item[0])
     tried = found[: FITTED_BESIDE if at.names else FITTED]
     tried += _constant_beside(tried[0], found[len(tried) :])
-    fitted = [_fitted(problem, at, item, excess) for item in tried]
+    fitted = []
+    for i, item in enumerate(tried):
+        problem.tell("looking for the place of what is left", i, len(tried))
+        fitted.append(_fitted(problem, at, item, excess))
     fitted.sort(key=lambda item: -item[0])
     others = fitted if len(fitted) > FITTED_BESIDE + 1 else fitted + found[len(tried) :]
     best = next(

@@ -1,23 +1,10 @@
-"""The diagnosis in words, for the screen and the head of the report.
+"""The diagnosis in words, for the screen and the head of the report."""
 
-Numbers are in SI inside; here they are converted to bar, km/h and degC.
-"""
-
-import math
-
-from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate
+from calib.diagnosis.diagnose import Diagnosis, Named
+from calib.diagnosis.drives import Drive
+from calib.diagnosis.printed import in_shown, percent, span, with_unit
 from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm
-
-SHOWN = {
-    "Pa": ("bar", 1e-5),
-    "m/s": ("km/h", 3.6),
-    "1/Pa": ("1/bar", 1e5),
-    "s/m": ("h/km", 1.0 / 3.6),
-    "rad": ("deg", 180.0 / math.pi),
-    "J": ("kJ", 1e-3),
-    "1": ("", 1.0),
-}
-"""SI unit to the unit that is printed, and the factor; other units are printed unchanged."""
+from calib.physics.effects.catalogue import effect_named
 
 SEEN_IN = {
     "a_x": "the deceleration",
@@ -28,6 +15,9 @@ SEEN_IN = {
     "rear_sides": "the difference between left and right, rear wheels",
 }
 """Channels of evidence, in words."""
+
+UNEXPLAINED = "unexplained error (1 = noise)"
+"""The mean squared innovation of the calibration logs, in words."""
 
 AXLES = {
     "front": "at the front axle",
@@ -47,61 +37,6 @@ def listed(names: list[str] | tuple[str, ...], last: str = "and") -> str:
     """Names as a list in words: `a, b and c`."""
     words = [plain(name) for name in names]
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
-
-
-def in_shown(value: float, unit: str) -> float:
-    """A value [SI ``unit``] in the unit that is printed."""
-    return value * SHOWN.get(unit, (unit, 1.0))[1]
-
-
-def unit_shown(unit: str) -> str:
-    """The unit that is printed for an SI unit; nothing for a plain number."""
-    return SHOWN.get(unit, (unit, 1.0))[0]
-
-
-def number(value: float, step: float) -> str:
-    """A value rounded to the second digit of ``step``, such as the half width of its interval."""
-    if not math.isfinite(value) or not math.isfinite(step):
-        return "not known"
-    if step <= 0.0:
-        return f"{value:.4g}"
-    first = math.floor(math.log10(step))
-    if first < -4 and abs(value) < 1e-2:
-        digits = max(0, math.floor(math.log10(max(abs(value), step))) - first + 1)
-        return f"{value:.{digits}e}"
-    return f"{value:.{max(0, 1 - first)}f}"
-
-
-def value_of(found: ParameterEstimate) -> str:
-    """The value of a parameter with its unit."""
-    return _with_unit(number(_shown(found, found.value), _half(found)), found.unit)
-
-
-def interval_of(found: ParameterEstimate) -> str:
-    """The 95 % interval of a parameter, in the unit of `value_of`."""
-    low, high = (number(_shown(found, end), _half(found)) for end in found.ci95)
-    return f"{low} to {high}"
-
-
-def _shown(found: ParameterEstimate, value: float) -> float:
-    return in_shown(value, found.unit)
-
-
-def _half(found: ParameterEstimate) -> float:
-    low, high = found.ci95
-    return 0.5 * (in_shown(high, found.unit) - in_shown(low, found.unit))
-
-
-def _with_unit(text: str, unit: str) -> str:
-    return f"{text} {unit_shown(unit)}".rstrip()
-
-
-def span(ends: tuple[float, float], unit: str) -> str:
-    """A range [SI ``unit``] as it is printed, to three digits at most: `20 to 29 bar`."""
-    low, high = (in_shown(end, unit) for end in ends)
-    digits = 0 if high - low >= 2.0 else 1
-    text = f"{low:.{digits}f}", f"{high:.{digits}f}"
-    return _with_unit(text[0] if text[0] == text[1] else f"{text[0]} to {text[1]}", unit)
 
 
 def verdict(found: Diagnosis) -> str:
@@ -159,19 +94,19 @@ def where(effect: Named) -> str:
 def evidence(effect: Named, found: Diagnosis) -> str:
     """The evidence for an effect, and the runner-up."""
     text = (
-        f"With it the mean squared innovation falls from {found.reduced_before:.2f} to "
-        f"{found.reduced_after:.2f}, where 1 is noise alone"
+        f"With it the {UNEXPLAINED} falls from {found.reduced_before:.3f} to "
+        f"{found.reduced_after:.3f}"
     )
     if len(found.effects) > 1:
         text = (
-            f"Without it the mean squared innovation would be {effect.gain:.2f} higher than its "
-            f"{found.reduced_after:.2f}, where 1 is noise alone"
+            f"Without it the {UNEXPLAINED} would be {found.reduced_after + effect.gain:.3f}; with "
+            f"it, it is {found.reduced_after:.3f}"
         )
     if effect.runner_up is None:
         return f"{text}. No other effect came near."
     name, gained = effect.runner_up
     left = found.reduced_before - gained
-    return f"{text}. Runner-up: {plain(name)}, which leaves {left:.2f}."
+    return f"{text}. Runner-up: {plain(name)}, which leaves {left:.3f}."
 
 
 def rivals(effect: Named) -> str:
@@ -188,8 +123,8 @@ def something_else(found: Diagnosis) -> str:
         return ""
     left = found.left
     text = (
-        f"Something else is left: a mean squared innovation of {found.reduced_after:.2f}, where 1 "
-        f"is noise alone, and in the replays {left.size:.1f} times the sensors' noise"
+        f"Something else is left: an {UNEXPLAINED} of {found.reduced_after:.2f}, and in the "
+        f"replays lasting errors of {left.size:.1f} times the sensors' noise"
     )
     if left.significant:
         text += f", {min(left.sigma, 99.0):.0f} standard deviations or more from noise alone"
@@ -235,17 +170,17 @@ def unexplained(found: UnexplainedTerm) -> str:
     """The location of a cause that is not in the catalogue."""
     text = (
         f"An empirical term on the {plain(found.term.place)} over {_driver(found.term.driver)} "
-        f"explains {100.0 * found.explained:.0f} % of the remaining gap."
+        f"explains {percent(found.explained)} of the remaining gap."
     )
     if found.driver == WHEEL_ANGLE:
         text = (
-            f"{100.0 * found.turning:.0f} % of the remaining gap goes with the angle of the "
+            f"{percent(found.turning)} of the remaining gap goes with the angle of the "
             f"{found.axle} wheels: something turns with them. {text}"
         )
     if found.runners_up:
         place, driver, share = found.runners_up[0]
         text += (
-            f" Next: {plain(place)} over {_driver(driver)}, {100.0 * share:.0f} %. "
+            f" Next: {plain(place)} over {_driver(driver)}, {percent(share)}. "
             "The term describes the gap; its physical cause is not known."
         )
     return text
@@ -261,22 +196,27 @@ def not_resolved(found: Diagnosis) -> str:
     )
 
 
-def gap(found: Diagnosis) -> str:
-    """The gap between simulation and measurement on the hold-outs, in a sentence."""
-    count = len(found.measured)
-    logs = f"{count} hold-out log{'s' * (count > 1)}"
-    g = found.gap
-    if found.verdict == "no_gap":
-        return f"Replayed open loop, {logs} differ by {g.before:.1f} times the sensors' noise."
-    if g.closed <= 0.0:
-        return (
-            f"On {logs} the gap does not shrink: {g.before:.1f} times the sensors' noise before, "
-            f"{g.after:.1f} after."
-        )
-    return (
-        f"On {logs}, replayed open loop, the gap falls from {g.before:.1f} to {g.after:.1f} times "
-        f"the sensors' noise: {100.0 * g.closed:.1f} % of it is closed."
-    )
+def would_show(drive: Drive) -> str:
+    """The manoeuvre that would show an effect, in words."""
+    if drive.clear:
+        return drive.name
+    return f"none that was tried; most of all {drive.name}" if drive.sigma > 1.0 else "none"
+
+
+def usual_size(drive: Drive) -> str:
+    """The usual size of an effect: its strength with the unit."""
+    strength = effect_named(drive.effect).card.parameters[0]
+    value = in_shown(drive.size[strength.name], strength.unit)
+    return f"{plain(strength.name)} {with_unit(f'{value:.3g}', strength.unit)}"
+
+
+def drives(found: Diagnosis) -> list[str]:
+    """The drives that would show what these logs could not have shown, each with its effects."""
+    by_drive: dict[str, list[str]] = {}
+    for drive in found.drives:
+        if drive.clear:
+            by_drive.setdefault(drive.name, []).append(drive.effect)
+    return [f"{drive}: {listed(names)}" for drive, names in by_drive.items()]
 
 
 def early_ends(found: Diagnosis) -> list[str]:

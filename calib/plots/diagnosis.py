@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.diagnose import Diagnosis
+from calib.diagnosis.headline import outcome
+from calib.diagnosis.printed import in_shown, unit_shown
 from calib.diagnosis.unexplained import UnexplainedTerm
-from calib.diagnosis.words import in_shown, plain, unit_shown
+from calib.diagnosis.words import plain
 from calib.logs.log import Log
 from calib.physics.effects.empirical import DRIVERS
 from calib.plots.sheet import Panel, Sheet
@@ -97,8 +99,8 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
         note=(
             "Replays are open loop: pressure and first speed only. Before: pads and tyre "
             "re-identified, no effect added. After: with all that was added. The band is 95 % of "
-            "the noise of single samples. An innovation is a residual after whitening, in units of "
-            "its noise; its mean square is 1 if the model explains everything but noise."
+            "the noise of single samples. The unexplained error is the mean square of the "
+            "innovations, residuals after whitening over their noise: 1 is noise alone."
         ),
         panels=tuple(panels),
         rows=tuple(rows),
@@ -114,6 +116,8 @@ def heading(found: Diagnosis) -> str:
         if names:
             return f"{names}, and something else"
         return f"unknown, {plain(found.unexplained.term.place)}"
+    if outcome(found) == "worse":
+        return f"{names}, and the hold-outs are no better"
     return f"{names} (ambiguous)" if found.verdict == "ambiguous" else names or found.verdict
 
 
@@ -228,7 +232,7 @@ def _symbol(channel: str) -> str:
 
 
 def evidence(ax: "Axes", found: Diagnosis) -> None:
-    """Mean squared innovation that each explanation leaves; noise alone is 1."""
+    """The unexplained error that each explanation leaves; noise alone is 1."""
     rows = explanations(found)
     place = -np.arange(len(rows), dtype=float)
     for y, (label, left, stroke) in zip(place, rows, strict=True):
@@ -253,11 +257,11 @@ def evidence(ax: "Axes", found: Diagnosis) -> None:
     ax.set_ylim(place[-1] - 0.4, 0.75)
     ax.set_yticks(place, [""] * len(rows))
     ax.grid(visible=False, axis="y")
-    ax.set(xlabel="mean squared innovation [1]", ylabel="explanation [name]")
+    ax.set(xlabel="unexplained error, 1 is noise [1]", ylabel="explanation [name]")
 
 
 def explanations(found: Diagnosis) -> list[tuple[str, float, Stroke]]:
-    """The explanations, worst first: label, mean squared innovation that it leaves, stroke."""
+    """The explanations, worst first: label, unexplained error that it leaves, stroke."""
     before, after = found.reduced_before, found.reduced_after
     rows = [("nothing added", before, BEFORE)]
     if found.unexplained is not None and not found.effects:

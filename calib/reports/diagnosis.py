@@ -1,8 +1,11 @@
 """The report of a diagnosis: one HTML file that can be read without the program."""
 
-from calib.diagnosis import words
+from calib.diagnosis import printed, words
+from calib.diagnosis.confusion import Confusion
+from calib.diagnosis.course import changes
 from calib.diagnosis.diagnose import Diagnosis, Named
-from calib.diagnosis.gap import UNITS
+from calib.diagnosis.gap import UNITS, ChannelGap, Gap
+from calib.diagnosis.headline import KINDS, headline, outcome
 from calib.diagnosis.unexplained import UnexplainedTerm
 from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.empirical import DRIVERS
@@ -17,39 +20,44 @@ BASE = {
     "tyre_peak": "peak of the tyres, over load",
 }
 
-KINDS = {
-    "no_gap": "No gap",
-    "named": "Named",
-    "ambiguous": "Ambiguous",
-    "unknown": "Unknown cause",
+COLOURS = {
+    "no_gap": "no_gap",
+    "named": "named",
+    "rest": "ambiguous",
+    "worse": "unknown",
+    "ambiguous": "ambiguous",
+    "ambiguous_rest": "ambiguous",
+    "unknown": "unknown",
 }
+"""Classes of the style sheet by outcome: only the first two are green or blue."""
 
 
 def report_html(found: Diagnosis, title: str) -> str:
     """Return the report of a diagnosis as one HTML document with the heading ``title``."""
     sheet = diagnosis.sheet(found, title)
-    beside = found.unexplained is not None and found.effects != ()
+    judged = outcome(found)
     when = ("before",) if found.verdict == "no_gap" else ("before", "after")
     return page(
         "diagnosis",
         title=f"{title}: {diagnosis.heading(found)}",
         name=title,
         verdict=found.verdict,
-        verdict_text=words.verdict(found),
+        headline=headline(found),
         gap=found.gap,
-        gap_text=words.gap(found),
         holdouts=[log.name for log in found.measured],
         speed=drawn(sheet, ("speed",)),
         speed_ends=_speed_ends(found, when),
         effects=[_effect(effect, found) for effect in found.effects],
         unexplained=found.unexplained and _unexplained(found.unexplained, sheet),
-        kind=KINDS[found.verdict] + (" and something else" if beside else ""),
-        colour="ambiguous" if beside else found.verdict,
+        kind=KINDS[judged],
+        colour=COLOURS[judged],
         something_else=words.something_else(found),
         withdrawn=words.withdrawn(found),
         noise=words.noise(found),
         steps=_steps(found),
+        confusion=found.confusion and _confusion(found.confusion),
         not_resolved=words.not_resolved(found),
+        drives=_drives(found),
         evidence=drawn(sheet, ("evidence",)),
         tried=[f"{label} leaves {left:.2f}" for label, left, _ in diagnosis.explanations(found)],
         largest=drawn(sheet, ("acceleration", "split"), ("gap", "gap")),
@@ -57,24 +65,91 @@ def report_html(found: Diagnosis, title: str) -> str:
             (f"{name} [{UNITS[name]}]", *(f"{getattr(c, key):.4f}" for key in (*when, "noise")))
             for name, c in found.gap.by_channel.items()
         ],
-        by_log=[
-            (name, *(f"{value:.2f}" for value in pair[: len(when)]))
-            for name, pair in found.gap.by_log.items()
-        ],
+        closure=_closure(found.gap, when),
+        closure_kinds=_closure_kinds(found.gap),
         early_ends=words.early_ends(found),
         base=_base(found),
     )
 
 
+def _closure(gap: Gap, when: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """Each log with all channels together, then channel by channel, in units of the noise."""
+    rows = []
+    for log, (before, after) in gap.by_log.items():
+        # a log as a whole, in units of the noise of each channel
+        whole = ChannelGap(before, after, 1.0)
+        rows.append((log, *_cells(whole, when), ""))
+        for name, channel in gap.cells[log].items():
+            noise = f"{channel.noise:.4f} {UNITS[name]}"
+            rows.append((name, *_cells(channel, when), noise))
+    return rows
+
+
+def _cells(channel: ChannelGap, when: tuple[str, ...]) -> list[str]:
+    """The gap over the noise, before and after, and the share that is closed."""
+    cells = [f"{getattr(channel, key) / channel.noise:.2f}" for key in when]
+    return [*cells, _closed(channel)] if len(when) > 1 else cells
+
+
+def _closed(channel: ChannelGap) -> str:
+    """The share that is closed; that of a gap within the noise says nothing."""
+    if channel.closed is None or channel.within_noise:
+        return "within noise"
+    if channel.closed < 0.0:
+        return f"{printed.percent(channel.closed)}, worse"
+    return printed.percent(channel.closed)
+
+
+def _closure_kinds(gap: Gap) -> list[str]:
+    """Class of each row of the closure table."""
+    return [kind for cells in gap.cells.values() for kind in ("whole", *["part"] * len(cells))]
+
+
 def _steps(found: Diagnosis) -> list[tuple[str, ...]]:
-    """What was added, step by step, and what it left."""
+    """What each step added, what that brought, and what it left."""
+    first, *_ = found.steps
+    rows: list[tuple[str, ...]] = [
+        ("nothing", f"{first.innovation:.3f}", "", f"{first.left:.2f}", "")
+    ]
+    for change in changes(found.steps):
+        what = [words.listed(change.added)] if change.added else []
+        what += [f"without {words.listed(change.removed)}"] if change.removed else []
+        now = change.step
+        error, left = f"{now.innovation:.3f}", f"{now.left:.2f}"
+        rows.append((", ".join(what), error, f"{-change.gain:+.3f}", left, f"{-change.fall:+.2f}"))
+    return rows
+
+
+def _confusion(found: Confusion) -> dict[str, object]:
+    """The set as a matrix, and the drive for each pair; explanations are called A, B ..."""
+    letters = [chr(ord("A") + i) for i in range(len(found.explanations))]
+    best = found.explanations[0].innovation
+    rows = []
+    for i, explanation in enumerate(found.explanations):
+        far = ["" if i == j else f"{found.pair(i, j).apart:.0f}" for j in range(len(letters))]
+        name = f"{letters[i]}: {words.listed(explanation.names)}"
+        left = explanation.innovation
+        rows.append((name, f"{left:.3f}", f"{left - best:+.4f}" if i else "", *far))
+    return {
+        "heads": ["explanation", words.UNEXPLAINED, "behind A", *(f"to {x}" for x in letters)],
+        "rows": rows,
+        "drives": [
+            (f"{letters[pair.one]} or {letters[pair.other]}", pair.drive, f"{pair.sigma:.0f} sigma")
+            for pair in found.pairs
+        ],
+    }
+
+
+def _drives(found: Diagnosis) -> list[tuple[str, ...]]:
+    """Effects that the logs could not show, with the drive that would."""
     return [
         (
-            words.listed(step.names) if step.names else "none",
-            f"{step.innovation:.3f}",
-            f"{step.left:.2f}",
+            words.plain(drive.effect),
+            words.usual_size(drive),
+            words.would_show(drive),
+            f"{drive.sigma:.0f} sigma",
         )
-        for step in found.steps
+        for drive in found.drives
     ]
 
 
@@ -94,7 +169,7 @@ def _effect(effect: Named, found: Diagnosis) -> dict[str, object]:
         "name": words.plain(effect.name).capitalize(),
         "card": effect_named(effect.name).card,
         "parameters": [
-            (words.plain(name), words.value_of(value), words.interval_of(value))
+            (words.plain(name), printed.value_of(value), printed.interval_of(value))
             for name, value in effect.parameters.items()
         ],
         "where": words.where(effect),
@@ -112,14 +187,14 @@ def _unexplained(found: UnexplainedTerm, sheet: Sheet) -> dict[str, object]:
         "picture": drawn(sheet, ("term",)),
         "place": words.plain(term.place),
         "driver": term.driver,
-        "unit": words.unit_shown(unit) or "1",
+        "unit": printed.unit_shown(unit) or "1",
         "on": "brake torque" if term.on_brakes else "force over weight",
         "points": [
-            (f"{words.in_shown(knot, unit):.3g}", f"{100.0 * value:+.2f} %")
+            (f"{printed.in_shown(knot, unit):.3g}", f"{100.0 * value:+.2f} %")
             for knot, value in zip(term.knots, term.values, strict=True)
         ],
         "runners_up": [
-            (words.plain(place), driver, f"{100.0 * share:.0f} %")
+            (words.plain(place), driver, printed.percent(share))
             for place, driver, share in found.runners_up
         ],
     }
@@ -132,8 +207,8 @@ def _base(found: Diagnosis) -> list[tuple[str, ...]]:
     return [
         (
             BASE.get(name, name),
-            words.value_of(value),
-            words.interval_of(value),
+            printed.value_of(value),
+            printed.interval_of(value),
             f"{nominal[name]:g}" if name in nominal else "",
         )
         for name, value in found.base.items()

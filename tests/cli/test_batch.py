@@ -1,11 +1,7 @@
 """`brake-cal batch` as the shell runs it."""
 
 import json
-import os
 import re
-import subprocess
-import sys
-from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
@@ -15,6 +11,7 @@ from calib.store.store import Store
 from calib.validation.metrics import METRICS
 from tests.support.fleet_logs import many
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, stop
+from tests.support.terminal import on_a_terminal
 
 
 @pytest.fixture(scope="module")
@@ -140,31 +137,6 @@ def test_usage(batch, tmp_path, words, said):
     assert ran.code == 2
     assert said in ran.err
     assert not (tmp_path / "out").exists()
-
-
-def on_a_terminal(words, folder, **variables):
-    """Run the command with a terminal for stderr; return stdout, and what the terminal gets."""
-    pty = pytest.importorskip("pty")
-    environment = {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "COLUMNS")}
-    environment["PYTHONPATH"] = str(Path(__file__).parents[2])
-    ours, theirs = pty.openpty()
-    ran = subprocess.Popen(
-        [sys.executable, "-m", "cli.main", *map(str, words)],
-        cwd=folder,
-        env=environment | variables,
-        stdout=subprocess.PIPE,
-        stderr=theirs,
-    )
-    os.close(theirs)
-    seen = b""
-    try:
-        while part := os.read(ours, 4096):
-            seen += part
-    except OSError:  # how Linux says that nobody is left on the other side
-        pass
-    os.close(ours)
-    out, _ = ran.communicate()
-    return out.decode(), seen.decode()
 
 
 @pytest.mark.parametrize(

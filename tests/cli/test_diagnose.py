@@ -6,6 +6,7 @@ import pytest
 
 from calib.demo.samples import sample_logs
 from cli.diagnose import HOLDOUT
+from tests.support.terminal import on_a_terminal
 
 CASE = sample_logs() / "hidden" / "case_0"
 SEARCHED = [CASE / "calibration" / name for name in ("coast.parquet", "ramp.parquet")]
@@ -33,6 +34,29 @@ def test_one_holdout_option_takes_every_log_after_it_and_all_is_written(run, tmp
     files = {str(p.relative_to(out)) for p in out.rglob("*") if p.is_file()}
     sims = {f"sim/{when}/{p.stem}.csv" for when in ("before", "after") for p in HELD}
     assert files == {"diagnosis.json", "model.toml", "report.html"} | sims
+
+
+def test_the_document_has_the_gap_of_each_log_in_each_channel(run, tmp_path):
+    ran = run("--out", tmp_path / "found", "--json")
+    gap = json.loads(ran.out)["gap"]
+    for log in gap["by_log"].values():
+        assert set(log["by_channel"]) == set(gap["by_channel"])
+        for channel in log["by_channel"].values():
+            assert set(channel) == {"before", "after", "noise", "closed", "unit"}
+    assert ran.err.splitlines() == [
+        "searching 2 logs, confirming on 2",
+        f"wrote {tmp_path / 'found'}: diagnosis.json, model.toml, report.html, replays in sim/",
+    ]  # no progress without a terminal
+
+
+def test_a_terminal_shows_the_stages_and_stdout_the_answer_alone(tmp_path):
+    words = ("diagnose", *SEARCHED, HOLDOUT, HELD[0], "--vehicle", VEHICLE, "--json")
+    out, seen = on_a_terminal((*words, "--out", tmp_path / "found"), tmp_path, TERM="xterm")
+    assert json.loads(out)["verdict"] == "named"
+    stages = ("fitting the model without effects", "trying effect", "fitting the best")
+    places = [seen.index(stage) for stage in (*stages, "proving on the hold-outs")]
+    assert places == sorted(places)
+    assert "\u2501" in seen
 
 
 def test_holdouts_of_one_name_are_refused(run, tmp_path):

@@ -56,6 +56,23 @@ def test_a_single_effect_is_named_with_an_interval_that_holds_it(name, parameter
     assert found.gap.closed > 0.85
 
 
+def test_progress_is_told_stage_by_stage_and_changes_nothing(drag):
+    told = []
+    found = diagnose(
+        drag.vehicle,
+        list(drag.calibration),
+        list(drag.holdout),
+        lambda stage, done, total: told.append((stage, done, total)),
+    )
+    assert all(0 <= done < total for _, done, total in told)
+    stages = [stage for stage, _, _ in told]
+    assert stages[0] == "fitting the model without effects"
+    assert stages[1].startswith("trying effect 1 of ")
+    assert stages.index("proving on the hold-outs") > stages.index(stages[1])
+    assert stages[-1] == "asking what these logs could not show"
+    assert to_dict(found) == to_dict(answer(drag))
+
+
 def test_two_effects_at_once():
     case = draw("double", 13, names=("rolling_resistance", "hydraulic_delay"), severity=1)
     found = answer(case)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.candidate import BASE, fit, problem_of
+from calib.diagnosis.confusion import confusion_of
 from calib.diagnosis.hold_outs import model_of
 from calib.diagnosis.predict import run_of
 from calib.diagnosis.search import unresolved
@@ -55,6 +56,21 @@ def test_nothing_separates_an_explanation_from_itself(rivals):
     _, problem, (one, _) = rivals
     for _, run in manoeuvres(problem):
         assert distance(problem, one, one, run) == 0.0
+
+
+def test_the_confusion_set_has_each_pair_with_its_drive(rivals):
+    _, problem, (drag, rolling) = rivals
+    assert confusion_of(problem, drag, []) is None
+    found = confusion_of(problem, drag, [rolling])
+    assert [e.names for e in found.explanations] == [("aerodynamic_drag",), ("rolling_resistance",)]
+    assert found.explanations[0].innovation == drag.reduced
+    (pair,) = found.pairs
+    assert found.pair(0, 1) is found.pair(1, 0) is pair
+    assert "coast" in pair.drive
+    # both were fitted to these logs, so they are nearer to each other there than in the drive
+    assert 0.0 < pair.apart < 0.5 * pair.sigma
+    # and no farther than their misfits: a triangle with the measurement
+    assert pair.apart <= np.sqrt(drag.chi2) + np.sqrt(rolling.chi2)
 
 
 def test_a_cold_car_cannot_show_fade_and_coasting_shows_drag():

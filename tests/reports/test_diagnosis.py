@@ -1,64 +1,20 @@
-"""The page of a diagnosis, from an answer that is written down here."""
+"""The page of a diagnosis, from an answer that is written down in `tests.support`."""
 
 from dataclasses import replace
-from pathlib import Path
 
-import numpy as np
 import pytest
 from lxml import html
 
-from calib.diagnosis.candidate import Candidate
-from calib.diagnosis.channels import ChannelNoise
-from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate, Where
-from calib.diagnosis.gap import CHANNELS, ChannelGap, Gap
+from calib.diagnosis.confusion import Confusion, Explanation, Pair
+from calib.diagnosis.drives import Drive
 from calib.diagnosis.prove import Step, Withdrawn
-from calib.diagnosis.remainder import Remainder
-from calib.diagnosis.unexplained import UnexplainedTerm
-from calib.logs.read import read_log
-from calib.physics.effects.effects import Effects, EmpiricalTerm
-from calib.physics.magic_formula import MagicFormula
-from calib.physics.model import Model
-from calib.physics.vehicle_file import read_vehicle
 from calib.reports.diagnosis import report_html
-
-CASE = Path(__file__).parents[2] / "sample_logs" / "hidden" / "case_0"
-LEFT = Remainder(3.5, 40.0, "v", "stop", 7.25, (1e6, 2e6), (10.0, 20.0), (3.0, 6.0))
-MARKUP = "<img src=x onerror=alert(1)>&\"'"
-
-
-def estimate(value):
-    return ParameterEstimate(value, "1", (value - 0.1, value + 0.1))
+from tests.support.written_diagnosis import MARKUP, named_drag, unknown
 
 
 @pytest.fixture(scope="module")
 def named():
-    """Drag is missing; a replay equals its log, since the page reads both alike."""
-    log = replace(read_log(CASE / "holdout" / "stop_a.parquet"), name=MARKUP)
-    model = Model(read_vehicle(CASE / "vehicle.toml"), 0.4, 0.4, MagicFormula(20.0, 0.8), Effects())
-    where = Where("a_x", "body", (0.0, 5e6), (10.0, 30.0), None)
-    drag = Named(
-        "aerodynamic_drag", {"drag_area": estimate(0.66)}, where, 2.5, 1.75, None,
-        ("rolling_resistance",), f"coast down {MARKUP}",
-    )  # fmt: skip
-    gap = Gap(8.25, 1.5, 0.875, dict.fromkeys(CHANNELS, ChannelGap(0.5, 0.125, 0.0625)), {
-        MARKUP: (8.25, 1.5)})  # fmt: skip
-    return Diagnosis(
-        "named", (drag,), None, {"pad_friction_f": estimate(0.375), "tyre_peak": estimate(0.8)},
-        gap, model, model, (log,), (log,), (log,), 3.5, 1.0, LEFT, (),
-        (Step((), 3.5, 8.0), Step(("aerodynamic_drag",), 1.0, 0.25)),
-        ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts"),
-    )  # fmt: skip
-
-
-def unknown(named):
-    term = EmpiricalTerm("rear_brakes", "pressure", (0.0, 2.5e6), (0.0, -0.125))
-    model = named.model_after
-    base = Candidate((), None, Effects(), None, None, 0.0, 1)
-    rest = UnexplainedTerm(
-        term, "rear", "pressure", 0.75, 0.0, None, base, (("body", "speed", 0.5),)
-    )
-    after = replace(model, effects=replace(model.effects, terms=(term,)))
-    return replace(named, verdict="unknown", effects=(), unexplained=rest, model_after=after)
+    return named_drag()
 
 
 def read(found):
@@ -94,8 +50,8 @@ def test_an_unknown_cause_is_described_by_its_term(named):
 
 
 def test_what_is_left_beside_a_name_is_in_headline_colour_and_text(named):
-    rest = unknown(named).unexplained
-    page = read(replace(named, unexplained=rest))
+    rest = unknown(named)
+    page = read(replace(named, unexplained=rest.unexplained, left=rest.left))
     assert texts(page, "//header/p")[0] == "Named and something else"
     assert page.xpath("string(//header/@class)") == "ambiguous"  # not the colour of a name
     (left,) = [t for t in texts(page, "//header/p") if t.startswith("Something else is left")]
@@ -110,10 +66,80 @@ def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
     wrong = Withdrawn(("rear_proportioning",), -1.39)
     page = read(replace(unknown(named), withdrawn=(wrong,)))
     assert rows(page, "The course of the search") == [
-        ["none", "3.500", "8.00"],
-        ["aerodynamic drag", "1.000", "0.25"],
+        ["nothing", "3.500", "", "8.00", ""],
+        ["aerodynamic drag", "1.000", "-2.500", "0.25", "-7.75"],
     ]
     assert any("grow by 139 %" in text for text in texts(page, "//header/p"))
+
+
+def test_a_step_that_spares_an_effect_says_so(named):
+    steps = (*named.steps, Step(("hydraulic_lag",), 1.125, 0.5))
+    assert rows(read(replace(named, steps=steps)), "The course")[-1] == [
+        "hydraulic lag, without aerodynamic drag", "1.125", "+0.125", "0.50", "+0.25"
+    ]  # fmt: skip
+
+
+def test_a_name_with_which_the_hold_outs_are_no_better_is_not_blue(named):
+    worse = replace(named, gap=replace(named.gap, after=8.5, closed=-0.03))
+    page = read(worse)
+    assert texts(page, "//header/p")[0] == "Named, and the hold-outs are no better"
+    assert page.xpath("string(//header/@class)") == "unknown"
+    told = texts(page, "//header/p")[1]
+    assert "does not shrink: 8.2 times the sensors' noise before, 8.5" in told
+
+
+def test_the_headline_says_how_much_is_closed_and_what_is_left(named):
+    assert texts(read(named), "//header/p")[:2] == [
+        "Named",
+        "Missing from the model: aerodynamic drag. 87.5 % of the gap on the hold-outs is closed; "
+        "1.5 times the sensors' noise is left.",
+    ]
+
+
+def test_the_gap_is_told_by_log_and_channel_over_the_noise(named):
+    table = rows(read(named), "Gap by log and channel")
+    assert table[0] == [MARKUP, "8.25", "1.50", "82 %", ""]
+    assert table[1] == ["a_x", "0.50", "0.50", "within noise", "0.0625 m/s^2"]
+    assert table[2] == ["omega_fl", "8.00", "2.00", "75 %", "0.0625 rad/s"]
+    assert table[6] == ["v", "4.00", "8.00", "-100 %, worse", "0.0625 m/s"]
+
+
+def test_explanations_that_fit_alike_are_a_matrix_with_the_drive_for_each_pair(named):
+    assert "What these logs cannot tell apart" not in texts(read(named), "//h2")
+    alike = Confusion(
+        (Explanation(("road_grade",), 1.0), Explanation(("mass_error", "hydraulic_lag"), 1.0025)),
+        (Pair(0, 1, 3.0, "coast", 48.0),),
+    )
+    page = read(replace(named, verdict="ambiguous", confusion=alike))
+    assert rows(page, "Explanations that fit") == [
+        ["A: road grade", "1.000", "", "", "3"],
+        ["B: mass error and hydraulic lag", "1.002", "+0.0025", "3", ""],
+    ]
+    assert rows(page, "The drive that tells") == [["A or B", "coast", "48 sigma"]]
+
+
+def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
+    assert "What these logs could not show" not in texts(read(named), "//h2")
+    unseen = (
+        Drive("road_grade", {"grade": 0.03}, "coast", 48.0),
+        Drive("mass_error", {"mass_error": 0.05}, "stop", 3.0),
+        Drive("residual_torque", {"residual_pressure": 1.5e5}, "stop", 0.0),
+    )
+    names = tuple(drive.effect for drive in unseen)
+    page = read(replace(named, not_resolved=names, drives=unseen))
+    assert [row[2:] for row in rows(page, "The drive in which")] == [
+        ["coast", "48 sigma"],
+        ["none that was tried; most of all stop", "3 sigma"],
+        ["none", "0 sigma"],
+    ]
+    assert rows(page, "The drive in which")[2][1] == "residual pressure 1.5 bar"
+
+
+def test_no_number_is_called_a_mean_squared_innovation(named):
+    """A reader is told what 1 means wherever the number stands."""
+    page = read(named)
+    assert "mean squared innovation" not in page.text_content().lower()
+    assert page.text_content().lower().count("unexplained error (1 = noise)") >= 3
 
 
 def test_without_a_gap_there_is_one_replay_and_no_cause(named):
@@ -121,7 +147,10 @@ def test_without_a_gap_there_is_one_replay_and_no_cause(named):
     assert texts(page, "//header//dd") == ["8.2", "1"]
     assert len(rows(page, "Gap by channel")[0]) == 3
     assert "None explained enough." in texts(page, "//h2[.='Effects that were tried']/../p")[0]
-    assert rows(page, "Gap by log") == [[MARKUP, "8.25"]]
+    assert rows(page, "Gap by log")[:2] == [
+        [MARKUP, "8.25", ""],
+        ["a_x", "0.50", "0.0625 m/s^2"],
+    ]
 
 
 def test_markup_in_names_stays_text_and_nothing_is_fetched(named):

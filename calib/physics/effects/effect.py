@@ -56,6 +56,15 @@ class Card:
     parameters: tuple[Parameter, ...]
     neutral: float = 0.0
 
+    @property
+    def usual(self) -> dict[str, float]:
+        """Parameters of the effect at its usual size; a spread where its mean is no effect."""
+        strength, *others = self.parameters
+        size = strength.typical
+        if size == self.neutral:
+            size += strength.spread
+        return {strength.name: size} | {p.name: p.typical for p in others}
+
 
 @dataclass(frozen=True)
 class Effect:
