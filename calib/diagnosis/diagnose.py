@@ -14,7 +14,7 @@ from calib.diagnosis.candidate import Candidate, Problem, fit, problem_of
 from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.confirm import chi2_by_run, confirm, count_of
 from calib.diagnosis.decide import DETECT, Decision, confusable, decide, gain
-from calib.diagnosis.gap import Gap, gap_of, replays
+from calib.diagnosis.gap import Gap, gap_of
 from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
 from calib.diagnosis.predict import ObservedRun, predict, run_of
 from calib.diagnosis.prove import Step, Withdrawn, prove
@@ -195,7 +195,7 @@ def with_term(
     model = model_of(before.vehicle, unexplained.at)
     model = replace(model, effects=replace(model.effects, terms=(unexplained.term,)))
     try:
-        last = tuple(replays(model, held.logs))
+        last = held.replays(model)
     except ModelError:  # such a term need not have an equilibrium
         return before, replayed
     helped = gap_of(replayed, last, held.logs).closed > 0.0

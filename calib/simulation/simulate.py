@@ -35,6 +35,7 @@ def simulate(
     wheel_pressure: Mapping[str, Array] | None = None,
     temperature: Mapping[str, Array] | None = None,
     drive_torque: Mapping[str, Array] | None = None,
+    wheel_angle: Mapping[str, Array] | None = None,
     stop_speed: float = 1.0,
     name: str = "simulation",
 ) -> Log:
@@ -53,6 +54,9 @@ def simulate(
         takes an assumed disc that is heated by its brake on an axle without one.
     drive_torque : of engine or motor at both wheels of an axle together [N m], (n,) each, by axle
         name, negative where it slows; an axle without one rolls freely. It adds to ``engine_drag``.
+    wheel_angle : of the wheels of an axle [rad], (n,) each, by axle name: what ripples with the
+        turn of the wheels follows it. On an axle without one the simulation's own angle counts,
+        from 0 at the first sample.
     stop_speed : speed at which the simulation ends [m/s].
     name : of the log.
 
@@ -79,19 +83,20 @@ def simulate(
     True
     """
     own, heat = dict(wheel_pressure or {}), dict(temperature or {})
-    engine = dict(drive_torque or {})
+    engine, angle = dict(drive_torque or {}), dict(wheel_angle or {})
     _check_drive(time, v0, stop_speed)
     _check_inputs(time, {"pressure": pressure}, ("pressure",))
     _check_inputs(time, own, WHEELS, "wheel")
     _check_inputs(time, heat, AXLES, "axle")
     _check_inputs(time, engine, AXLES, "axle")
+    _check_inputs(time, angle, AXLES, "axle")
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
     clock = fine_clock(time)
-    own, heat, engine = (_along(clock, inputs) for inputs in (own, heat, engine))
+    own, heat, engine, angle = (_along(clock, x) for x in (own, heat, engine, angle))
     rest = at_rest(clock.time, clock.along(pressure), v0, heat, source=name)
     none = np.zeros_like(clock.time)
     torque = (engine.get("f", none), engine.get("r", none))
-    run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque)
+    run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque, angle)
     state = solve(run)
     end, note = end_of(run, state)
     kept = clock.before(end)
