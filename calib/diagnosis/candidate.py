@@ -114,15 +114,18 @@ def turned_to_ripple(
 
     Every run begins at another angle of the disc. Where the front torque is high, the car and its
     front wheels slow: a_x and front less rear go with -sin(angle). A sensor that ripples does so
-    without torque too, in front less rear alone: there `COASTING` counts besides.
+    without torque too, in front less rear alone: there `COASTING` counts besides. The ripple that
+    is looked for is whitened as the residuals are, for a filter delays fast turns and slow ones
+    differently.
     """
     white = whiten(residuals(run, predict(vehicle, base, Effects(), run)), noise)
-    angle = thinned(run, run.angle_f)
     torque = np.maximum(thinned(run, run.p_mc), 0.0)
-    ripple = 0.0j
-    for channel, weight in ((0, torque), (3, torque + COASTING)):
-        m = white[channel].size
-        ripple += np.sum(white[channel] * weight[-m:] * np.exp(1j * angle[-m:]))
+    weights = np.stack([torque, *4 * [torque + COASTING], torque])
+    turn = weights * np.exp(1j * thinned(run, run.angle_f))
+    plain = replace(noise, sigma=np.ones_like(noise.sigma))
+    parts = zip(whiten(turn.real, plain), whiten(turn.imag, plain), strict=True)
+    looked_for = [cosine + 1j * sine for cosine, sine in parts]
+    ripple = sum(complex(np.sum(white[c] * looked_for[c])) for c in (0, 3))
     return replace(run, angle_f=run.angle_f - float(np.angle(ripple)) - 0.5 * np.pi)
 
 

@@ -16,7 +16,7 @@ from calib.diagnosis.confirm import chi2_by_run, confirm, count_of
 from calib.diagnosis.confusion import Confusion, confusion_of
 from calib.diagnosis.decide import Decision, confusable, decide, gain
 from calib.diagnosis.drives import Drive, drives
-from calib.diagnosis.gap import Gap, gap_of, replays
+from calib.diagnosis.gap import Gap, gap_of
 from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
 from calib.diagnosis.predict import ObservedRun, predict, run_of
 from calib.diagnosis.progress import Tell, silent
@@ -212,7 +212,7 @@ def with_term(
     model = model_of(before.vehicle, unexplained.at)
     model = replace(model, effects=replace(model.effects, terms=(unexplained.term,)))
     try:
-        last = tuple(replays(model, held.logs))
+        last = held.replays(model)
     except ModelError:  # such a term need not have an equilibrium
         return before, replayed
     helped = gap_of(replayed, last, held.logs).closed > 0.0

@@ -1,6 +1,7 @@
 """The gap on hold-outs: open-loop replays less measurement, over the sensors' noise.
 
-A replay uses the pressure and the first speed only, so an error of force adds up in v. The noise of
+A replay uses the pressure, the first speed and, for a ripple alone, the angle of the wheels, so an
+error of force adds up in v. The noise of
 a channel is estimated from its differences between samples. Its square is subtracted, so that a
 perfect model has no gap.
 """
@@ -13,8 +14,6 @@ from numpy.typing import NDArray
 
 from calib.logs.log import Log
 from calib.names import WHEELS
-from calib.physics.model import Model
-from calib.simulation.replay import replay
 
 Array = NDArray[np.float64]
 
@@ -120,8 +119,3 @@ def square(simulated: Log, measured: Log, channel: str) -> float:
     """Mean square of replay less measurement over their common samples above 1 m/s."""
     n = min(simulated.time.size, measured.time.size)
     return float(np.mean((simulated[channel][:n] - measured[channel][:n]) ** 2))
-
-
-def replays(model: Model, logs: Sequence[Log]) -> list[Log]:
-    """Replay every log with a model."""
-    return [replay(model, log) for log in logs]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import (
     BASE,
@@ -14,14 +15,14 @@ from calib.diagnosis.candidate import (
     turned_to_ripple,
     unpack,
 )
-from calib.diagnosis.gap import replays
-from calib.diagnosis.predict import Base, run_of
+from calib.diagnosis.predict import Base, ObservedRun, run_of, wheel_angles
 from calib.diagnosis.remainder import Remainder, remainder_of
 from calib.errors import ModelError
 from calib.logs.log import Log
 from calib.physics.effects.effects import Effects
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
+from calib.simulation.replay import replay
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,12 @@ class HoldOuts:
     def replayed(self, candidate: Candidate) -> tuple[Log, ...]:
         """Every log replayed open loop. Raises ModelError if a replay cannot be computed."""
         self.problem.tell("proving on the hold-outs", 0, 1)
-        return tuple(replays(model_of(self.problem.vehicle, candidate), self.logs))
+        return self.replays(model_of(self.problem.vehicle, candidate))
+
+    def replays(self, model: Model) -> tuple[Log, ...]:
+        """Every log replayed with a model whose ripples follow the measured angle of the wheels."""
+        pairs = zip(self.logs, self.problem.runs, strict=True)
+        return tuple(replay(model, log, wheel_angle=angles_of(log, run)) for log, run in pairs)
 
     def left(self, candidate: Candidate, replayed: Sequence[Log]) -> Remainder:
         """What remains with a candidate, beyond noise and the errors of its parameters."""
@@ -50,7 +56,7 @@ class HoldOuts:
             x = np.clip(candidate.x + direction, low, high)
             base, effects = unpack(self.problem.vehicle, candidate.names, x)
             try:
-                out.append(tuple(replays(_model(self.problem.vehicle, base, effects), self.logs)))
+                out.append(self.replays(_model(self.problem.vehicle, base, effects)))
             except ModelError:
                 continue  # what cannot be replayed explains nothing
         return out
@@ -61,6 +67,17 @@ def hold_outs_of(problem: Problem, logs: Sequence[Log]) -> HoldOuts:
     nominal = base_of(problem.vehicle, np.zeros(BASE))
     runs = [turned_to_ripple(problem.vehicle, nominal, run_of(log), problem.noise) for log in logs]
     return HoldOuts(tuple(logs), replace(problem, runs=tuple(runs)))
+
+
+def angles_of(log: Log, run: ObservedRun) -> dict[str, NDArray[np.float64]]:
+    """Measured angle of the wheels [rad] (n,) by axle, from the origin that its run was given.
+
+    Only a sensor's angle is fed in, no torque and no speed: what turns with the wheels alone is
+    helped by it.
+    """
+    angle = wheel_angles(log)
+    shift = run.angle_f[0] - run_of(log).angle_f[0]
+    return {"f": angle["f"] + shift, "r": angle["r"]}
 
 
 def model_of(vehicle: Vehicle, candidate: Candidate) -> Model:

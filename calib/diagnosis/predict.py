@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from calib.errors import LogError
 from calib.logs.log import Log
-from calib.names import WHEELS, G
+from calib.names import AXLES, WHEELS, G
 from calib.physics.effects.combined import (
     as_driven,
     as_read,
@@ -34,6 +34,7 @@ from calib.physics.effects.effect import Pair
 from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads, tyre_force
 from calib.physics.history import Motion, RunHistory
+from calib.physics.lag import integral
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.vehicle import Vehicle
 from calib.signals.filters import block_mean, centred_mean
@@ -120,6 +121,7 @@ def run_of(log: Log) -> ObservedRun:
         centred_mean(block_mean(log[name], n), slow, held_ends=True) if name in log else None
         for name in ("T_disc_f", "T_disc_r")
     ]
+    turned = wheel_angles(log)
     drive = [
         block_mean(log[name] if name in log else np.zeros_like(log.time), n)
         for name in ("T_drive_f", "T_drive_r")
@@ -135,11 +137,16 @@ def run_of(log: Log) -> ObservedRun:
         v_smooth=centred_mean(v, max(1, round(0.1 / step)), held_ends=True),
         temperature_f=heat[0],
         temperature_r=heat[1],
-        angle_f=np.cumsum(0.5 * (omega[0] + omega[1])) * step,
-        angle_r=np.cumsum(0.5 * (omega[2] + omega[3])) * step,
+        angle_f=block_mean(turned["f"], n),
+        angle_r=block_mean(turned["r"], n),
         drive_f=drive[0],
         drive_r=drive[1],
     )
+
+
+def wheel_angles(log: Log) -> dict[str, Array]:
+    """Measured angle of the wheels [rad] (n,) by axle, from the first sample on."""
+    return {a: integral(log.time, 0.5 * (log[f"omega_{a}l"] + log[f"omega_{a}r"])) for a in AXLES}
 
 
 def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) -> Prediction:

@@ -1,8 +1,9 @@
 """What remains on the hold-outs: their open-loop replays less the measurement, over the noise.
 
-A replay uses pressure and first speed only, so a small lasting error, which an innovation of one
-step hides, adds up there. Means over `BLOCK` hold the lasting errors alone: the noise of the
-sensors and the ripple of a disc, whose angle a replay does not know, cancel in them.
+A replay uses pressure and first speed only (a ripple follows the angle of the wheels, too), so a
+small lasting error, which an innovation of one step hides, adds up there. Means over `BLOCK` hold
+the lasting errors alone: the noise of the sensors and the ripple of a disc that no effect explains
+cancel in them.
 
     replays less logs --> means over blocks --> less what the parameters' own errors can do --> left
 

@@ -1,5 +1,7 @@
 """Replay of a log with a model: same pressures, first speed and clock."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from calib.errors import LogError
@@ -21,13 +23,19 @@ COAST_SECONDS = 1.5
 """Longest span [s], without braking: drag bends v by less than 0.001 m/s."""
 
 
-def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
+def replay(
+    model: Model,
+    log: Log,
+    stop_speed: float = 1.0,
+    wheel_angle: Mapping[str, Array] | None = None,
+) -> Log:
     """Simulate the model with the pressures of a log from its first speed, open loop.
 
     Wheel pressures [Pa] are used if they are logged, else ``p_mc``; disc temperatures and the
     torque of engine or motor if they are logged. Ends like `simulate`, at ``stop_speed`` [m/s] at
-    the latest. Raises LogError if the log has no first speed, ModelError if there is nothing to
-    simulate.
+    the latest. A ripple follows ``wheel_angle`` [rad] (n,) by axle, else the angle of the
+    simulation, whose origin is the first sample. Raises LogError if the log has no first speed,
+    ModelError if there is nothing to simulate.
     """
     step = log.sample_time
     return simulate(
@@ -38,6 +46,7 @@ def replay(model: Model, log: Log, stop_speed: float = 1.0) -> Log:
         wheel_pressure={w: as_pressed(log[f"p_{w}"], step) for w in WHEELS if f"p_{w}" in log},
         temperature={a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log},
         drive_torque={a: log[f"T_drive_{a}"] for a in AXLES if f"T_drive_{a}" in log},
+        wheel_angle=wheel_angle,
         stop_speed=stop_speed,
         name=log.name,
     )

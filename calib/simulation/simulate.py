@@ -20,6 +20,7 @@ from calib.physics.brakes import brakes_of
 from calib.physics.effects.combined import as_driven, as_read, wheel_speed_factors
 from calib.physics.history import Motion, RunHistory, at_rest
 from calib.physics.model import Model
+from calib.simulation.clock import FineClock, fine_clock
 from calib.simulation.solver import Drive, SolverState, end_of, history_of, solve
 
 Array = NDArray[np.float64]
@@ -34,6 +35,7 @@ def simulate(
     wheel_pressure: Mapping[str, Array] | None = None,
     temperature: Mapping[str, Array] | None = None,
     drive_torque: Mapping[str, Array] | None = None,
+    wheel_angle: Mapping[str, Array] | None = None,
     stop_speed: float = 1.0,
     name: str = "simulation",
 ) -> Log:
@@ -43,14 +45,18 @@ def simulate(
     ----------
     model : the car with pads, tyre and effects; `calib.default_model` of a vehicle, or the
         ``model_after`` of a diagnosis.
-    time : t [s], shape (n,), increasing.
-    pressure : at the master cylinder [Pa], shape (n,).
+    time : t [s], shape (n,), increasing. Between its samples the solver takes steps of its own
+        (`calib.simulation.clock`), so a clock of 40 Hz gives the same run as one of 200 Hz.
+    pressure : at the master cylinder [Pa], shape (n,); as all inputs linear between samples.
     v0 : first speed [m/s].
     wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
     temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; thermal fade
         takes an assumed disc that is heated by its brake on an axle without one.
     drive_torque : of engine or motor at both wheels of an axle together [N m], (n,) each, by axle
         name, negative where it slows; an axle without one rolls freely. It adds to ``engine_drag``.
+    wheel_angle : of the wheels of an axle [rad], (n,) each, by axle name: what ripples with the
+        turn of the wheels follows it. On an axle without one the simulation's own angle counts,
+        from 0 at the first sample.
     stop_speed : speed at which the simulation ends [m/s].
     name : of the log.
 
@@ -77,25 +83,31 @@ def simulate(
     True
     """
     own, heat = dict(wheel_pressure or {}), dict(temperature or {})
-    engine = dict(drive_torque or {})
+    engine, angle = dict(drive_torque or {}), dict(wheel_angle or {})
     _check_drive(time, v0, stop_speed)
     _check_inputs(time, {"pressure": pressure}, ("pressure",))
     _check_inputs(time, own, WHEELS, "wheel")
     _check_inputs(time, heat, AXLES, "axle")
     _check_inputs(time, engine, AXLES, "axle")
+    _check_inputs(time, angle, AXLES, "axle")
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
-    rest = at_rest(time, pressure, v0, heat, source=name)
-    none = np.zeros_like(time)
+    clock = fine_clock(time)
+    own, heat, engine, angle = (_along(clock, x) for x in (own, heat, engine, angle))
+    rest = at_rest(clock.time, clock.along(pressure), v0, heat, source=name)
+    none = np.zeros_like(clock.time)
     torque = (engine.get("f", none), engine.get("r", none))
-    run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque)
+    run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque, angle)
     state = solve(run)
     end, note = end_of(run, state)
+    kept = clock.before(end)
+    if kept.size < 2:
+        raise ModelError("nothing to simulate", expected="two samples or more", do=note)
     history = history_of(run, state)
     logged = {f"p_{w}": own[w] for w in WHEELS if w in own}
     logged |= {f"T_disc_{a}": heat[a] for a in AXLES if a in heat}
     logged |= {f"T_drive_{a}": engine[a] for a in AXLES if a in engine}
-    channels = _first(_channels(run, state, history) | logged, end)
-    truth = _first(_truth(run, state, history), end)
+    channels = _at(kept, _channels(run, state, history) | logged)
+    truth = _at(kept, _truth(run, state, history))
     return Log(
         name=name,
         source=f"simulation of {model.vehicle.name}",
@@ -129,8 +141,12 @@ def _check_inputs(
             )
 
 
-def _first(channels: Mapping[str, Array], end: int) -> dict[str, Array]:
-    return {name: values[:end].copy() for name, values in channels.items()}
+def _along(clock: FineClock, inputs: Mapping[str, Array]) -> dict[str, Array]:
+    return {name: clock.along(values) for name, values in inputs.items()}
+
+
+def _at(kept: NDArray[np.intp], channels: Mapping[str, Array]) -> dict[str, Array]:
+    return {name: values[kept] for name, values in channels.items()}
 
 
 def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:

@@ -10,7 +10,7 @@ stop, or a wheel past the peak of its tyre) do not affect those before it.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +43,8 @@ class Drive:
 
     ``brakes`` with the model; ``rest`` clock, pressure and temperatures; ``v0``, ``stop_speed``
     first and last speed [m/s]; ``drive_torque`` of engine or motor at the front and the rear wheels
-    [N m per axle] (n,), negative where it slows.
+    [N m per axle] (n,), negative where it slows; ``wheel_angle`` [rad] (n,) by axle where it is
+    known, else that of the iteration counts.
     """
 
     brakes: Brakes
@@ -51,6 +52,7 @@ class Drive:
     v0: float
     stop_speed: float
     drive_torque: Pair
+    wheel_angle: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def time(self) -> Array:
@@ -126,7 +128,7 @@ def history_of(run: Drive, state: SolverState) -> RunHistory:
         axle, wheels = run.brakes.axle(a), [w for w in state.slip if w[0] == a]
         omega = np.mean([forces.wheel_speed(axle, state.slip[w], v) for w in wheels], axis=0)
         torque = np.mean([state.demand[w].torque for w in wheels], axis=0)
-        angle[a] = integral(run.time, omega)
+        angle[a] = run.wheel_angle[a] if a in run.wheel_angle else integral(run.time, omega)
         energy[a] = integral(run.time, np.abs(torque * omega))  # a brake only dissipates
     return replace(
         run.rest,

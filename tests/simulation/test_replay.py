@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.errors import LogError
+from calib.errors import LogError, ModelError
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.names import WHEELS
@@ -149,3 +149,22 @@ def test_a_measured_ramp_is_met_by_the_known_model():
         np.mean(log["a_x"][:n][coasting]), abs=0.05
     )
     assert np.corrcoef(again["a_x"], log["a_x"][:n])[0, 1] > 0.99
+
+
+def test_a_ripple_follows_the_angle_of_the_wheels_that_is_given(driven):
+    """T_b = (2) (1 + a sin(angle + phase)), at any angle that is given."""
+    ripple = {"amplitude": 0.1, "phase": 0.4, "side": 1.0}
+    judder = replace(
+        MODEL, effects=MODEL.effects.with_(Effects({"disc_thickness_variation": ripple}))
+    )
+    angle = 2.0 + 90.0 * (driven.time - driven.time[0])
+    again = replay(judder, driven, wheel_angle={"f": angle})
+    n = again.time.size
+    even = SEDAN.front.pad_friction * SEDAN.front.torque_gain * again["p_mc"]
+    assert again.truth["true_Tb_fl"] == pytest.approx(even * (1.0 + 0.1 * np.sin(angle[:n] + 0.4)))
+    assert again.truth["true_Tb_fr"] == pytest.approx(even)
+
+
+def test_an_angle_of_an_unknown_axle_is_refused(driven):
+    with pytest.raises(ModelError, match="unknown axle 'x'"):
+        replay(MODEL, driven, wheel_angle={"x": driven.time})

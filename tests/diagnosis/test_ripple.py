@@ -1,0 +1,85 @@
+"""A ripple has a phase in every run: found from its evidence, and handed to the replay."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.candidate import fit, problem_of
+from calib.diagnosis.gap import gap_of
+from calib.diagnosis.hold_outs import hold_outs_of
+from calib.diagnosis.predict import run_of, wheel_angles
+from calib.logs.log import Log
+from calib.simulation.sensor_noise import add_noise
+from tests.support.hidden.cases import CARS, NOISE, SURFACES
+from tests.support.hidden.hydraulics import STEP, lines
+from tests.support.hidden.plant import Car, Start, drive
+from tests.support.hidden.settings import Hidden
+from tests.support.plant import magic
+
+CAR = CARS[1]
+STARTS = (0.3, 1.7, 2.9, 4.4)
+"""Angles of the wheels [rad] at which the runs begin."""
+
+HIDDEN = {
+    "disc_thickness_variation": Hidden(thickness=0.05, thickness_right=0.0),
+    "tone_ring_runout": Hidden(tooth_error=0.002),
+}
+
+
+def driven(hidden: Hidden, angle: float, pressure: float, seed: int) -> Log:
+    """A stop of the plant that begins at an angle of its wheels; coasts for 2 s first."""
+    car = Car(CAR, magic(*SURFACES["dry_asphalt"]), hidden=hidden)
+    time = np.arange(0.0, 7.0, STEP)
+    pressed = lines(hidden, pressure * np.clip((time - 2.0) / 0.5, 0.0, 1.0))
+    run = drive(car, pressed, Start(28.0, 80.0, angle), rtol=5e-6)
+    log = Log(name=f"from_{angle:g}", source="plant", digest="", channels=run)
+    return add_noise(log, seed, NOISE)
+
+
+@pytest.fixture(scope="module", params=list(HIDDEN))
+def runs(request):
+    logs = [driven(HIDDEN[request.param], a, 18e5 + 4e5 * i, i) for i, a in enumerate(STARTS)]
+    return request.param, logs
+
+
+def apart(a: float, b: float) -> float:
+    """Distance of two angles [rad]."""
+    return abs((a - b + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def test_the_origins_of_the_runs_differ_as_their_first_angles_do(runs):
+    _, logs = runs
+    turned = problem_of(CAR, [run_of(log) for log in logs]).runs
+    first = [run.angle_f[0] - run_of(log).angle_f[0] for run, log in zip(turned, logs, strict=True)]
+    for found, angle in zip(first, STARTS, strict=True):
+        assert apart(found - first[0], angle - STARTS[0]) < 0.15
+
+
+def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
+    name, logs = runs
+    problem = problem_of(CAR, [run_of(log) for log in logs[:2]])
+    held = hold_outs_of(problem, logs[2:])
+    base = fit(problem, (), np.zeros(4))
+    best = fit(problem, (name,), np.concatenate([base.x, [1.0, 0.0, 1.0]]))
+    before, after = held.replayed(base), held.replayed(best)
+    gap = gap_of(before, after, held.logs).by_channel
+    shown = "a_x" if name == "disc_thickness_variation" else "omega_fl"
+    assert gap[shown].after < 0.5 * gap[shown].before
+    lost = gap_of(before, _half_a_turn_later(held, best), held.logs).by_channel
+    assert lost[shown].after > 1.5 * lost[shown].before  # a wrong phase doubles the ripple
+
+
+def _half_a_turn_later(held, best):
+    turned = [replace(run, angle_f=run.angle_f + np.pi) for run in held.problem.runs]
+    return replace(held, problem=replace(held.problem, runs=tuple(turned))).replayed(best)
+
+
+def test_the_measured_angle_is_the_way_over_the_radius():
+    log = driven(Hidden(), 0.0, 20e5, 1)
+    way = np.concatenate(
+        [[0.0], np.cumsum(0.5 * np.diff(log.time) * (log["v"][1:] + log["v"][:-1]))]
+    )
+    turned = wheel_angles(log)
+    assert turned["f"][0] == 0.0
+    assert turned["r"][-1] == pytest.approx(way[-1] / CAR.rear.rolling_radius, rel=0.01)
