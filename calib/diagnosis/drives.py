@@ -22,8 +22,8 @@ from calib.physics.effects.effects import Effects
 Array = NDArray[np.float64]
 
 CLEAR = 10.0
-"""Size from which a drive shows an effect [sigma]: well beyond what chance gives one of the catalogue
-(`calib.diagnosis.chance`), some 4 sigma, or 9 for a ripple."""
+"""Size from which a drive shows an effect [sigma]: well beyond what chance gives an effect of the
+catalogue (`calib.diagnosis.chance`), some 4 sigma, or 9 for a ripple."""
 
 
 @dataclass(frozen=True)

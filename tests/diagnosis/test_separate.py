@@ -14,6 +14,7 @@ from calib.diagnosis.confusion import confusion_of
 from calib.diagnosis.hold_outs import model_of
 from calib.diagnosis.predict import run_of
 from calib.diagnosis.search import unresolved
+from calib.physics.effects.catalogue import CATALOGUE
 from calib.diagnosis.separate import distance, manoeuvres, separate_by
 from calib.simulation.simulate import simulate
 from tests.support.hidden.cases import draw
@@ -77,7 +78,7 @@ def test_a_cold_car_cannot_show_fade_and_coasting_shows_drag():
     case = draw("none", 42)
     runs = [run_of(log) for log in case.calibration if log.name in ("coast", "step_low")]
     problem = problem_of(case.vehicle, runs)
-    silent = unresolved(problem, fit(problem, (), np.zeros(BASE)), 0.004)
+    silent = unresolved(problem, fit(problem, (), np.zeros(BASE)), dict.fromkeys(CATALOGUE, 64.0))
     assert "pad_thermal_fade" in silent
     assert "mass_error" in silent
     assert "aerodynamic_drag" not in silent
