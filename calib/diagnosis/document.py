@@ -19,7 +19,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "verdict": found.verdict,
-        "effects": [_effect(effect) for effect in found.effects],
+        "effects": [_effect(effect) | _defined(effect, found) for effect in found.effects],
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
         "not_resolved": list(found.not_resolved),
         "base": {name: _estimate(value) for name, value in found.base.items()},
@@ -73,6 +73,12 @@ def _effect(effect: Named) -> dict[str, Any]:
         "indistinguishable_from": list(effect.indistinguishable_from),
         "separate_by": effect.separate_by,
     }
+
+
+def _defined(effect: Named, found: Diagnosis) -> dict[str, Any]:
+    """The file of an effect that is not in the catalogue."""
+    defined = found.model_after.effects.defined_in.get(effect.name)
+    return {} if defined is None else {"defined_in": asdict(defined)}
 
 
 def _left(left: Remainder) -> dict[str, Any]:

@@ -1,4 +1,6 @@
-"""Which effect would help: all effects of the catalogue are ranked, the best ones fitted.
+"""Which effect would help: all effects are ranked, the best ones fitted.
+
+All are those of the catalogue and the own ones of the vehicle.
 
 Ranking takes one linear step: add the effect at its usual size, compute the change of the
 innovations, project out the changes that base parameters can make, and project the present
@@ -12,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, fit, unpack
-from calib.physics.effects.catalogue import CATALOGUE
+from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects
+from calib.physics.own_effects.own_effect import every_effect
 
 Array = NDArray[np.float64]
 
@@ -62,11 +65,11 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
     found = []
-    for name, effect in CATALOGUE.items():
+    for name, effect in every_effect(problem.vehicle.effects).items():
         if name in at.names:
             continue
         best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(effect.card.parameters))]))
-        for trial in trials(name):
+        for trial in trials(effect.card):
             _, effects = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(4), trial]))
             change = problem.flat(at.base, at.effects.with_(effects)) - innovations
             gain, amount = along(innovations, directions, change)
@@ -87,7 +90,7 @@ def unresolved(problem: Problem, at: Candidate, least: float) -> tuple[str, ...]
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
     faint = []
-    for name, effect in CATALOGUE.items():
+    for name, effect in every_effect(problem.vehicle.effects).items():
         if name in at.names:
             continue
         strength, *others = effect.card.parameters
@@ -102,9 +105,8 @@ def unresolved(problem: Problem, at: Candidate, least: float) -> tuple[str, ...]
     return tuple(faint)
 
 
-def trials(name: str) -> list[Array]:
+def trials(card: Card) -> list[Array]:
     """Points at which an effect is tried, in spreads from neutral: strength, second parameter."""
-    card = CATALOGUE[name].card
     strength = card.parameters[0]
     low = (strength.low - card.neutral) / strength.spread
     high = (strength.high - card.neutral) / strength.spread

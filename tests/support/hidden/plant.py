@@ -176,7 +176,8 @@ def equations(car: Car, lines: Lines) -> Rates:
             d[i + 1] = (rolls[i] * force[i] - torque[i] - other[i]) / inertia[i]
         spring = omega_s**2 * y[SLOSH] + 0.1 * omega_s * y[SLOSH_RATE] if h.slosh_mass else 0.0
         dry = (1.0 - h.slosh_mass) * weight / GRAVITY
-        drag = 0.5 * AIR * h.drag_area * v * v
+        open_flap = h.flap_area * min(max((master - 2e5) / 10e5, 0.0), 1.0)
+        drag = 0.5 * AIR * (h.drag_area + open_flap) * v * v
         body = sum(force) + drag + slope * weight * (1.0 - h.slosh_mass)
         d[V] = (h.slosh_mass * weight / GRAVITY * spring - body) / dry
         d[SLOSH], d[SLOSH_RATE] = y[SLOSH_RATE], -spring - d[V] - slope * GRAVITY

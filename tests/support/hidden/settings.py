@@ -44,6 +44,7 @@ class Hidden:
     slosh_mass, slosh_frequency : share of the mass [1] on a spring [Hz].
     weaker_by : loss of brake force with each further application in a run [1].
     seized : constant torque on the rear left wheel [N m].
+    flap_area : c_d A [m^2] more while braking: it opens over the pressure from 2 to 12 bar.
     """
 
     drag_area: float = 0.0
@@ -93,3 +94,4 @@ class Hidden:
     slosh_frequency: float = 0.6
     weaker_by: float = 0.0
     seized: float = 0.0
+    flap_area: float = 0.0
