@@ -7,8 +7,8 @@ import typer
 from typer.core import TyperCommand
 
 from cli.console import emit, emit_json, say, stages
-from cli.inputs import channel_map_of
-from cli.options import Json, Map, example, needed_vehicle, out_folder
+from cli.inputs import channel_map_of, with_own_effects
+from cli.options import Json, Map, OwnEffects, example, needed_vehicle, out_folder
 from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
 
 if TYPE_CHECKING:
@@ -48,6 +48,7 @@ def diagnose(
         list[Path] | None,
         typer.Option(HOLDOUT, metavar="LOG...", help="Logs to confirm it on."),
     ] = None,
+    effect: OwnEffects = None,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
@@ -62,8 +63,10 @@ def diagnose(
     kept = holdout or []
     stems = stems_of(kept, HOLDOUT)
     ready_folder(out)
-    refuse_overwriting((out / file for file in files_of(stems)), [*logs, *kept], [vehicle])
-    car = read_vehicle(vehicle)
+    refuse_overwriting(
+        (out / file for file in files_of(stems)), [*logs, *kept], [vehicle, *(effect or [])]
+    )
+    car = with_own_effects(read_vehicle(vehicle), effect)
     mapping = channel_map_of(channel_map)
     paths, read = [*logs, *kept], []
     with stages() as tell:

@@ -6,31 +6,41 @@ import typer
 
 from cli.console import emit, emit_json
 from cli.grid import grid
-from cli.options import Json, example
+from cli.options import Json, OwnEffects, example
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
     from calib.physics.effects.effect import Card, Parameter
 
-EPILOG = example("brake-cal effects", "brake-cal effects hydraulic_lag")
+EPILOG = example(
+    "brake-cal effects",
+    "brake-cal effects hydraulic_lag",
+    "brake-cal effects air_brake_flap --effect sample_logs/own_effect/air_brake_flap.py",
+)
 
 
 def effects(
     name: Annotated[
         str | None, typer.Argument(metavar="NAME", help="One effect; if not given, all.")
     ] = None,
+    effect: OwnEffects = None,
     json: Json = False,
 ) -> None:
-    """List the effects that a model can have, or print the card of one."""
-    from calib.physics.effects.catalogue import CATALOGUE
+    """List the effects that a model can have, or print the card of one.
 
-    if name is not None and name not in CATALOGUE:
+    With --effect the file is checked, and its effect is among them.
+    """
+    from calib.physics.effects.catalogue import CATALOGUE
+    from calib.physics.own_effects.read import read_own_effects
+
+    known = {**CATALOGUE, **{one.name: one.effect for one in read_own_effects(effect or [])}}
+    if name is not None and name not in known:
         from calib.toml import did_you_mean
 
-        hint = did_you_mean(name, CATALOGUE) or "'brake-cal effects' lists the known ones"
+        hint = did_you_mean(name, known) or "'brake-cal effects' lists the known ones"
         raise typer.BadParameter(f"unknown effect {name!r}; {hint}", param_hint="NAME")
-    cards = [e.card for n, e in CATALOGUE.items() if name in (None, n)]
+    cards = [e.card for n, e in known.items() if name in (None, n)]
     if json:
         emit_json({"schema": 1, "effects": cards})
     elif name is None:

@@ -7,8 +7,18 @@ import typer
 
 import calib
 from cli.console import emit, emit_json, say, warn
-from cli.inputs import channel_map_of, mass_of, tell_kin
-from cli.options import STORE, Json, KnownModel, Map, Mass, Store, VehicleFile, example
+from cli.inputs import channel_map_of, mass_of, tell_kin, with_own_effects
+from cli.options import (
+    STORE,
+    Json,
+    KnownModel,
+    Map,
+    Mass,
+    OwnEffects,
+    Store,
+    VehicleFile,
+    example,
+)
 
 if TYPE_CHECKING:
     from calib.physics.mass import MassUsed
@@ -28,6 +38,7 @@ def fit(
     *,
     vehicle: VehicleFile,
     model: KnownModel = None,
+    effect: OwnEffects = None,
     mass: Mass = None,
     store: Store = STORE,
     channel_map: Map = None,
@@ -47,7 +58,7 @@ def fit(
     from calib.physics.model_file import read_model
     from calib.physics.vehicle_file import read_vehicle
 
-    weight, car = mass_of(mass), read_vehicle(vehicle)
+    weight, car = mass_of(mass), with_own_effects(read_vehicle(vehicle), effect)
     mapping = channel_map_of(channel_map)
     say(f"fitting {car.name} from {len(logs)} log{'s' * (len(logs) > 1)}")
     known = read_model(model, car) if model else None

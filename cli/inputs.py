@@ -40,6 +40,14 @@ def vehicle_of(path: Path | None) -> "Vehicle | None":
     return read_vehicle(path) if path else None
 
 
+def with_own_effects(car: "Vehicle", files: list[Path] | None) -> "Vehicle":
+    """The car with the effects of ``--effect``, whose files are executed."""
+    from calib.physics.own_effects.own_effect import with_own
+    from calib.physics.own_effects.read import read_own_effects
+
+    return with_own(car, read_own_effects(files)) if files else car
+
+
 def tables_of(store: Path, references: Sequence[str]) -> "tuple[Stored, ...]":
     """The tables to look at; says which versions they are, and in which state."""
     import calib

@@ -43,6 +43,15 @@ KnownModel = Annotated[
         "--model", metavar="M.toml", help="Model of `diagnose`, whose effects are then known."
     ),
 ]
+OwnEffects = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--effect",
+        metavar="FILE.py",
+        help="Add an effect of your own (calib/manual/own_effect.md); may be repeated. The file is "
+        "executed as Python: give only files that you trust.",
+    ),
+]
 Mass = Annotated[
     str | None,
     typer.Option(

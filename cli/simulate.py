@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, say
-from cli.inputs import quantity_of
-from cli.options import Json, VehicleFile, example, map_file, out_file
+from cli.inputs import quantity_of, with_own_effects
+from cli.options import Json, OwnEffects, VehicleFile, example, map_file, out_file
 from cli.outputs import refuse_folder, refuse_overwriting
 from cli.project import from_settings
 
@@ -38,6 +38,7 @@ def simulate(
         Path | None,
         typer.Option(metavar="M.toml", help="Pads, tyre, effects; without it the vehicle's own."),
     ] = None,
+    effect: OwnEffects = None,
     manoeuvre: Annotated[
         str | None,
         typer.Option(metavar="NAME", help="ramp, step, wave, staircase, coast; stop: no lead-in."),
@@ -72,7 +73,7 @@ def simulate(
     from calib.physics.vehicle_file import read_vehicle
     from calib.simulation.sensor_noise import add_noise
 
-    car = read_vehicle(vehicle)
+    car = with_own_effects(read_vehicle(vehicle), effect)
     driven = read_model(model, car) if model else default_model(car)
     if log is not None:
         result = _replay(driven, log, channel_map)

@@ -8,13 +8,14 @@ import typer
 import calib
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
-from cli.inputs import channel_map_of, limits_of_stops, mass_of, vehicle_of
+from cli.inputs import channel_map_of, limits_of_stops, mass_of, vehicle_of, with_own_effects
 from cli.options import (
     STORE,
     Json,
     KnownModel,
     Map,
     Mass,
+    OwnEffects,
     Store,
     example,
     grouped,
@@ -51,6 +52,7 @@ def validate(
         vehicle_file("Other nominal pads than the table's; never the settings' vehicle."),
     ] = None,
     model: KnownModel = None,
+    effect: OwnEffects = None,
     mass: Mass = None,
     limits: Annotated[
         Path | None,
@@ -81,7 +83,8 @@ def validate(
     check_signed(table, stored, public)
     car = vehicle_of(vehicle)
     require_same_vehicle(stored.table, car, vehicle, weight)
-    used = _with_known(stored.table, model) if model else stored.table
+    used = _with_own(stored.table, effect)
+    used = _with_known(used, model) if model else used
     held = limits_of_stops(limits)
     mapping = channel_map_of(channel_map)
     results, runs = [], []
@@ -103,6 +106,13 @@ def validate(
         _report(stored, results)
     if not all(result.passed for result in results):
         raise typer.Exit(FAILED)
+
+
+def _with_own(table: "Table", files: list[Path] | None) -> "Table":
+    """The table with the files of its own effects."""
+    from dataclasses import replace
+
+    return replace(table, vehicle=with_own_effects(table.vehicle, files))
 
 
 def _with_known(table: "Table", path: Path) -> "Table":

@@ -23,9 +23,9 @@ from calib.diagnosis.channels import (
 )
 from calib.diagnosis.predict import Base, ObservedRun, predict
 from calib.diagnosis.progress import Tell, silent
-from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects, EmpiricalTerm
+from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -149,24 +149,24 @@ def unpack(vehicle: Vehicle, names: tuple[str, ...], x: Array) -> tuple[Base, Ef
     """
     effects, i = {}, BASE
     for name in names:
-        card = effect_named(name).card
+        card = definition(vehicle.effects, name).card
         values = {}
         for j, p in enumerate(card.parameters):
             values[p.name] = _origin(card, j) + float(x[i]) * p.spread
             i += 1
         effects[name] = values
-    return base_of(vehicle, x), Effects(effects)
+    return base_of(vehicle, x), Effects(effects, own=vehicle.effects.own)
 
 
 def _origin(card: Card, index: int) -> float:
     return card.neutral if index == 0 else card.parameters[index].typical
 
 
-def bounds(names: tuple[str, ...]) -> tuple[Array, Array]:
+def bounds(vehicle: Vehicle, names: tuple[str, ...]) -> tuple[Array, Array]:
     """Bounds of the vector: the cards' ranges."""
     low, high = [*[-2.0] * 4, -0.4, -0.2], [*[2.0] * 4, 0.18, 0.2]
     for name in names:
-        card = effect_named(name).card
+        card = definition(vehicle.effects, name).card
         for j, p in enumerate(card.parameters):
             origin = _origin(card, j)
             low.append((p.low - origin) / p.spread)
@@ -174,12 +174,12 @@ def bounds(names: tuple[str, ...]) -> tuple[Array, Array]:
     return np.array(low) - 1e-9, np.array(high) + 1e-9
 
 
-def prior_rows(names: tuple[str, ...], x: Array) -> Array:
+def prior_rows(vehicle: Vehicle, names: tuple[str, ...], x: Array) -> Array:
     """Residuals of the weak priors; the strengths have none."""
     rows = list(x[:BASE] / BASE_SIGMA)
     i = BASE
     for name in names:
-        count = len(effect_named(name).card.parameters)
+        count = len(definition(vehicle.effects, name).card.parameters)
         rows += [float(v) / SECOND_SIGMA for v in x[i + 1 : i + count]]
         i += count
     return np.asarray(rows)
@@ -202,7 +202,7 @@ def fit(
     """
     from scipy.optimize import least_squares
 
-    low, high = bounds(names)
+    low, high = bounds(problem.vehicle, names)
     knots = term[1] if term else 0
     low = np.concatenate([low, np.full(knots, -0.9)])
     high = np.concatenate([high, np.full(knots, 0.9)])
@@ -213,7 +213,7 @@ def fit(
         present = replace(effects, terms=(term[0](x[own:]),)) if term else effects
         # a prior on the bends of a term: it stays straight where the data do not need a bend
         bent = np.diff(x[own:]) / 0.5
-        rows = [problem.flat(base, present), prior_rows(names, x[:own]), bent]
+        rows = [problem.flat(base, present), prior_rows(problem.vehicle, names, x[:own]), bent]
         return np.concatenate([*rows, x[own:] / 2.0])
 
     first = np.clip(start, low + 1e-6, high - 1e-6)
@@ -228,7 +228,9 @@ def fit(
         ftol=1e-5,
         xtol=1e-5,
     )
-    priors = prior_rows(names, result.x[:own]).size + (2 * knots - 1 if knots else 0)
+    priors = prior_rows(problem.vehicle, names, result.x[:own]).size + (
+        2 * knots - 1 if knots else 0
+    )
     innovations = result.fun[:-priors]
     base, effects = unpack(problem.vehicle, names, result.x[:own])
     return Candidate(

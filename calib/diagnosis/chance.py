@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import BASE, Candidate, Problem, unpack
 from calib.diagnosis.search import STARTS, base_directions, trials
-from calib.physics.effects.catalogue import CATALOGUE
+from calib.physics.effects.effect import Card
+from calib.physics.own_effects.own_effect import every_effect
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -60,7 +61,8 @@ def chance_of(problem: Problem, at: Candidate, best: Candidate) -> Mapping[str, 
     noise is what the ``best`` explanation leaves, so that a hidden effect does not count as noise.
     """
     draws = _Draws.of(problem, at, best)
-    by_name = {name: draws.gains(name) for name in CATALOGUE if name not in at.names}
+    known = every_effect(problem.vehicle.effects)
+    by_name = {n: draws.gains(n, effect.card) for n, effect in known.items() if n not in at.names}
     usual = {name: max(float(np.quantile(gains, 0.9)), 1e-9) for name, gains in by_name.items()}
     largest = np.max([gains / usual[name] for name, gains in by_name.items()], axis=0)
     factor = float(np.quantile(largest, 1.0 - FALSE_ALARMS))
@@ -94,11 +96,11 @@ class _Draws:
         signs = rng.choice(np.array([-1.0, 1.0]), (REPLICAS, blocks.start.size))
         return cls(problem, at, blocks, rest, innovations, directions, signs)
 
-    def gains(self, name: str) -> Array:
+    def gains(self, name: str, card: Card) -> Array:
         """Gain in chi-square of an effect in every replica (`REPLICAS`,), the best of its forms."""
         largest = np.zeros(REPLICAS)
-        turned = _quarter_turned(self.problem) if self._turns(name) else None
-        for trial in trials(name):
+        turned = _quarter_turned(self.problem) if self._turns(name, card) else None
+        for trial in trials(card):
             if abs(trial[0]) < STARTS[-1]:
                 continue  # weaker ones have the same direction
             change = self._free(self.problem, name, trial)
@@ -122,11 +124,11 @@ class _Draws:
         change = problem.flat(self.at.base, effects) - self.innovations
         return np.asarray(change - self.directions @ (self.directions.T @ change))
 
-    def _turns(self, name: str) -> bool:
+    def _turns(self, name: str, card: Card) -> bool:
         """Whether an effect goes with the angle of the wheels."""
         first = replace(self.problem, runs=self.problem.runs[:1])
         _, trial = unpack(
-            first.vehicle, (name,), np.concatenate([np.zeros(BASE), trials(name)[-1]])
+            first.vehicle, (name,), np.concatenate([np.zeros(BASE), trials(card)[-1]])
         )
         effects = self.at.effects.with_(trial)
         one, other = (p.flat(self.at.base, effects) for p in (first, _quarter_turned(first)))

@@ -27,10 +27,10 @@ from calib.diagnosis.separate import separate_by
 from calib.diagnosis.unexplained import UnexplainedTerm, locate
 from calib.errors import LogError, ModelError
 from calib.logs.log import Log
-from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.effect import acts_on_wheels
 from calib.physics.effects.effects import Effects
 from calib.physics.model import Model
+from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
 from calib.statistics.intervals import Z95
@@ -138,7 +138,8 @@ def diagnose(
 
     Parameters
     ----------
-    vehicle : the car as its datasheet has it.
+    vehicle : the car as its datasheet has it; it may have effects that the catalogue lacks, see
+        `calib.physics.own_effects.own_effect.with_own`.
     calibration : two or more logs of different manoeuvres, in which the effect is searched.
     holdout : one or more logs, on which the effect must close the gap.
     tell : called at each step with the stage in words, the steps of it that are done, and their
@@ -252,7 +253,7 @@ def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, .
     out, i = [], BASE
     for name in best.names:
         parameters = {}
-        for p in effect_named(name).card.parameters:
+        for p in definition(problem.vehicle.effects, name).card.parameters:
             value = best.effects.parameters[name][p.name]
             spread = Z95 * float(np.hypot(sigma[i] * p.spread, SYSTEMATIC * value))
             parameters[p.name] = ParameterEstimate(value, p.unit, (value - spread, value + spread))
@@ -324,7 +325,7 @@ def _change(problem: Problem, best: Candidate, rest: Effects, run: ObservedRun) 
 
 def _axle(problem: Problem, best: Candidate, name: str) -> str:
     """Whose torque or wheels an effect changes: front, rear, both, or body."""
-    if not acts_on_wheels(effect_named(name)):
+    if not acts_on_wheels(definition(problem.vehicle.effects, name)):
         return "body"
     rest = best.effects.without(name)
     front = rear = 0.0

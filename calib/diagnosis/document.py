@@ -13,7 +13,6 @@ from calib.diagnosis.gap import UNITS, ChannelGap, Gap
 from calib.diagnosis.prove import Step
 from calib.diagnosis.remainder import Remainder
 from calib.diagnosis.unexplained import UnexplainedTerm
-from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.empirical import DRIVERS
 
 SCHEMA = 1
@@ -24,7 +23,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "verdict": found.verdict,
-        "effects": [_effect(effect) for effect in found.effects],
+        "effects": [_effect(effect) | _defined(effect, found) for effect in found.effects],
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
         "confusion": None if found.confusion is None else _confusion(found.confusion),
         "not_resolved": list(found.not_resolved),
@@ -112,14 +111,20 @@ def _confusion(found: Confusion) -> dict[str, Any]:
 
 
 def _drive(found: Drive) -> dict[str, Any]:
-    units = {p.name: p.unit for p in effect_named(found.effect).card.parameters}
+    units = {p.name: p.unit for p in found.card.parameters}
     return {
         "effect": found.effect,
-        "usual_size": {n: {"value": v, "unit": units[n]} for n, v in found.size.items()},
+        "usual_size": {n: {"value": v, "unit": units[n]} for n, v in found.card.usual.items()},
         "drive": found.name,
         "sigma": found.sigma,
         "clear": found.clear,
     }
+
+
+def _defined(effect: Named, found: Diagnosis) -> dict[str, Any]:
+    """The file of an effect that is not in the catalogue."""
+    defined = found.model_after.effects.defined_in.get(effect.name)
+    return {} if defined is None else {"defined_in": asdict(defined)}
 
 
 def _left(left: Remainder) -> dict[str, Any]:

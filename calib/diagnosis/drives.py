@@ -8,18 +8,16 @@ pads, tyres and the effects that are named can imitate in logs and manoeuvre tog
 One linear step: right for small effects, and the order of magnitude for large ones.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem, unpack
-from calib.diagnosis.separate import manoeuvres
-from calib.physics.effects.catalogue import effect_named
+from calib.diagnosis.candidate import Candidate, Problem
+from calib.diagnosis.separate import free_lengths, inner_products, manoeuvres
+from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects
-
-Array = NDArray[np.float64]
+from calib.physics.own_effects.own_effect import definition
 
 CLEAR = 10.0
 """Size from which a drive shows an effect [sigma]: well beyond what chance gives an effect of the
@@ -28,15 +26,19 @@ catalogue (`calib.diagnosis.chance`), some 4 sigma, or 9 for a ripple."""
 
 @dataclass(frozen=True)
 class Drive:
-    """The manoeuvre in which an ``effect`` of usual ``size`` [SI] shows most.
+    """The manoeuvre in which the effect of a ``card``, at its usual size, shows most.
 
     ``sigma`` is what no other parameter can imitate there, over the noise.
     """
 
-    effect: str
-    size: Mapping[str, float]
+    card: Card
     name: str
     sigma: float
+
+    @property
+    def effect(self) -> str:
+        """Name of the effect."""
+        return self.card.name
 
     @property
     def clear(self) -> bool:
@@ -52,33 +54,20 @@ def drives(problem: Problem, at: Candidate, names: tuple[str, ...]) -> tuple[Dri
     shown = {}
     for name, run in manoeuvres(problem):
         both = logs + _products(replace(problem, runs=(run,)), at, names)
-        shown[name] = _free(both, at.x.size)
+        shown[name] = free_lengths(both, at.x.size)
     found = []
     for i, effect in enumerate(names):
         best = max(shown, key=lambda name: float(shown[name][i]))
-        size = effect_named(effect).card.usual
-        found.append(Drive(effect, size, best, float(shown[best][i])))
+        card = definition(problem.vehicle.effects, effect).card
+        found.append(Drive(card, best, float(shown[best][i])))
     return tuple(found)
 
 
-def _products(problem: Problem, at: Candidate, names: tuple[str, ...]) -> Array:
-    """Inner products (k + m, k + m) of the changes by k parameters and m effects."""
+def _products(problem: Problem, at: Candidate, names: tuple[str, ...]) -> NDArray[np.float64]:
     innovations = problem.flat(at.base, at.effects)
-    columns = []
-    for i in range(at.x.size):
-        step = 1e-3
-        x = at.x.copy()
-        x[i] += step
-        columns.append((problem.flat(*unpack(problem.vehicle, at.names, x)) - innovations) / step)
+    changes = []
     for name in names:
-        added = at.effects.with_(Effects({name: effect_named(name).card.usual}))
-        columns.append(problem.flat(at.base, added) - innovations)
-    M = np.stack(columns)
-    return np.asarray(M @ M.T)
-
-
-def _free(products: Array, k: int) -> Array:
-    """Length (m,) of each effect's change that the first k directions cannot imitate."""
-    own, cross = products[:k, :k], products[:k, k:]
-    imitated = np.sum(cross * (np.linalg.pinv(own, hermitian=True) @ cross), axis=0)
-    return np.asarray(np.sqrt(np.maximum(np.diag(products)[k:] - imitated, 0.0)))
+        usual = definition(problem.vehicle.effects, name).card.usual
+        added = at.effects.with_(Effects({name: usual}))
+        changes.append(problem.flat(at.base, added) - innovations)
+    return inner_products(problem, at, changes)

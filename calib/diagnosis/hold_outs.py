@@ -50,7 +50,7 @@ class HoldOuts:
         """Replays with the parameters moved by one standard deviation along each direction."""
         values, vectors = np.linalg.eigh(candidate.covariance)
         scaled = vectors * np.sqrt(np.maximum(values, 0.0) * max(candidate.reduced, 1.0))
-        low, high = bounds(candidate.names)
+        low, high = bounds(self.problem.vehicle, candidate.names)
         out = []
         for direction in scaled.T:
             x = np.clip(candidate.x + direction, low, high)

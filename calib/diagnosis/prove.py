@@ -31,7 +31,7 @@ from calib.diagnosis.remainder import LEAST, Remainder
 from calib.diagnosis.search import refine
 from calib.errors import ModelError
 from calib.logs.log import Log
-from calib.physics.effects.catalogue import effect_named
+from calib.physics.own_effects.own_effect import definition
 
 TRIED = 3
 """Further effects that are fitted in each step, the most promising ones."""
@@ -240,7 +240,7 @@ def _without(problem: Problem, at: Candidate, name: str) -> Candidate:
     """Fitted anew without one of its effects."""
     kept, i = [at.x[:BASE]], BASE
     for other in at.names:
-        count = len(effect_named(other).card.parameters)
+        count = len(definition(problem.vehicle.effects, other).card.parameters)
         if other != name:
             kept.append(at.x[i : i + count])
         i += count

@@ -1,4 +1,6 @@
-"""Which effect would help: all effects of the catalogue are ranked, the best ones fitted.
+"""Which effect would help: all effects are ranked, the best ones fitted.
+
+All are those of the catalogue and the own ones of the vehicle.
 
 Ranking takes one linear step: add the effect at its usual size, compute the change of the
 innovations, project out the changes that base parameters can make, and project the present
@@ -13,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, unpack
-from calib.physics.effects.catalogue import CATALOGUE
+from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects
+from calib.physics.own_effects.own_effect import every_effect
 
 Array = NDArray[np.float64]
 
@@ -63,12 +66,13 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
     found = []
-    for i, (name, effect) in enumerate(CATALOGUE.items()):
-        problem.tell(f"trying effect {i + 1} of {len(CATALOGUE)}", i, len(CATALOGUE))
+    known = every_effect(problem.vehicle.effects)
+    for i, (name, effect) in enumerate(known.items()):
+        problem.tell(f"trying effect {i + 1} of {len(known)}", i, len(known))
         if name in at.names:
             continue
         best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(effect.card.parameters))]))
-        for trial in trials(name):
+        for trial in trials(effect.card):
             _, effects = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(BASE), trial]))
             change = problem.flat(at.base, at.effects.with_(effects)) - innovations
             gain, amount = along(innovations, directions, change)
@@ -89,7 +93,7 @@ def unresolved(problem: Problem, at: Candidate, least: Mapping[str, float]) -> t
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
     faint = []
-    for name, effect in CATALOGUE.items():
+    for name, effect in every_effect(problem.vehicle.effects).items():
         if name in at.names:
             continue
         usual = Effects({name: effect.card.usual})
@@ -100,9 +104,8 @@ def unresolved(problem: Problem, at: Candidate, least: Mapping[str, float]) -> t
     return tuple(faint)
 
 
-def trials(name: str) -> list[Array]:
+def trials(card: Card) -> list[Array]:
     """Points at which an effect is tried, in spreads from neutral: strength, second parameter."""
-    card = CATALOGUE[name].card
     strength = card.parameters[0]
     low = (strength.low - card.neutral) / strength.spread
     high = (strength.high - card.neutral) / strength.spread

@@ -1,18 +1,29 @@
-"""The feasible test that best separates two explanations: each manoeuvre is simulated with both.
+"""The feasible test that best separates two explanations, and how far apart they would be with it.
 
-Both were fitted to the same logs, so they agree there. A manoeuvre in which they disagree most,
-over the noise of the sensors, is the one to drive next.
+Both were fitted to the same logs, so they agree there. What a fit to logs and a further drive would
+take up with other pads, tyres and sizes of the effects does not separate them. One linear step
+ranks the manoeuvres; the best ones are then simulated with the one explanation, and the other is
+fitted anew to logs and drive together:
+
+    manoeuvres --> linear step --> best few --> simulated with one, other refitted --> sigma
 """
+
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem
-from calib.diagnosis.channels import residuals, whiten
-from calib.diagnosis.predict import ObservedRun, predict
+from calib.diagnosis.candidate import Candidate, Problem, fit, unpack
+from calib.diagnosis.hold_outs import model_of
+from calib.diagnosis.predict import ObservedRun, run_of
 from calib.names import G
+from calib.simulation.simulate import simulate
 
 Array = NDArray[np.float64]
+
+SIMULATED = 2
+"""Manoeuvres that are simulated after the linear step."""
 
 
 def separate_by(problem: Problem, one: Candidate, other: Candidate) -> str:
@@ -22,19 +33,60 @@ def separate_by(problem: Problem, one: Candidate, other: Candidate) -> str:
 
 
 def best_drive(problem: Problem, one: Candidate, other: Candidate) -> tuple[str, float]:
-    """Name of the best manoeuvre, and the distance of the two explanations in it [sigma]."""
-    distances = {name: distance(problem, one, other, run) for name, run in manoeuvres(problem)}
+    """Name of the best manoeuvre, and how far apart the two would be with it [sigma]."""
+    tests = dict(manoeuvres(problem))
+    logs = _products(problem, one, other)
+    ranked = {}
+    for name, run in tests.items():
+        both = logs + _products(replace(problem, runs=(run,)), one, other)
+        ranked[name] = float(free_lengths(both, one.x.size)[0])
+    first = sorted(ranked, key=lambda name: -ranked[name])[:SIMULATED]
+    distances = {name: _refitted(problem, one, other, tests[name]) for name in first}
     best = max(distances, key=lambda name: distances[name])
     return best, distances[best]
 
 
-def distance(problem: Problem, one: Candidate, other: Candidate, run: ObservedRun) -> float:
-    """Distance of two explanations in a run, in sigma of all its innovations."""
-    parts = []
-    for candidate in (one, other):
-        predicted = predict(problem.vehicle, candidate.base, candidate.effects, run)
-        parts.append(np.concatenate(whiten(residuals(run, predicted), problem.noise)))
-    return float(np.linalg.norm(parts[0] - parts[1]))
+def _refitted(problem: Problem, one: Candidate, other: Candidate, run: ObservedRun) -> float:
+    """How much worse the other explains logs and a drive that the one made [sigma]."""
+    driven = simulate(
+        model_of(problem.vehicle, one),
+        run.time,
+        run.p_mc,
+        float(run.v[0]),
+        temperature={
+            axle: heat
+            for axle, heat in (("f", run.temperature_f), ("r", run.temperature_r))
+            if heat is not None
+        },
+    )
+    more = replace(problem, runs=(*problem.runs, run_of(driven)))
+    own = more.flat(one.base, one.effects)
+    return float(np.sqrt(max(fit(more, other.names, other.x).chi2 - float(own @ own), 0.0)))
+
+
+def _products(problem: Problem, one: Candidate, other: Candidate) -> Array:
+    innovations = problem.flat(one.base, one.effects)
+    return inner_products(problem, one, [problem.flat(other.base, other.effects) - innovations])
+
+
+def inner_products(problem: Problem, at: Candidate, changes: Sequence[Array]) -> Array:
+    """Inner products (k + m, k + m) of the changes by k parameters, and of m ``changes`` (n,)."""
+    innovations = problem.flat(at.base, at.effects)
+    columns = []
+    for i in range(at.x.size):
+        step = 1e-3
+        x = at.x.copy()
+        x[i] += step
+        columns.append((problem.flat(*unpack(problem.vehicle, at.names, x)) - innovations) / step)
+    M = np.stack([*columns, *changes])
+    return np.asarray(M @ M.T)
+
+
+def free_lengths(products: Array, k: int) -> Array:
+    """Length (m,) of each change that the first k directions cannot imitate."""
+    own, cross = products[:k, :k], products[:k, k:]
+    imitated = np.sum(cross * (np.linalg.pinv(own, hermitian=True) @ cross), axis=0)
+    return np.asarray(np.sqrt(np.maximum(np.diag(products)[k:] - imitated, 0.0)))
 
 
 def manoeuvres(problem: Problem) -> list[tuple[str, ObservedRun]]:

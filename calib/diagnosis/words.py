@@ -4,7 +4,6 @@ from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.drives import Drive
 from calib.diagnosis.printed import in_shown, percent, span, with_unit
 from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm
-from calib.physics.effects.catalogue import effect_named
 
 SEEN_IN = {
     "a_x": "the deceleration",
@@ -205,8 +204,8 @@ def would_show(drive: Drive) -> str:
 
 def usual_size(drive: Drive) -> str:
     """The usual size of an effect: its strength with the unit."""
-    strength = effect_named(drive.effect).card.parameters[0]
-    value = in_shown(drive.size[strength.name], strength.unit)
+    strength = drive.card.parameters[0]
+    value = in_shown(drive.card.usual[strength.name], strength.unit)
     return f"{plain(strength.name)} {with_unit(f'{value:.3g}', strength.unit)}"
 
 

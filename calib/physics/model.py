@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from calib.errors import ModelError
-from calib.physics.effects.catalogue import effect_named
+from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects
 from calib.physics.magic_formula import MagicFormula
+from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
 from calib.toml import did_you_mean
 
@@ -62,7 +63,10 @@ def default_model(vehicle: Vehicle) -> Model:
     """
     where = f"vehicle {vehicle.name}: effects"
     given = vehicle.effects.parameters
-    named = {name: _believable(name, own, f"{where}.{name}") for name, own in given.items()}
+    named = {
+        name: _believable(definition(vehicle.effects, name).card, own, f"{where}.{name}")
+        for name, own in given.items()
+    }
     return Model(
         vehicle=vehicle,
         pad_friction_f=vehicle.front.pad_friction,
@@ -84,9 +88,9 @@ def with_model(vehicle: Vehicle, model: Model) -> Vehicle:
     return with_effects(replace(vehicle, front=front, rear=rear), model)
 
 
-def _believable(name: str, values: Mapping[str, float], where: str) -> dict[str, float]:
+def _believable(card: Card, values: Mapping[str, float], where: str) -> dict[str, float]:
     """Check parameters [SI] of one effect against its card."""
-    cards = {p.name: p for p in effect_named(name).card.parameters}
+    cards = {p.name: p for p in card.parameters}
     for key in values:
         if key not in cards:
             raise ModelError(
@@ -95,15 +99,15 @@ def _believable(name: str, values: Mapping[str, float], where: str) -> dict[str,
                 expected=f"one of {', '.join(cards)}",
                 do=did_you_mean(key, cards),
             )
-    for key, card in cards.items():
+    for key, known in cards.items():
         if key not in values:
             raise ModelError(
                 f"key {key!r} is missing", where=where, expected=f"a value for {key!r}"
             )
-        if not card.low <= values[key] <= card.high:
+        if not known.low <= values[key] <= known.high:
             raise ModelError(
                 f"{values[key]:g} is not believable",
                 where=f"{where}.{key}",
-                expected=f"{card.low:g} to {card.high:g} {card.unit}",
+                expected=f"{known.low:g} to {known.high:g} {known.unit}",
             )
     return dict(values)

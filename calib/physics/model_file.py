@@ -9,6 +9,9 @@ stiffness = 25.0
 peak = 0.9
 [effects.aerodynamic_drag]    # [effects] is the whole list; the vehicle's when left out
 drag_area = "0.66 m^2"
+[own_effects.air_brake_flap]  # where an effect is defined that is not in the catalogue
+file = "air_brake_flap.py"
+sha256 = "..."                # left out: whatever file of that name
 [[surfaces]]                  # factors on the tyre, from a distance or a time on
 start = "60 m"
 stiffness = 0.8
@@ -29,6 +32,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import (
     BeforeValidator,
+    ConfigDict,
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
@@ -40,23 +44,31 @@ from pydantic_core import core_schema
 
 from calib.errors import InputError, ModelError
 from calib.files import write_whole
-from calib.physics.effects.catalogue import CATALOGUE, effect_named
-from calib.physics.effects.effect import Card
-from calib.physics.effects.effects import Effects, EmpiricalTerm
+from calib.physics.effects.catalogue import CATALOGUE
+from calib.physics.effects.effect import Card, Effect
+from calib.physics.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.physics.effects.empirical import DRIVERS, PLACES
 from calib.physics.model import WET_ASPHALT, Model, Surface, default_model
+from calib.physics.own_effects.own_effect import (
+    OwnEffect,
+    completed,
+    definition,
+    every_effect,
+    not_given,
+)
 from calib.physics.vehicle import Vehicle
 from calib.schema import (
+    ByName,
     FileSchema,
     OneOf,
     QuantityMark,
     Section,
     by_name,
     quantity_pattern,
-    read_toml,
+    validated,
 )
 from calib.schema_errors import wrong
-from calib.toml import quantity, toml_bytes, written_quantity
+from calib.toml import load_toml, quantity, toml_bytes, written_quantity
 
 Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
 Factor = Annotated[float, QuantityMark("1", 0.05, 20.0)]
@@ -130,11 +142,15 @@ def _parameters(card: Card) -> type[Section]:
     return create_model(card.name, __base__=Section, __doc__=card.cause, **fields)
 
 
-EffectsSection = by_name(
-    "EffectsSection",
-    {name: _parameters(effect.card) for name, effect in CATALOGUE.items()},
-    "The whole list of effects; the vehicle's when left out.",
-)
+def _effects_section(effects: Mapping[str, Effect]) -> type[ByName]:
+    return by_name(
+        "EffectsSection",
+        {name: _parameters(effect.card) for name, effect in effects.items()},
+        "The whole list of effects; the vehicle's when left out.",
+    )
+
+
+EffectsSection = _effects_section(CATALOGUE)
 
 
 class OneOrMore:
@@ -156,12 +172,28 @@ class OneOrMore:
         return {"anyOf": [listed["items"], listed]}
 
 
+class DefinedInSection(Section):
+    """The file in which an effect is defined that is not in the catalogue, as in `DefinedIn`."""
+
+    file: str
+    sha256: str = ""
+
+
+class OwnEffects(Section):
+    """Of a model file only where its effects are defined, if not in the catalogue."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    own_effects: dict[str, DefinedInSection] = Field(default_factory=dict)
+
+
 class ModelFile(FileSchema):
     """The model of a simulation, besides the vehicle."""
 
     pads: PadsSection = PadsSection()
     tyre: TyreSection = TyreSection()
     effects: EffectsSection | None = None  # type: ignore[valid-type]
+    own_effects: dict[str, DefinedInSection] = Field(default_factory=dict)
     surfaces: list[SurfaceSection] = Field(default_factory=list)
     empirical: Annotated[list[EmpiricalSection], OneOrMore()] = Field(default_factory=list)
 
@@ -169,10 +201,15 @@ class ModelFile(FileSchema):
 def read_model(path: Path, vehicle: Vehicle) -> Model:
     """Read a model file; missing parts are as in `default_model`.
 
+    Its own effects are those of the vehicle, see `calib.physics.own_effects.own_effect.with_own`.
+
     Raises ModelError for a file that is missing, not TOML or of another schema; for an unknown key,
-    effect or unit; for a missing parameter; for a value out of its range.
+    effect or unit; for a missing parameter; for a value out of its range; for an own effect whose
+    file was not given or has changed.
     """
-    file = read_toml(Path(path), ModelFile, ModelError)
+    document = load_toml(Path(path), ModelError)
+    own = _own(document, vehicle.effects, path)
+    file = validated(document, _schema(Effects(own=own)), path, ModelError)
     base = default_model(vehicle)
     pads, terms = file.pads, tuple(_term(section) for section in file.empirical)
     return Model(
@@ -185,9 +222,30 @@ def read_model(path: Path, vehicle: Vehicle) -> Model:
             if file.effects is None
             else {name: dict(effect) for name, effect in file.effects.entries()},
             terms or base.effects.terms,
+            own=own,
         ),
         surfaces=tuple(Surface(*s.start, s.stiffness, s.peak) for s in file.surfaces),
     )
+
+
+def _own(document: Mapping[str, Any], known: Effects, path: Path) -> dict[str, DefinedIn]:
+    """The own effects, all with their files. Raises ModelError where one was not given."""
+    written = validated(document, OwnEffects, path, ModelError).own_effects
+    named = {name: DefinedIn(one.file, one.sha256) for name, one in written.items()}
+    given = {n: one for n, one in known.own.items() if isinstance(one, OwnEffect)}
+    own = completed(named, given, path)
+    for name, one in own.items():
+        if name in named and not isinstance(one, OwnEffect):
+            raise not_given(name, one, path)
+    return own
+
+
+def _schema(effects: Effects) -> type[ModelFile]:
+    """The schema of a model that may have these own effects."""
+    if not effects.own:
+        return ModelFile
+    section: Any = _effects_section(every_effect(effects)) | None
+    return create_model("ModelFile", __base__=ModelFile, effects=(section, None))
 
 
 def _term(section: EmpiricalSection) -> EmpiricalTerm:
@@ -204,9 +262,12 @@ def write_model(model: Model, path: Path) -> None:
         "pads": {"front": model.pad_friction_f, "rear": model.pad_friction_r},
         "tyre": {name: float(value) for name, value in asdict(model.tyre).items()},
         "effects": {
-            name: _written(name, values) for name, values in model.effects.parameters.items()
+            name: _written(definition(model.effects, name).card, values)
+            for name, values in model.effects.parameters.items()
         },
     }
+    if model.effects.defined_in:
+        document["own_effects"] = {n: asdict(d) for n, d in model.effects.defined_in.items()}
     if model.surfaces:
         document["surfaces"] = [
             {
@@ -225,9 +286,9 @@ def write_model(model: Model, path: Path) -> None:
     write_whole(Path(path), toml_bytes(document))
 
 
-def _written(name: str, values: Mapping[str, float]) -> dict[str, str | float]:
+def _written(card: Card, values: Mapping[str, float]) -> dict[str, str | float]:
     return {
         p.name: written_quantity(float(values[p.name]), p.unit)
-        for p in effect_named(name).card.parameters
+        for p in card.parameters
         if p.name in values or p.default is None
     }

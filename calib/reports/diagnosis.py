@@ -7,8 +7,8 @@ from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.gap import UNITS, ChannelGap, Gap
 from calib.diagnosis.headline import KINDS, headline, outcome
 from calib.diagnosis.unexplained import UnexplainedTerm
-from calib.physics.effects.catalogue import effect_named
 from calib.physics.effects.empirical import DRIVERS
+from calib.physics.own_effects.own_effect import definition
 from calib.plots import diagnosis
 from calib.plots.sheet import Sheet
 from calib.reports.html import drawn, page
@@ -167,7 +167,7 @@ def _effect(effect: Named, found: Diagnosis) -> dict[str, object]:
     """One named effect: its card, its parameters, where it acts, its rivals."""
     return {
         "name": words.plain(effect.name).capitalize(),
-        "card": effect_named(effect.name).card,
+        "card": definition(found.model_before.vehicle.effects, effect.name).card,
         "parameters": [
             (words.plain(name), printed.value_of(value), printed.interval_of(value))
             for name, value in effect.parameters.items()

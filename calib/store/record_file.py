@@ -3,11 +3,11 @@
 from dataclasses import fields
 from typing import Any, Literal
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 
 from calib.digest import canonical_json
 from calib.errors import StoreError
-from calib.physics.effects.effects import Effects, EmpiricalTerm
+from calib.physics.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.physics.vehicle import Axle, Vehicle
 from calib.schema import FileSchema, Section, validated_json
 from calib.store.curve_file import Array
@@ -57,6 +57,7 @@ class Record(FileSchema):
     remarks: tuple[str, ...]
     provenance: Provenance
     empirical: EmpiricalTerm | tuple[EmpiricalTerm, ...] = ()
+    own_effects: dict[str, DefinedIn] = Field(default_factory=dict)
     warnings: tuple[PlausibilityWarning, ...] = ()
     budget: TableBudget | None = None
     spread: Spread | None = None
@@ -103,9 +104,8 @@ def table_of(record: Record, curves: dict[str, dict[str, Array]]) -> Table:
         if field.name in Record.model_fields
     }
     terms = record.empirical if isinstance(record.empirical, tuple) else (record.empirical,)
-    parts["vehicle"] = Vehicle(
-        **{**dict(record.vehicle), "effects": Effects(record.vehicle.effects, terms)}
-    )
+    effects = Effects(record.vehicle.effects, terms, own=record.own_effects)
+    parts["vehicle"] = Vehicle(**{**dict(record.vehicle), "effects": effects})
     parts["effects"] = _with_sigma(record.effects)
     return Table(
         **parts,

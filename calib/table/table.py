@@ -241,6 +241,9 @@ class Table:
         record = asdict(self)
         # the format of older tables: a vehicle with named effects only, and one term beside it
         vehicle = record["vehicle"].pop("effects")
+        own = self.vehicle.effects.defined_in
+        if own:
+            record["own_effects"] = {name: asdict(one) for name, one in own.items()}
         record["vehicle"]["effects"] = vehicle["parameters"]
         record["effects"] = {
             effect: {name: asdict(value) for name, value in values.items()}

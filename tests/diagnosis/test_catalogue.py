@@ -66,3 +66,12 @@ def test_fade_is_named_without_a_log_of_temperature_where_all_runs_begin_alike(m
     found = diagnose(case.vehicle, calibration, holdout)
     assert [effect.name for effect in found.effects] == ["pad_thermal_fade"]
     assert found.gap.closed > 0.7
+
+
+def test_anti_dive_is_the_elastic_share_of_the_pitch():
+    """The links carry the rest of the load transfer at once: no effect with a name of its own."""
+    case = draw("single", 88101, names=("anti_dive",), severity=1)
+    found = answer(case)
+    assert [effect.name for effect in found.effects] == ["pitch_coupling"]
+    low, high = found.effects[0].parameters["elastic_share"].ci95
+    assert low < case.hidden.through_springs < high < 1.0

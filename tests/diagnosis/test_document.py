@@ -10,6 +10,7 @@ from calib.diagnosis.confusion import Confusion, Explanation, Pair
 from calib.diagnosis.document import to_dict
 from calib.diagnosis.drives import Drive
 from calib.diagnosis.headline import KINDS
+from calib.physics.effects.catalogue import effect_named
 from tests.support.written_diagnosis import MARKUP, named_drag
 
 PAGE = Path(__file__).parents[2] / "calib" / "manual" / "diagnosis.md"
@@ -44,7 +45,7 @@ def test_confusion_and_drives_are_told_with_units(named):
         (Explanation(("road_grade",), 1.0), Explanation(("mass_error",), 1.25)),
         (Pair(0, 1, 3.0, "coast", 48.0),),
     )
-    unseen = (Drive("aerodynamic_drag", {"drag_area": 0.65}, "coast", 48.0),)
+    unseen = (Drive(effect_named("aerodynamic_drag").card, "coast", 48.0),)
     told = to_dict(replace(named, confusion=alike, drives=unseen))
     assert told["confusion"]["explanations"][1] == {
         "effects": ["mass_error"], "innovation": 1.25, "behind": 0.25

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.candidate import fit, problem_of
+from calib.diagnosis.candidate import BASE, fit, problem_of
 from calib.diagnosis.gap import gap_of
 from calib.diagnosis.hold_outs import hold_outs_of
 from calib.diagnosis.predict import run_of, wheel_angles
@@ -60,7 +60,7 @@ def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     name, logs = runs
     problem = problem_of(CAR, [run_of(log) for log in logs[:2]])
     held = hold_outs_of(problem, logs[2:])
-    base = fit(problem, (), np.zeros(4))
+    base = fit(problem, (), np.zeros(BASE))
     best = fit(problem, (name,), np.concatenate([base.x, [1.0, 0.0, 1.0]]))
     before, after = held.replayed(base), held.replayed(best)
     gap = gap_of(before, after, held.logs).by_channel

@@ -8,6 +8,7 @@ from lxml import html
 from calib.diagnosis.confusion import Confusion, Explanation, Pair
 from calib.diagnosis.drives import Drive
 from calib.diagnosis.prove import Step, Withdrawn
+from calib.physics.effects.catalogue import effect_named
 from calib.reports.diagnosis import report_html
 from tests.support.written_diagnosis import MARKUP, named_drag, unknown
 
@@ -121,9 +122,9 @@ def test_explanations_that_fit_alike_are_a_matrix_with_the_drive_for_each_pair(n
 def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
     assert "What these logs could not show" not in texts(read(named), "//h2")
     unseen = (
-        Drive("road_grade", {"grade": 0.03}, "coast", 48.0),
-        Drive("mass_error", {"mass_error": 0.05}, "stop", 3.0),
-        Drive("residual_torque", {"residual_pressure": 1.5e5}, "stop", 0.0),
+        Drive(effect_named("road_grade").card, "coast", 48.0),
+        Drive(effect_named("mass_error").card, "stop", 3.0),
+        Drive(effect_named("residual_torque").card, "stop", 0.0),
     )
     names = tuple(drive.effect for drive in unseen)
     page = read(replace(named, not_resolved=names, drives=unseen))

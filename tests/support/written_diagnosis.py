@@ -47,7 +47,7 @@ def named_drag():
         "named", (drag,), None, {"pad_friction_f": estimate(0.375), "tyre_peak": estimate(0.8)},
         gap, model, model, (log,), (log,), (log,), 3.5, 1.0, QUIET, (),
         (Step((), 3.5, 8.0), Step(("aerodynamic_drag",), 1.0, 0.25)),
-        ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts"), (), (), None,
+        ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts", 900), (), (), None,
     )  # fmt: skip
 
 
@@ -55,7 +55,7 @@ def unknown(named):
     """The same logs with a cause that is in no catalogue; something is left in the replays."""
     term = EmpiricalTerm("rear_brakes", "pressure", (0.0, 2.5e6), (0.0, -0.125))
     model = named.model_after
-    base = Candidate((), None, Effects(), None, None, 0.0, 1)
+    base = Candidate((), None, Effects(), None, None, 0.0, 1, 1.0)
     rest = UnexplainedTerm(
         term, "rear", "pressure", 0.75, 0.0, None, base, (("body", "speed", 0.5),)
     )

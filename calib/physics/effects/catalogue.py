@@ -83,7 +83,7 @@ def effect_named(name: str) -> Effect:
         raise ModelError(
             f"unknown effect {name!r}",
             expected=f"one of {', '.join(CATALOGUE)}",
-            do="see calib/physics/effects",
+            do="see calib/physics/effects; give --effect FILE.py for one of your own",
         )
     return CATALOGUE[name]
 

@@ -1,7 +1,8 @@
 """Several effects together, at each link of the chain from the pedal to the accelerometer.
 
 Each function uses only the effects that act on its link. Factors are multiplied, forces and
-moments are added; pressures and readings pass through the effects in the order of the catalogue.
+moments are added; pressures and readings pass through the effects in the order of the catalogue,
+then through the user's own: a pressure in the caliper, a reading at the end.
 """
 
 from collections.abc import Callable, Iterator
@@ -9,17 +10,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.physics.effects.catalogue import CALIPER, LINE, SENSOR, effect_named
+from calib.physics.effects.catalogue import CALIPER, LINE, SENSOR
 from calib.physics.effects.effect import Array, Effect, Pair, Parameters
 from calib.physics.effects.effects import Effects
 from calib.physics.effects.empirical import effect_of
 from calib.physics.history import Motion, RunHistory
+from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Axle, Vehicle
 
 
 def chosen(effects: Effects, test: Callable[[Effect], bool]) -> Effects:
     """The effects, terms among them, that pass a test. Raises ModelError for an unknown name."""
-    kept = effects.only(*(name for name in effects.names if test(effect_named(name))))
+    kept = effects.only(*(name for name in effects.names if test(definition(effects, name))))
     return replace(kept, terms=tuple(term for term in effects.terms if test(effect_of(term))))
 
 
@@ -59,7 +61,7 @@ def line_pressure(effects: Effects, history: RunHistory) -> Pair:
 
 def caliper_pressure(effects: Effects, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressure [Pa] (n,) that clamps the pads of one side, from its wheel pressures [Pa] (n,)."""
-    return _through(CALIPER, effects, history, p_f, p_r)
+    return _through((*CALIPER, *effects.own), effects, history, p_f, p_r)
 
 
 def _through(
@@ -134,7 +136,7 @@ def total_axle_moment(vehicle: Vehicle, effects: Effects, motion: Motion) -> Pai
 
 def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
     """Reading of the accelerometer [m/s^2] (n,) at the acceleration ``a_x`` [m/s^2] (n,)."""
-    for effect, parameters in _in_order(effects, SENSOR):
+    for effect, parameters in _in_order(effects, (*SENSOR, *effects.own)):
         if effect.accelerometer is not None:
             a_x = effect.accelerometer(vehicle, parameters, history, a_x)
     return a_x
@@ -143,7 +145,7 @@ def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array)
 def _all(effects: Effects) -> Iterator[tuple[Effect, Parameters]]:
     """Every effect with its parameters, the terms last."""
     for name, parameters in effects.parameters.items():
-        yield effect_named(name), parameters
+        yield definition(effects, name), parameters
     for term in effects.terms:
         yield effect_of(term), {}
 
@@ -152,4 +154,4 @@ def _in_order(effects: Effects, order: tuple[str, ...]) -> Iterator[tuple[Effect
     """The effects of ``order`` that are among ``effects``, in that order."""
     for name in order:
         if name in effects:
-            yield effect_named(name), effects.parameters[name]
+            yield definition(effects, name), effects.parameters[name]

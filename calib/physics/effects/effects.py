@@ -34,6 +34,17 @@ class EmpiricalTerm:
 
 
 @dataclass(frozen=True)
+class DefinedIn:
+    """Where an effect is defined that is not in the catalogue: a Python file of the user.
+
+    ``file`` its name without the folder; ``sha256`` of its bytes [hex], empty where not known.
+    """
+
+    file: str
+    sha256: str = ""
+
+
+@dataclass(frozen=True)
 class Effects:
     """The effects that act in a car in addition to the paper's model.
 
@@ -42,11 +53,14 @@ class Effects:
     parameters : of the named effects [SI].
     terms : empirical terms, whose cause is not known.
     sigma : one standard deviation of each parameter [SI]; only where it is known.
+    own : the user's own effects by name, whether they act or not. A plain `DefinedIn` says where
+        one is defined, an `OwnEffect` of `calib.physics.own_effects` is one whose file was given.
     """
 
     parameters: ByParameter = field(default_factory=dict)
     terms: tuple[EmpiricalTerm, ...] = ()
     sigma: ByParameter = field(default_factory=dict)
+    own: Mapping[str, DefinedIn] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
         """Whether there is any effect."""
@@ -60,6 +74,12 @@ class Effects:
     def names(self) -> tuple[str, ...]:
         """Names of the named effects, in their order; an empirical term has none."""
         return tuple(self.parameters)
+
+    @property
+    def defined_in(self) -> dict[str, DefinedIn]:
+        """Where those of the named effects are defined that the catalogue does not have."""
+        own = {name: self.own[name] for name in self.parameters if name in self.own}
+        return {name: DefinedIn(one.file, one.sha256) for name, one in own.items()}
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -78,16 +98,17 @@ class Effects:
             {**self.parameters, **other.parameters},
             other.terms or self.terms,
             {**own.sigma, **other.sigma},
+            {**self.own, **other.own},
         )
 
     def only(self, *names: str) -> Self:
         """The named effects of these names, without the terms."""
-        return type(self)(_chosen(self.parameters, names), (), _chosen(self.sigma, names))
+        return type(self)(_chosen(self.parameters, names), (), _chosen(self.sigma, names), self.own)
 
     def without(self, *names: str) -> Self:
         """All but the named effects of these names; the terms stay."""
         kept = self.only(*(name for name in self.parameters if name not in names))
-        return type(self)(kept.parameters, self.terms, kept.sigma)
+        return type(self)(kept.parameters, self.terms, kept.sigma, self.own)
 
 
 def _chosen(values: ByParameter, names: tuple[str, ...]) -> ByParameter:

@@ -128,6 +128,7 @@ def equations(car: Car, lines: Lines) -> Rates:
     omega_n = 2.0 * math.pi * h.pitch_frequency
     omega_s = 2.0 * math.pi * h.slosh_frequency
     pads = pad_law(h)
+    unlike = (1.0, 1.0, 1.0 + h.rear_tyres, 1.0 + h.rear_tyres)
     tyre, stiffness_scale, slope = car.tyre, car.stiffness_scale, math.sin(math.atan(h.grade))
 
     def rates(t: float, y: list[float]) -> tuple[list[float], float]:
@@ -151,13 +152,18 @@ def equations(car: Car, lines: Lines) -> Rates:
         def push(z: float) -> tuple[list[float], list[float]]:
             f = 0.5 * weight * (nominal.cg_to_rear_axle + z * height) / length
             load = [f, f, 0.5 * weight - f, 0.5 * weight - f]
-            force = [
-                n * tyre(s, 4.0 * n / weight, stiffness, 1.0)
-                for n, s in zip(load, slips, strict=True)
-            ]
+            force = []
+            for k, n, s in zip(unlike, load, slips, strict=True):
+                more = 4.0 * n / weight
+                stiff = stiffness * k * (1.0 - h.tyre_load * (more - 1.0))
+                force.append(n * tyre(s, more, stiff, 1.0))
             return load, force
 
         load, force = push(y[Z])
+        if h.through_springs != 1.0:
+            late = h.through_springs * y[Z]
+            for _ in range(3):
+                load, force = push(late + (1.0 - h.through_springs) * sum(force) / weight)
         if not h.pitch_frequency:  # the load follows at once: a fast fixed point
             for _ in range(2):
                 load, force = push(sum(force) / weight)
@@ -176,7 +182,8 @@ def equations(car: Car, lines: Lines) -> Rates:
             d[i + 1] = (rolls[i] * force[i] - torque[i] - other[i]) / inertia[i]
         spring = omega_s**2 * y[SLOSH] + 0.1 * omega_s * y[SLOSH_RATE] if h.slosh_mass else 0.0
         dry = (1.0 - h.slosh_mass) * weight / GRAVITY
-        drag = 0.5 * AIR * h.drag_area * v * v
+        open_flap = h.flap_area * min(max((master - 2e5) / 10e5, 0.0), 1.0)
+        drag = 0.5 * AIR * (h.drag_area + open_flap) * v * v
         body = sum(force) + drag + slope * weight * (1.0 - h.slosh_mass)
         d[V] = (h.slosh_mass * weight / GRAVITY * spring - body) / dry
         d[SLOSH], d[SLOSH_RATE] = y[SLOSH_RATE], -spring - d[V] - slope * GRAVITY

@@ -44,6 +44,10 @@ class Hidden:
     slosh_mass, slosh_frequency : share of the mass [1] on a spring [Hz].
     weaker_by : loss of brake force with each further application in a run [1].
     seized : constant torque on the rear left wheel [N m].
+    rear_tyres : true over equal stiffness of the rear tyres, less one [1].
+    tyre_load : share by which the stiffness per load falls when the load of a wheel doubles [1].
+    through_springs : share of the load transfer that follows the pitch [1]; links carry the rest.
+    flap_area : c_d A [m^2] more while braking: it opens over the pressure from 2 to 12 bar.
     """
 
     drag_area: float = 0.0
@@ -93,3 +97,7 @@ class Hidden:
     slosh_frequency: float = 0.6
     weaker_by: float = 0.0
     seized: float = 0.0
+    rear_tyres: float = 0.0
+    tyre_load: float = 0.0
+    through_springs: float = 1.0
+    flap_area: float = 0.0

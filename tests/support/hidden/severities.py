@@ -26,7 +26,7 @@ def hide(hidden: Hidden, name: str, severity: int, rng: np.random.Generator) -> 
         part = (severity + rng.uniform()) / SEVERITIES
         return float(low + part * (high - low))
 
-    return replace(hidden, **(CATALOGUE | OUTSIDE)[name](strength, rng))
+    return replace(hidden, **(CATALOGUE | OUTSIDE | ABSORBED)[name](strength, rng))
 
 
 def sign(rng: np.random.Generator) -> float:
@@ -132,6 +132,14 @@ OUTSIDE: dict[str, Draw] = {
     "weaker_applications": lambda s, r: {"weaker_by": s(0.05, 0.12)},
     "seized_wheel": lambda s, r: {"seized": s(50.0, 150.0)},
 }
+
+ABSORBED: dict[str, Draw] = {
+    "tyre_axle_difference": lambda s, r: {"rear_tyres": sign(r) * s(0.08, 0.25)},
+    "tyre_load_sensitivity": lambda s, r: {"tyre_load": s(0.08, 0.3)},
+    "anti_dive": lambda s, r: pitch(s, r) | {"through_springs": float(r.uniform(0.3, 0.8))},
+}
+"""What has no name of its own: pads and tyre take it up, or a parameter of another name. Drawn only
+by name; see `calib/manual/own_effect.md`."""
 
 WHERE: dict[str, tuple[frozenset[str], frozenset[str]]] = {
     "abs_modulation": (frozenset({"front", "both"}), frozenset({"slip", "deceleration", "force"})),

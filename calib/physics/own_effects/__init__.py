@@ -1,0 +1,1 @@
+"""Effects of the user's own, from a Python file."""

@@ -1,0 +1,119 @@
+"""`--effect`: what `calib/manual/own_effect.md` says, done as it is printed there."""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from calib.demo.samples import sample_logs
+from tests.support.own_effects import EXAMPLE, retarder
+
+PAGE = (Path(__file__).parents[2] / "calib" / "manual" / "own_effect.md").read_text()
+SEDAN = Path("sample_logs/sedan")
+VEHICLE = ("--vehicle", SEDAN / "vehicle.toml")
+FLAP = Path("sample_logs/own_effect/air_brake_flap.py")
+WITH_FLAP = Path("sample_logs/own_effect/with_flap.toml")
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A working folder with the sample logs."""
+    (tmp_path / "sample_logs").symlink_to(sample_logs())
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_page_prints_the_file_of_the_sample():
+    (printed,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    docstring, rest = EXAMPLE.read_text().split('"""\n\n', 1)
+    assert docstring.startswith('"""')
+    assert printed == rest
+
+
+def test_the_commands_of_the_page_work_as_printed_and_find_the_effect(brake_cal, here):
+    commands = [line.strip() for line in PAGE.splitlines() if line.startswith("    brake-cal ")]
+    assert [shlex.split(c)[1] for c in commands] == ["effects", *["simulate"] * 4, "diagnose"]
+    for command in commands:
+        ran = brake_cal(*shlex.split(command)[1:])
+        assert ran.code == 0, ran.err
+    assert "Missing from the model: air brake flap" in ran.out
+    (effect,) = json.loads(Path("found/diagnosis.json").read_text())["effects"]
+    low, high = effect["parameters"]["flap_area"]["ci95"]
+    assert low < 0.8 < high
+    assert effect["defined_in"]["file"] == FLAP.name
+    model = ("--model", "found/model.toml")
+    again = ("simulate", "step.csv", *VEHICLE, *model, "--out", "again.csv")
+    ran = brake_cal(*again)
+    assert ran.code == 3
+    assert (
+        "found/model.toml: the effect 'air_brake_flap' is defined in air_brake_flap.py" in ran.err
+    )
+    assert "give --effect air_brake_flap.py" in ran.err
+    assert not Path("again.csv").exists()
+    assert brake_cal(*again, "--effect", FLAP).code == 0
+
+
+def test_a_table_that_knows_it_needs_the_file_where_it_computes(brake_cal, here):
+    flap = ("--effect", FLAP)
+    logs = [SEDAN / "ramp_wet_asphalt.csv", SEDAN / "coast.csv"]
+    ran = brake_cal("fit", *logs, *VEHICLE, "--model", WITH_FLAP, *flap, "--store", "t", "--json")
+    assert ran.code == 0
+    fitted = json.loads(ran.out)
+    record = json.loads((Path(fitted["path"]) / "record.json").read_text())["record"]
+    assert record["own_effects"]["air_brake_flap"]["file"] == FLAP.name
+    stop = ("validate", "sedan-2up", SEDAN / "dry_asphalt_stop.csv", "--store", "t")
+    ran = brake_cal(*stop)
+    assert ran.code == 3
+    assert "is defined in air_brake_flap.py, which was not given" in ran.err
+    ran = brake_cal(*stop, *flap, "--json")
+    assert ran.code in (0, 1)
+    assert json.loads(ran.out)["table"] == fitted["table"]
+    assert brake_cal("tables", "verify", "--store", "t").code == 0
+    assert brake_cal("tables", "show", "sedan-2up", "--store", "t").code == 0
+
+
+def test_its_card_is_printed_and_listed(brake_cal, here):
+    ran = brake_cal("effects", "air_brake_flap", "--effect", FLAP)
+    assert "a flap at the rear" in ran.out
+    document = json.loads(brake_cal("effects", "--effect", FLAP, "--json").out)
+    assert document["effects"][-1]["name"] == "air_brake_flap"
+    assert brake_cal("effects", "air_brake_flap").code == 2
+
+
+def test_the_option_may_be_repeated(brake_cal, here):
+    Path("mine.py").write_text(retarder())
+    ran = brake_cal("effects", "--effect", FLAP, "--effect", "mine.py")
+    names = [line.split()[0] for line in ran.out.splitlines()]
+    assert names[-2:] == ["air_brake_flap", "rear_retarder"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("def f(:\n", "mine.py:1: not Python: "),
+        ("x = 1\nundefined\n", "mine.py:2: NameError: name 'undefined' is not defined"),
+        ("x = 1\n", "mine.py: no EFFECT"),
+        (retarder("return 0.0, 0.0"), "mine.py:4: axle_moment returns shape ()"),
+    ],
+)
+def test_a_wrong_file_is_one_line_and_bad_input(brake_cal, here, text, said):
+    Path("mine.py").write_text(text)
+    for command in (
+        ("effects",),
+        ("simulate", "--manoeuvre", "ramp", *VEHICLE, "--out", "out.csv"),
+        ("fit", SEDAN / "ramp_wet_asphalt.csv", *VEHICLE),
+    ):
+        ran = brake_cal(*command, "--effect", "mine.py")
+        assert (ran.code, ran.out) == (3, "")
+        assert ran.err.startswith(f"error: {said}")
+        assert len(ran.err.splitlines()) == 1
+    assert {path.name for path in here.iterdir()} == {"sample_logs", "mine.py"}
+
+
+@pytest.mark.parametrize("command", ["diagnose", "simulate", "fit", "validate", "effects"])
+def test_help_says_that_the_file_is_executed(brake_cal, command):
+    text = " ".join(brake_cal(command, "--help").out.split())
+    assert "--effect FILE.py" in text
+    assert "executed as Python" in text

@@ -1,0 +1,64 @@
+"""An effect of one's own is searched, named and added like those of the catalogue."""
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.document import to_dict
+from calib.physics.own_effects.own_effect import OwnEffect, with_own
+from calib.physics.own_effects.read import read_own_effect
+from calib.reports.diagnosis import report_html
+from calib.simulation.sensor_noise import add_noise
+from tests.support.hidden.cases import CARS, NOISE, run
+from tests.support.hidden.plant import Car
+from tests.support.hidden.settings import Hidden
+from tests.support.own_effects import EXAMPLE
+from tests.support.plant import magic
+
+AREA = 0.7
+"""Of the hidden flap [m^2]; that of the plant opens over another range of pressure."""
+
+
+@pytest.fixture(scope="module")
+def logs():
+    """Four logs to search, two to prove it on, of a sedan of the plant with a flap."""
+    rng = np.random.default_rng(4711)
+    hidden = Hidden(flap_area=AREA)
+    car = Car(CARS[1], magic(26.0, 1.0, curvature=-0.1), (0.95, 1.05), hidden=hidden)
+    names = ("coast", "ramp", "release", "step_high", "stop_a", "stop_b")
+    return [add_noise(run(car, name, rng), i, NOISE) for i, name in enumerate(names)]
+
+
+def answer(logs, own: list[OwnEffect]) -> Diagnosis:
+    return diagnose(with_own(CARS[1], own), logs[:4], logs[4:])
+
+
+def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file(logs):
+    """The size within a fifth: at 5 bar that of the plant is a third open, the card's a half."""
+    own = read_own_effect(EXAMPLE)
+    found = answer(logs, [own])
+    assert found.verdict == "named"
+    assert [effect.name for effect in found.effects] == ["air_brake_flap"]
+    assert found.effects[0].parameters["flap_area"].value == pytest.approx(AREA, rel=0.2)
+    assert found.effects[0].where.axle == "body"
+    assert found.gap.closed > 0.85
+    (told,) = to_dict(found)["effects"]
+    assert told["defined_in"] == {"file": "air_brake_flap.py", "sha256": own.sha256}
+    assert own.effect.card.cause in report_html(found, "sedan")
+
+
+def test_without_the_file_there_is_no_such_name(logs):
+    found = answer(logs, [])
+    assert found.verdict != "no_gap"
+    assert "air_brake_flap" not in {effect.name for effect in found.effects}
+    assert all("defined_in" not in effect for effect in to_dict(found)["effects"])
+
+
+def test_an_effect_of_ones_own_that_is_not_hidden_is_not_named():
+    """A file that is given is a candidate, and no more."""
+    rng = np.random.default_rng(4712)
+    car = Car(CARS[1], magic(26.0, 1.0), (0.95, 1.05), hidden=Hidden(lag=0.15))
+    names = ("coast", "ramp", "release", "step_high", "stop_a", "stop_b")
+    logs = [add_noise(run(car, name, rng), i, NOISE) for i, name in enumerate(names)]
+    found = answer(logs, [read_own_effect(EXAMPLE)])
+    assert [effect.name for effect in found.effects] == ["hydraulic_lag"]
