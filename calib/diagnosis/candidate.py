@@ -8,6 +8,7 @@ was never near it, the second parameter of an effect.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from calib.diagnosis.channels import (
 )
 from calib.diagnosis.predict import Base, ObservedRun, predict
 from calib.diagnosis.progress import Tell, silent
+from calib.diagnosis.secant import columns, least_squares
 from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.own_effects.own_effect import definition
@@ -76,17 +78,17 @@ class Problem:
 class Candidate:
     """A fitted explanation.
 
-    ``names`` of its effects; ``x`` the fitted vector (see `unpack`) with its ``covariance``;
+    ``problem`` it was fitted to; ``names`` of its effects; ``x`` the fitted vector (see `unpack`);
     ``chi2`` the sum of squared innovations, over ``count`` of them; ``scatter`` the standard
     deviation of `reduced` where nothing is left: that of so many squares, and of the noise that
     they are held against.
     """
 
+    problem: Problem
     names: tuple[str, ...]
     base: Base
     effects: Effects
     x: Array
-    covariance: Array
     chi2: float
     count: int
     scatter: float
@@ -95,6 +97,20 @@ class Candidate:
     def reduced(self) -> float:
         """Mean squared innovation [1]; 1 if the model explains everything but noise."""
         return self.chi2 / self.count
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariance (k, k) of ``x``, from the derivatives of the innovations and the priors."""
+        problem, names = self.problem, self.names
+        own = bounds(problem.vehicle, names)[1]
+
+        def rows(x: Array) -> Array:
+            innovations = problem.flat(*unpack(problem.vehicle, names, x))
+            return np.concatenate([innovations, prior_rows(problem.vehicle, names, x)])
+
+        x = self.x[: own.size]
+        J = columns(rows, x, rows(x), own)
+        return np.asarray(np.linalg.pinv(J.T @ J))
 
 
 def problem_of(vehicle: Vehicle, runs: list[ObservedRun], tell: Tell = silent) -> Problem:
@@ -193,15 +209,13 @@ def fit(
     problem: Problem,
     names: tuple[str, ...],
     start: Array,
-    evaluations: int = 12,
+    steps: int = 20,
     term: tuple[MakeTerm, int] | None = None,
 ) -> Candidate:
     """Fit base and effects from ``start`` (a vector of `unpack`).
 
     With a ``term``, its values at the knots are the last ones of the vector.
     """
-    from scipy.optimize import least_squares
-
     low, high = bounds(problem.vehicle, names)
     knots = term[1] if term else 0
     low = np.concatenate([low, np.full(knots, -0.9)])
@@ -218,27 +232,16 @@ def fit(
 
     first = np.clip(start, low + 1e-6, high - 1e-6)
     scale = np.concatenate([np.full(BASE, 0.1), np.ones(own - BASE), np.full(knots, 0.1)])
-    result = least_squares(
-        objective,
-        first,
-        bounds=(low, high),
-        x_scale=scale,
-        diff_step=1e-3,
-        max_nfev=evaluations,
-        ftol=1e-5,
-        xtol=1e-5,
-    )
-    priors = prior_rows(problem.vehicle, names, result.x[:own]).size + (
-        2 * knots - 1 if knots else 0
-    )
-    innovations = result.fun[:-priors]
-    base, effects = unpack(problem.vehicle, names, result.x[:own])
+    x, rows = least_squares(objective, first, low, high, scale, steps)
+    priors = prior_rows(problem.vehicle, names, x[:own]).size + (2 * knots - 1 if knots else 0)
+    innovations = rows[:-priors]
+    base, effects = unpack(problem.vehicle, names, x[:own])
     return Candidate(
+        problem=problem,
         names=names,
         base=base,
         effects=effects,
-        x=result.x,
-        covariance=np.linalg.pinv(result.jac.T @ result.jac),
+        x=x,
         chi2=float(innovations @ innovations),
         count=innovations.size,
         scatter=float(

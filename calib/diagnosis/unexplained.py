@@ -171,7 +171,7 @@ def _fitted(problem: Problem, at: Candidate, item: Found, excess: float) -> Foun
         return _term(place, driver, knots, values)
 
     start = np.concatenate([at.x, np.zeros(knots.size)])
-    with_term = fit(problem, at.names, start, 8, (make, knots.size))
+    with_term = fit(problem, at.names, start, 12, (make, knots.size))
     share = (at.chi2 - with_term.chi2) / excess
     return share, place, driver, knots, with_term.x[-knots.size :], with_term
 

@@ -1,0 +1,95 @@
+"""Least squares with few evaluations: finite differences once, then Broyden's secant updates.
+
+    f at x + h e_i --> J      J <- J + (f1 - f0 - J dx) dx' / (dx' dx)      SciPy's least_squares
+
+One evaluation of a diagnosis predicts every run, and finite differences at each step would need one
+for every parameter. Source: Broyden 1965, "good" update. It holds where the residuals are nearly
+linear over a step; where they are not, the fit needs many steps, and begins anew with fresh
+differences.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Residuals = Callable[[Array], Array]
+
+DIFFERENCE = 1e-3
+"""Step of the finite differences, in the unit of the vector."""
+
+EASY = 10
+"""Steps up to which secant updates count as good enough."""
+
+TOLERANCE = 1e-5
+"""Relative change of the sum of squares, or of the vector, at which a fit ends."""
+
+
+def least_squares(
+    residuals: Residuals, start: Array, low: Array, high: Array, scale: Array, steps: int
+) -> tuple[Array, Array]:
+    """The vector (k,) within its bounds that minimises the squares, and its residuals (n,).
+
+    At most ``steps`` steps, twice where the secant updates did not converge soon.
+    """
+    from scipy import optimize
+
+    x = start
+    for _ in range(2):
+        secant = _Secant(residuals, high)
+        result = optimize.least_squares(
+            secant.value,
+            x,
+            jac=secant.jacobian,
+            bounds=(low, high),
+            x_scale=scale,
+            max_nfev=steps,
+            ftol=TOLERANCE,
+            xtol=TOLERANCE,
+        )
+        x = result.x
+        if result.nfev <= EASY:
+            break
+    return x, np.asarray(result.fun)
+
+
+def columns(residuals: Residuals, x: Array, at: Array, high: Array) -> Array:
+    """Derivatives (n, k) of the residuals by the vector ``x``, where they are ``at`` (n,)."""
+    out = []
+    for i in range(x.size):
+        step = DIFFERENCE if x[i] + DIFFERENCE < high[i] else -DIFFERENCE
+        moved = x.copy()
+        moved[i] += step
+        out.append((residuals(moved) - at) / step)
+    return np.stack(out, axis=1)
+
+
+class _Secant:
+    """Residuals with a Jacobian that follows from the steps taken."""
+
+    def __init__(self, residuals: Residuals, high: Array) -> None:
+        self.residuals, self.high = residuals, high
+        self.last: tuple[Array, Array] | None = None  # the vector asked last, with its residuals
+        self.known: tuple[Array, Array, Array] | None = None  # vector, residuals, Jacobian
+
+    def value(self, x: Array) -> Array:
+        """Residuals at ``x``."""
+        self.last = (x.copy(), self.residuals(x))
+        return self.last[1]
+
+    def jacobian(self, x: Array) -> Array:
+        """Derivatives at ``x``, at which the residuals were asked before."""
+        if self.last is not None and np.array_equal(self.last[0], x):
+            value = self.last[1]
+        else:
+            value = self.value(x)
+        if self.known is None:
+            J = columns(self.residuals, x, value, self.high)
+        else:
+            before, then, J = self.known
+            step = x - before
+            if (length := float(step @ step)) > 0.0:
+                J = J + np.outer(value - then - J @ step, step) / length
+        self.known = (x.copy(), value, J)
+        return J
