@@ -6,7 +6,7 @@ from the cards. Weak priors hold parameters that a run may not determine: the pe
 was never near it, the second parameter of an effect.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -44,6 +44,9 @@ the shape factor, and on the load exponent: the spread of passenger tyres."""
 
 BASE = BASE_SIGMA.size
 """Number of base parameters, the first ones of every vector."""
+
+QUIETER = 0.9
+"""Share of a channel's noise below which it counts as quieter with an explanation than without."""
 
 COASTING = 1e5
 """Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that of
@@ -116,11 +119,28 @@ class Candidate:
 def problem_of(vehicle: Vehicle, runs: list[ObservedRun], tell: Tell = silent) -> Problem:
     """Build a problem; its noise is that of the unbraked parts, where no base parameter acts."""
     nominal = base_of(vehicle, np.zeros(BASE))
-    wholes = [residuals(run, predict(vehicle, nominal, Effects(), run)) for run in runs]
-    pairs = zip(runs, wholes, strict=True)
-    noise = noise_of([whole[:, : unbraked_length(run)] for run, whole in pairs], wholes)
+    noise = _unbraked_noise(vehicle, nominal, Effects(), runs)
     turned = tuple(turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
     return Problem(vehicle, turned, noise, tell)
+
+
+def _unbraked_noise(
+    vehicle: Vehicle, base: Base, effects: Effects, runs: Sequence[ObservedRun]
+) -> ChannelNoise:
+    wholes = [residuals(run, predict(vehicle, base, effects, run)) for run in runs]
+    pairs = zip(runs, wholes, strict=True)
+    return noise_of([whole[:, : unbraked_length(run)] for run, whole in pairs], wholes)
+
+
+def without_its_noise(problem: Problem, best: Candidate) -> Problem | None:
+    """The problem with the noise that is left with an explanation, None if that is no quieter.
+
+    An effect that acts in unbraked parts, such as a tone ring that runs out, was part of the noise.
+    """
+    noise = _unbraked_noise(problem.vehicle, best.base, best.effects, problem.runs)
+    if np.all(noise.sigma > QUIETER * problem.noise.sigma):
+        return None
+    return replace(problem, noise=noise)
 
 
 def turned_to_ripple(

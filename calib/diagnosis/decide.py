@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem
+from calib.diagnosis.candidate import Candidate, Problem, fit, without_its_noise
 from calib.diagnosis.chance import chance_of
 from calib.diagnosis.channels import CHANNELS
 from calib.diagnosis.search import refine
@@ -96,7 +96,20 @@ class Decision:
 
 
 def decide(problem: Problem, base: Candidate) -> Decision:
-    """Search for one or two effects and judge them; ``base`` is the fit without any."""
+    """Search for one or two effects and judge them; ``base`` is the fit without any.
+
+    Where the best explanation leaves less noise, the search is repeated with that noise: the
+    candidates' problem, `Candidate.problem`, then is another than the one that was given.
+    """
+    decision = _searched(problem, base)
+    best = decision.best if decision.best.names else (*decision.rivals, decision.best)[0]
+    quieter = without_its_noise(problem, best) if best.names else None
+    if quieter is None:
+        return decision
+    return _searched(quieter, fit(quieter, (), base.x))
+
+
+def _searched(problem: Problem, base: Candidate) -> Decision:
     singles = simplest_first(refine(problem, base))
     chance = chance_of(problem, base, singles[0] if singles else base)
     decision = _decided(problem, base, singles, chance)
@@ -111,7 +124,7 @@ def _decided(
         verdict = "unknown" if strange(base) else "no_gap"
         return Decision(verdict, base, base, tuple(singles))
     first = singles[0]
-    pairs = seconds(problem, singles) if first.reduced > 1.0 else []
+    pairs = seconds(problem, singles)
     faint = _faint(problem, base, first, pairs)
     if pairs and gain(first, pairs[0]) > max(SECOND, SECOND_OF_ALL * gain(base, first)):
         # something the first does not explain lies along another effect

@@ -169,8 +169,10 @@ def diagnose(
     ordered = sorted(calibration, key=lambda log: log.digest)
     tell("fitting the model without effects", 0, 1)
     problem = problem_of(vehicle, [run_of(log) for log in ordered], tell)
+    decision = decide(problem, fit(problem, (), np.zeros(BASE)))
+    problem = decision.base.problem
     held = hold_outs_of(problem, holdout)
-    decision = confirm(decide(problem, fit(problem, (), np.zeros(BASE))), held.problem)
+    decision = confirm(decision, held.problem)
     proved = prove(problem, held, decision)
     decision, stands = proved.decision, proved.decision.verdict in ("named", "ambiguous")
     left_of = decision.best if stands else decision.base

@@ -48,6 +48,10 @@ less: it takes over only what happens to run along with it (tests/studies/naming
 STEP = 0.3
 """Share of the excess of the innovations that each step of a search must close to go on."""
 
+WORSE = 1.05
+"""Growth of the lasting errors of the replays with which no further effect is tried: an effect that
+has no part in them, such as a ripple, changes nothing there while another one is missing."""
+
 BETTER, CHANCE = 0.9, 0.3
 """Replays have become better if less than this share of their lasting errors is left; where they
 were small before, if they have not grown by more than this, in units of the noise."""
@@ -98,7 +102,7 @@ def prove(problem: Problem, held: HoldOuts, decision: Decision) -> Proved:
     bare = held.left(decision.base, before)
     present = Proved(decision, before, before, bare, True, (), (_step(decision.base, bare),))
     if decision.verdict in ("named", "ambiguous"):
-        present = _confirmed(held, present)
+        present = _confirmed(held, present, bare)
     elif decision.verdict == "no_gap" and bare.significant:
         present = replace(present, decision=replace(decision, verdict="unknown"))
     if present.decision.verdict == "no_gap":
@@ -108,7 +112,9 @@ def prove(problem: Problem, held: HoldOuts, decision: Decision) -> Proved:
     while remains(present.decision.best, present.left):
         further = _further(problem, held, present)
         if further is None:
-            return present
+            if better(bare.size, present.left.size):
+                return present
+            return _withdrawn(present, bare, _closed(present, bare))
         present = further
     return replace(present, rest=False)
 
@@ -122,19 +128,36 @@ def _step(candidate: Candidate, left: Remainder) -> Step:
     return Step(candidate.names, candidate.reduced, left.size)
 
 
-def _confirmed(held: HoldOuts, present: Proved) -> Proved:
-    """Replay with the effects; back to unknown if that is not better than without them."""
+def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
+    """Replay with the effects; back to without them if that is worse, or cannot be done."""
     best = present.decision.best
     judged = _judged(held, best)
-    if judged is not None and better(present.left.size, judged[1].size):
-        after, left = judged
-        steps = (*present.steps, _step(best, left))
-        return replace(present, after=after, left=left, steps=steps)
-    closed = None if judged is None else 1.0 - judged[1].size / max(present.left.size, 1e-9)
+    if judged is None:
+        return _withdrawn(present, bare, None)
+    after, left = judged
+    steps = (*present.steps, _step(best, left))
+    tried = replace(present, after=after, left=left, steps=steps)
+    worse = left.size > WORSE * bare.size + CHANCE
+    return _withdrawn(tried, bare, _closed(tried, bare)) if worse else tried
+
+
+def _withdrawn(present: Proved, bare: Remainder, closed: float | None) -> Proved:
+    """Back to the base, where the replays leave ``bare``; the names did not hold."""
     base = present.decision.base
-    verdict = "unknown" if remains(base, present.left) else "no_gap"
-    decision = replace(present.decision, verdict=verdict, best=base)
-    return replace(present, decision=decision, withdrawn=(Withdrawn(best.names, closed),))
+    verdict = "unknown" if remains(base, bare) else "no_gap"
+    return replace(
+        present,
+        decision=replace(present.decision, verdict=verdict, best=base),
+        after=present.before,
+        left=bare,
+        withdrawn=(Withdrawn(present.decision.best.names, closed),),
+        steps=present.steps[:1],
+        rest=verdict == "unknown",
+    )
+
+
+def _closed(present: Proved, bare: Remainder) -> float:
+    return 1.0 - present.left.size / max(bare.size, 1e-9)
 
 
 def better(before: float, after: float) -> bool:
