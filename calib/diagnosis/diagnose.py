@@ -17,10 +17,12 @@ from calib.diagnosis.confusion import Confusion, confusion_of
 from calib.diagnosis.decide import Decision, confusable, decide, gain
 from calib.diagnosis.drives import Drive, drives
 from calib.diagnosis.gap import Gap, gap_of
+from calib.diagnosis.groups import LogGroup, groups_of
 from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
 from calib.diagnosis.predict import ObservedRun, predict, run_of
 from calib.diagnosis.progress import Tell, silent
 from calib.diagnosis.prove import Step, Withdrawn, prove
+from calib.diagnosis.regroup import regrouped
 from calib.diagnosis.remainder import Remainder, range_of
 from calib.diagnosis.search import unresolved
 from calib.diagnosis.separate import separate_by
@@ -94,8 +96,9 @@ class Diagnosis:
     the manoeuvre that shows it most. ``confusion`` is the set of explanations that the logs cannot
     tell apart, None where there is one alone. ``unexplained`` describes what is
     left, beside "unknown" or beside effects, None where nothing significant is left; ``left`` is
-    its size in the replays; ``withdrawn`` what fits the calibration logs and not the hold-outs;
-    ``steps`` the course of the search; ``noise`` that of the evidence, and where it comes from.
+    its size in the replays; ``groups`` the logs by pads and road, the reference first, where one
+    set of parameters does not serve all; ``withdrawn`` what fits the calibration logs and not the
+    hold-outs; ``steps`` the course of the search; ``noise`` that of the evidence, and its source.
     """
 
     verdict: str
@@ -114,6 +117,7 @@ class Diagnosis:
     withdrawn: tuple[Withdrawn, ...]
     steps: tuple[Step, ...]
     noise: ChannelNoise
+    groups: tuple[LogGroup, ...]
     not_resolved: tuple[str, ...]
     drives: tuple[Drive, ...]
     confusion: Confusion | None
@@ -169,9 +173,9 @@ def diagnose(
     ordered = sorted(calibration, key=lambda log: log.digest)
     tell("fitting the model without effects", 0, 1)
     problem = problem_of(vehicle, [run_of(log) for log in ordered], tell)
-    decision = decide(problem, fit(problem, (), np.zeros(BASE)))
+    decision = regrouped(decide(problem, fit(problem, (), np.zeros(BASE))))
     problem = decision.base.problem
-    held = hold_outs_of(problem, holdout)
+    held = hold_outs_of(decision.best, holdout)
     decision = confirm(decision, held.problem)
     proved = prove(problem, held, decision)
     decision, stands = proved.decision, proved.decision.verdict in ("named", "ambiguous")
@@ -197,6 +201,7 @@ def diagnose(
         after=last,
         measured=tuple(holdout),
         reduced_before=decision.base.reduced,
+        groups=groups_of((*problem.runs, *held.problem.runs)),
         not_resolved=not_resolved,
         drives=drives(problem, decision.best, not_resolved),
         confusion=confusion_of(problem, decision.best, like),
@@ -215,7 +220,7 @@ def with_term(
     model = model_of(before.vehicle, unexplained.at)
     model = replace(model, effects=replace(model.effects, terms=(unexplained.term,)))
     try:
-        last = held.replays(model)
+        last = held.replays(unexplained.at.base, model.effects)
     except ModelError:  # such a term need not have an equilibrium
         return before, replayed
     helped = gap_of(replayed, last, held.logs).closed > 0.0

@@ -15,6 +15,7 @@ from calib.diagnosis.candidate import (
     turned_to_ripple,
     unpack,
 )
+from calib.diagnosis.groups import placed
 from calib.diagnosis.predict import Base, ObservedRun, run_of, wheel_angles
 from calib.diagnosis.remainder import Remainder, remainder_of
 from calib.errors import ModelError
@@ -35,12 +36,15 @@ class HoldOuts:
     def replayed(self, candidate: Candidate) -> tuple[Log, ...]:
         """Every log replayed open loop. Raises ModelError if a replay cannot be computed."""
         self.problem.tell("proving on the hold-outs", 0, 1)
-        return self.replays(model_of(self.problem.vehicle, candidate))
+        return self.replays(candidate.base, candidate.effects)
 
-    def replays(self, model: Model) -> tuple[Log, ...]:
-        """Every log replayed with a model whose ripples follow the measured angle of the wheels."""
-        pairs = zip(self.logs, self.problem.runs, strict=True)
-        return tuple(replay(model, log, wheel_angle=angles_of(log, run)) for log, run in pairs)
+    def replays(self, base: Base, effects: Effects) -> tuple[Log, ...]:
+        """Every log replayed on its ground; ripples follow the measured angle of the wheels."""
+        out = []
+        for log, run in zip(self.logs, self.problem.runs, strict=True):
+            model = _model(self.problem.vehicle, run.ground.applied(base), effects)
+            out.append(replay(model, log, wheel_angle=angles_of(log, run)))
+        return tuple(out)
 
     def left(self, candidate: Candidate, replayed: Sequence[Log]) -> Remainder:
         """What remains with a candidate, beyond noise and the errors of its parameters."""
@@ -56,17 +60,18 @@ class HoldOuts:
             x = np.clip(candidate.x + direction, low, high)
             base, effects = unpack(self.problem.vehicle, candidate.names, x)
             try:
-                out.append(self.replays(_model(self.problem.vehicle, base, effects)))
+                out.append(self.replays(base, effects))
             except ModelError:
                 continue  # what cannot be replayed explains nothing
         return out
 
 
-def hold_outs_of(problem: Problem, logs: Sequence[Log]) -> HoldOuts:
-    """The hold-outs of a problem, with its noise."""
+def hold_outs_of(at: Candidate, logs: Sequence[Log]) -> HoldOuts:
+    """The hold-outs of a candidate's problem, with its noise, each on the ground that fits."""
+    problem = at.problem
     nominal = base_of(problem.vehicle, np.zeros(BASE))
     runs = [turned_to_ripple(problem.vehicle, nominal, run_of(log), problem.noise) for log in logs]
-    return HoldOuts(tuple(logs), replace(problem, runs=tuple(runs)))
+    return HoldOuts(tuple(logs), replace(problem, runs=placed(problem, runs, at)))
 
 
 def angles_of(log: Log, run: ObservedRun) -> dict[str, NDArray[np.float64]]:

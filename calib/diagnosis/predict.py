@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.ground import REFERENCE, Ground
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
@@ -75,7 +76,8 @@ class ObservedRun:
 
     ``omega`` (4, n) in the order of `WHEELS`; ``v_smooth`` the speed without sensor noise, for
     forces; ``temperature_f``, ``temperature_r`` smoothed, or None; ``angle_f``, ``angle_r`` of the
-    wheels; ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero if not logged.
+    wheels; ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero if not logged;
+    ``ground`` what its pads and its road differ by from those of the reference logs.
     """
 
     name: str
@@ -92,6 +94,7 @@ class ObservedRun:
     angle_r: Array
     drive_f: Array
     drive_r: Array
+    ground: Ground = REFERENCE
 
 
 @dataclass(frozen=True)
@@ -151,7 +154,7 @@ def wheel_angles(log: Log) -> dict[str, Array]:
 
 def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) -> Prediction:
     """Predict a run. Loads and the values that depend on them are computed in three iterations."""
-    car = as_driven(vehicle, effects)
+    car, base = as_driven(vehicle, effects), run.ground.applied(base)
     z = -run.a_x / G
     energy = (np.zeros_like(z), np.zeros_like(z))
     arrives = line_pressure(effects, history_of(run))

@@ -65,7 +65,7 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn():
     base = fit(problem, (), np.zeros(BASE))
     wrong = fit(problem, ("aerodynamic_drag",), np.concatenate([base.x, [1.0]]), steps=1)
     assert wrong.effects.parameters["aerodynamic_drag"]["drag_area"] > 0.2
-    held = hold_outs_of(problem, [noisy(stop(IDEAL, pressure=15e5), 3)])
+    held = hold_outs_of(base, [noisy(stop(IDEAL, pressure=15e5), 3)])
     proved = prove(problem, held, Decision("named", base, wrong, ()))
     assert (proved.decision.verdict, proved.rest) == ("no_gap", False)  # nothing is hidden
     (withdrawn,) = proved.withdrawn

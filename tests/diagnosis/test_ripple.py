@@ -59,8 +59,8 @@ def test_the_origins_of_the_runs_differ_as_their_first_angles_do(runs):
 def test_the_gap_of_a_ripple_shrinks_on_hold_outs(runs):
     name, logs = runs
     problem = problem_of(CAR, [run_of(log) for log in logs[:2]])
-    held = hold_outs_of(problem, logs[2:])
     base = fit(problem, (), np.zeros(BASE))
+    held = hold_outs_of(base, logs[2:])
     best = fit(problem, (name,), np.concatenate([base.x, [1.0, 0.0, 1.0]]))
     before, after = held.replayed(base), held.replayed(best)
     gap = gap_of(before, after, held.logs).by_channel

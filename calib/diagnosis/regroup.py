@@ -1,0 +1,102 @@
+"""A second search, with the logs in groups, where the first one explains too little.
+
+    explanations of the first search --> groups beside each --> fit --> groups --> the best: search
+
+Where logs differ in pads or road, no explanation with common parameters is right, but one that has
+the hidden effect lets its groups be seen. So the groups are found beside the best few of them.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.candidate import BASE, Candidate, Problem, bounds, fit, prior_rows, unpack
+from calib.diagnosis.decide import FLOOR, Decision, decide, quiet
+from calib.diagnosis.ground import REFERENCE, Ground
+from calib.diagnosis.groups import HIGH, LOW, PARAMETERS, SPREAD, grouped
+from calib.diagnosis.secant import least_squares
+
+Array = NDArray[np.float64]
+
+BESIDE = 4
+"""Explanations of the first search beside which groups are looked for; that without any is one."""
+
+STEPS = 25
+"""Most steps of a fit of parameters and grounds together."""
+
+ROUNDS = 2
+"""How often groups and parameters are found in turn."""
+
+SHARE = 0.3
+"""Share of what is unexplained that groups must explain for a search with them."""
+
+
+def regrouped(decision: Decision) -> Decision:
+    """The decision with logs in groups where that explains them and this one does not.
+
+    Groups count only if nothing significant is left with them: they have many parameters, and a
+    cause that is in no catalogue must stay an unknown one.
+    """
+    if _explains(decision):
+        return decision
+    known = [decision.base, decision.best, *decision.rivals]
+    starts = {candidate.names: candidate for candidate in reversed(known)}
+    ranked = sorted(starts.values(), key=lambda candidate: candidate.chi2)[: BESIDE - 1]
+    tried = [_in_groups(start) for start in {c.names: c for c in (*ranked, decision.base)}.values()]
+    best = min(tried, key=lambda candidate: candidate.reduced)
+    if not _has_groups(best) or _excess(best) > (1.0 - SHARE) * _excess(min(ranked, key=_excess)):
+        return decision
+    other = decide(best.problem, fit(best.problem, (), best.x[:BASE]))
+    return other if _explains(other) else decision
+
+
+def _in_groups(at: Candidate) -> Candidate:
+    """An explanation with its logs in the groups that go with it."""
+    for _ in range(ROUNDS):
+        problem = grouped(at.problem, at)
+        if problem is None:
+            return at
+        start = at.x.copy()
+        start[len(PARAMETERS) : BASE] = 0.0  # the form of the tyre had bent to what groups explain
+        at = _jointly(problem, at.names, start)
+    return at
+
+
+def _jointly(problem: Problem, names: tuple[str, ...], start: Array) -> Candidate:
+    """Fit parameters and grounds together: near a tyre's peak one leans on the other."""
+    of_run = [run.ground for run in problem.runs]
+    others = [ground for ground in dict.fromkeys(of_run) if ground != REFERENCE]
+    known = start.size
+    low, high = bounds(problem.vehicle, names)
+    widths = (np.full(BASE, 0.1), np.ones(known - BASE), np.full(4 * len(others), 0.1))
+
+    def driven(x: Array) -> Problem:
+        grounds = dict(zip(others, map(Ground.of, x[known:].reshape(-1, 4)), strict=True))
+        runs = (replace(run, ground=grounds.get(run.ground, REFERENCE)) for run in problem.runs)
+        return replace(problem, runs=tuple(runs))
+
+    def rows(x: Array) -> Array:
+        innovations = driven(x).flat(*unpack(problem.vehicle, names, x[:known]))
+        priors = prior_rows(problem.vehicle, names, x[:known])
+        return np.concatenate([innovations, priors, x[known:] / np.tile(SPREAD, len(others))])
+
+    first = np.concatenate([start, *(ground.logarithms for ground in others)])
+    low = np.concatenate([low, np.tile(LOW, len(others))])
+    high = np.concatenate([high, np.tile(HIGH, len(others))])
+    inside = np.clip(first, low + 1e-6, high - 1e-6)
+    x, _ = least_squares(rows, inside, low, high, np.concatenate(widths), STEPS)
+    return fit(driven(x), names, x[:known])
+
+
+def _has_groups(candidate: Candidate) -> bool:
+    return any(run.ground != REFERENCE for run in candidate.problem.runs)
+
+
+def _explains(decision: Decision) -> bool:
+    """Whether the innovations have a verdict and no more than noise is left in them."""
+    return decision.verdict != "unknown" and decision.best.reduced <= quiet(decision.best)
+
+
+def _excess(candidate: Candidate) -> float:
+    return max(candidate.reduced - FLOOR, 0.0)
