@@ -25,6 +25,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "verdict": found.verdict,
         "effects": [_effect(effect) | _defined(effect, found) for effect in found.effects],
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
+        "groups": [asdict(group) for group in found.groups],
         "confusion": None if found.confusion is None else _confusion(found.confusion),
         "not_resolved": list(found.not_resolved),
         "would_show": [_drive(drive) for drive in found.drives],

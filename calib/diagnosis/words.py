@@ -1,7 +1,10 @@
 """The diagnosis in words, for the screen and the head of the report."""
 
+from dataclasses import asdict
+
 from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.drives import Drive
+from calib.diagnosis.groups import LogGroup
 from calib.diagnosis.printed import in_shown, percent, span, with_unit
 from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm
 
@@ -183,6 +186,20 @@ def unexplained(found: UnexplainedTerm) -> str:
             "The term describes the gap; its physical cause is not known."
         )
     return text
+
+
+def groups(found: Diagnosis) -> str:
+    """Logs that differ in pads or road from the reference ones, in sentences; empty if none do."""
+    return " ".join(
+        f"Other pads or another road in {listed(group.logs)}: {factors_of(group)}."
+        for group in found.groups[1:]
+    )
+
+
+def factors_of(group: LogGroup) -> str:
+    """By how much pads and road of a group differ from the reference, in per cent."""
+    changes = {plain(name): 100.0 * (x - 1.0) for name, x in asdict(group.ground).items()}
+    return ", ".join(f"{name} {change:+.0f} %" for name, change in changes.items())
 
 
 def not_resolved(found: Diagnosis) -> str:

@@ -57,6 +57,10 @@ def report_html(found: Diagnosis, title: str) -> str:
         steps=_steps(found),
         confusion=found.confusion and _confusion(found.confusion),
         not_resolved=words.not_resolved(found),
+        groups=[
+            (words.listed(group.logs), words.factors_of(group) if i else "the reference")
+            for i, group in enumerate(found.groups)
+        ],
         drives=_drives(found),
         evidence=drawn(sheet, ("evidence",)),
         tried=[f"{label} leaves {left:.2f}" for label, left, _ in diagnosis.explanations(found)],
