@@ -37,7 +37,7 @@ EFFECT = Effect(
             "pads, tyre stiffness and peak absorb most of it: stops from the same speed on dry and "
             "wet roads, or hard stops beside ramps to the peak, show it"
         ),
-        parameters=(Parameter("radius_load", "1", -0.01, 0.03, 0.004, 0.002),),
+        parameters=(Parameter("radius_load", "1", 0.0, 0.03, 0.004, 0.002),),
     ),
     wheel_speed=wheel_speed,
 )
