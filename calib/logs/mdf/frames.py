@@ -30,7 +30,27 @@ def frames_in(mdf: Any, groups: list[int], known: frozenset[Key], where: str) ->
         names = {c.name for c in mdf.groups[number].channels}
         if f"{FRAME}.DataBytes" in names and mdf.groups[number].channel_group.cycles_nr:
             found += _frames(mdf, number, known, where)
-    return found
+    return _joined(found)
+
+
+def _joined(found: list[Frames]) -> list[Frames]:
+    """One entry for each bus and identifier: loggers have groups for received and sent frames."""
+    parts: dict[tuple[str, Key], list[Frames]] = {}
+    for item in found:
+        parts.setdefault((item.bus, item.key), []).append(item)
+    return [_one(items) if len(items) > 1 else items[0] for items in parts.values()]
+
+
+def _one(items: list[Frames]) -> Frames:
+    """Join frames of one identifier in the order of time; equal times stay in order."""
+    time = np.concatenate([item.time for item in items])
+    width = max(item.data.shape[1] for item in items)
+    data = np.concatenate(
+        [np.pad(item.data, ((0, 0), (0, width - item.data.shape[1]))) for item in items]
+    )
+    length = np.concatenate([item.length for item in items])
+    order = np.argsort(time, kind="stable")
+    return Frames(items[0].bus, items[0].key, time[order], data[order], length[order])
 
 
 def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Frames]:
@@ -51,7 +71,8 @@ def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Fr
             f"{min(len(data), ids.size)} of {cycles} frames can be read", where=where,
             expected="all that the group counts", do="copy the log again",
         )  # fmt: skip
-    bare = (ids & 0x1FFFFFFF).astype(np.int64)
+    ids = ids.astype(np.int64)  # loggers store 11 bits of identifier in 16
+    bare = ids & 0x1FFFFFFF
     extended = others["IDE"].astype(bool) if others["IDE"] is not None else ids > 0x7FF
     bus = others["BusChannel"] if others["BusChannel"] is not None else np.zeros(ids.size, int)
     length = others["DataLength"]
@@ -72,7 +93,7 @@ def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Fr
             width = int(length[at].max())
             result.append(
                 Frames(
-                    f"{channel}", key, time[at],
+                    f"{int(channel)}", key, time[at],
                     np.ascontiguousarray(data[at, :width], np.uint8), length[at].astype(np.uint8),
                 )
             )  # fmt: skip

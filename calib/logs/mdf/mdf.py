@@ -13,6 +13,7 @@ from calib.errors import LogError
 from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.recording import described, require_dbc, trace
 from calib.logs.extra import need
+from calib.logs.mdf.finish import finished, is_unfinished
 from calib.logs.mdf.frames import bus_groups, frames_in
 from calib.logs.mdf.records import check_records
 from calib.logs.mdf.size import check_size
@@ -38,29 +39,34 @@ def open_mdf(path: Path, dbc: Sequence[Path]) -> Recording:
     """Open an MDF file.
 
     Channels keep the timestamps of their group. Bus frames are decoded with the DBC; without a DBC
-    they are ignored, with a note. Raises LogError for a file that is cut off or not finished
-    (`calib.logs.mdf.size`), if asammdf cannot read it, and if asammdf is missing.
+    they are ignored, with a note. A file that its recorder did not finish is finished in memory,
+    with a note (`calib.logs.mdf.finish`). Raises LogError for a file that is cut off or cannot be
+    finished (`calib.logs.mdf.size`), if asammdf cannot read it, and if asammdf is missing.
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where)
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
-    if check_size(path).startswith("4"):
+    version = check_size(path)
+    unfinished = is_unfinished(path)
+    source, note = finished(path) if unfinished else (path, "")
+    if version.startswith("4") and not unfinished:
         check_records(path)
     try:
-        mdf = asammdf.MDF(path)
+        mdf = asammdf.MDF(source)
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where) from cause
     try:
         _check_layout(mdf, where)
-        return _recording(mdf, dbc, where)
+        return _recording(mdf, dbc, [note] if note else [], where)
     except BaseException:
         mdf.close()
         raise
 
 
-def _recording(mdf: Any, dbc: Sequence[Path], where: str) -> Recording:
+def _recording(mdf: Any, dbc: Sequence[Path], notes: list[str], where: str) -> Recording:
     buses = bus_groups(mdf)
-    columns, places, notes = _channels(mdf, buses)
+    columns, places, more_notes = _channels(mdf, buses)
+    notes += more_notes
     known = require_dbc(dbc, "mdf", where) if buses and (dbc or not columns) else None
     frames = frames_in(mdf, buses, known.keys, where) if known else []
     if buses and not known:
@@ -107,7 +113,7 @@ def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place
     columns, places, notes = [], [], []
     names = Counter(_group(mdf, i) for i in range(len(mdf.groups)))
     for number, group in enumerate(mdf.groups):
-        if number in buses or not group.channel_group.cycles_nr:
+        if number in buses or not (group.channel_group.cycles_nr and group.channels):
             continue
         master = mdf.masters_db.get(number)
         if master is None or getattr(group.channels[master], "sync_type", 1) != TIME_SYNC:
