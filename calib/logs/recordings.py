@@ -8,6 +8,7 @@ from calib.errors import LogError
 from calib.logs.bus.asc import open_asc
 from calib.logs.bus.blf import open_blf
 from calib.logs.bus.candump import open_candump
+from calib.logs.bus.trc import open_trc
 from calib.logs.mdf.mdf import open_mdf
 from calib.logs.recording import Recording
 from calib.logs.resample import Wanted, on_one_clock
@@ -20,6 +21,7 @@ RECORDINGS: dict[str, Callable[[Path, tuple[Path, ...]], Recording]] = {
     ".blf": open_blf,
     ".asc": open_asc,
     ".log": open_candump,
+    ".trc": open_trc,
 }
 """Opening function by file ending; each takes the path and the DBC files of the channel map."""
 
