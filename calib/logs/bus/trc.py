@@ -5,6 +5,7 @@
       1    17535.400 DT 1      0100 Rx -  8    00 00 00 00 00 00 00 00
 """
 
+import logging
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,14 +20,12 @@ from calib.logs.recording import Recording
 if TYPE_CHECKING:
     from can import Message
 
-KINDS = {
-    "1.0": re.compile(r"\s*\d+\)\s+[\d.]+\s++(?!FFFFFFFF)"),
-    "1.1": re.compile(r"\s*\d+\)\s+[\d.]+\s++(?!(Warng|Error)\b)"),
-    "1.3": re.compile(r"\s*\d+\)\s+[\d.]+\s+\d+\s++(?!(Warng|Error|ErrFr|Event)\b)"),
-    "2.0": re.compile(r"\s*(\d+\s+)?\d+\.\d+\s++(?!(ST|EC|ER|EV)\b)"),
-    "2.1": re.compile(r"\s*(\d+\s+)?\d+\.\d+\s++(?!(ST|EC|ER|EV)\b)"),
-}
-"""Lines that are frames, by version: those that are nothing else."""
+VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")
+FRAME = re.compile(
+    r"\s*+(?!;|$|(\d+\)?\s+)?[\d.]+\s+(\d+\s+)?"
+    r"(ST|EC|ER|EV|Warng|Error|ErrFr|Event|FFFFFFFF)\b)"
+)
+"""Lines that are neither empty nor a comment, a status, an event or an error."""
 
 _LENGTHS = (12, 16, 20, 24, 32, 48, 64)
 """Bytes of a CAN FD frame for the codes 9 to 15 (ISO 11898-1)."""
@@ -44,8 +43,8 @@ NO_FOOTER = "PEAK TRC has no footer: a log cut at the end of a line looks like a
 class _Lines(Counted):
     """Lines of a TRC file. The number of each message must follow that of the one before."""
 
-    def __init__(self, file: TextIO, version: str, path: Path):
-        super().__init__(file, KINDS[version], path)
+    def __init__(self, file: TextIO, path: Path):
+        super().__init__(file, FRAME, path)
         self._numbered, self._number = True, 0
 
     def __next__(self) -> str:
@@ -58,7 +57,7 @@ class _Lines(Counted):
 
     def is_whole(self, line: str) -> bool:
         """Whether the last line has an end of line, or cannot be a part of a longer one."""
-        return super().is_whole(line) or bool(_WHOLE.fullmatch(line))
+        return super().is_whole(line) or not FRAME.match(line) or bool(_WHOLE.fullmatch(line))
 
     def _follow(self, line: str) -> None:
         """Raise LogError if the number of a message is not the next one."""
@@ -84,10 +83,11 @@ def open_trc(path: Path, dbc: Sequence[Path]) -> Recording:
     where = str(path)
     can = need("can", "can", where)
     known = require_dbc(dbc, "can", where)
+    logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
     with path.open(encoding="utf-8", errors="replace") as file:
-        version = _version(file, path)
+        _check_version(file, path)
         file.seek(0)
-        lines = _Lines(file, version, path)
+        lines = _Lines(file, path)
         found = lines.gathered(whole_frames(can.TRCReader(lines), _stated, where), known)
     lines.require_all(found)
     return recording(found, known, (NO_FOOTER,), where)
@@ -100,8 +100,8 @@ def _stated(message: "Message") -> int:
     return int(message.dlc if message.dlc <= 8 else _LENGTHS[message.dlc - 9])
 
 
-def _version(file: TextIO, path: Path) -> str:
-    """The version of the format. Raises LogError for one that is not known."""
+def _check_version(file: TextIO, path: Path) -> None:
+    """Raise LogError for a version that is not known, or none."""
     first = file.readline()
     while first and not first.strip():
         first = file.readline()
@@ -109,11 +109,10 @@ def _version(file: TextIO, path: Path) -> str:
         raise LogError("not a TRC file", where=path, expected="a header of lines that begin with ;")
     found = _VERSION.match(first.lstrip())
     version = found[1] if found else "1.0"
-    if version not in KINDS:
+    if version not in VERSIONS:
         raise LogError(
             f"version {version} of TRC",
             where=path,
-            expected=f"one of {', '.join(KINDS)}",
+            expected=f"one of {', '.join(VERSIONS)}",
             do="convert it with PEAK-Converter",
         )
-    return version

@@ -85,7 +85,7 @@ def test_a_last_line_that_is_cut_off(folder, texts, version, cut):
     [
         (version, damage)
         for version in VERSIONS
-        for damage in ("type", "data", "text")
+        for damage in ("type", "data", "text", "half")
         if (version, damage) != ("1.0", "type")  # it has no types
     ],
 )
@@ -97,6 +97,7 @@ def test_a_damaged_line(folder, texts, version, damage):
         "type": row.replace("Rx", "Qx").replace("DT", "DQ").replace("FB", "FQ"),
         "data": head + "\n",
         "text": f"{head} {last[0]}*\n",
+        "half": row[:17] + "\n",
     }[damage]
     message = refused(folder, "".join(lines))
     assert "missing" in message or "not readable" in message or "bytes" in message
