@@ -1,4 +1,7 @@
-"""DBC files: position and unit of each signal in the frames of a bus. Read with cantools."""
+"""DBC, ARXML, KCD and SYM: position and unit of each signal in the frames of a bus.
+
+All are read with cantools; the ending of the file names the format.
+"""
 
 import hashlib
 import re
@@ -23,6 +26,13 @@ INVALID = re.compile(
     r"\bsna\b|invalid|error|fault|not.?avail|undefined|\binit|fehler|ung(ue|ü)ltig", re.IGNORECASE
 )
 """Names of raw values that mark an invalid measurement."""
+
+
+ENCODINGS = {"dbc": "cp1252", "arxml": "utf-8", "kcd": "utf-8", "sym": "cp1252"}
+"""Formats and their encoding; a file with another ending is read as a DBC."""
+
+LONGEST = 64
+"""Bits of the longest signal that is a number; longer ones are text or raw bytes."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +61,10 @@ class Decoded:
 
 
 def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
-    """Read DBC files.
+    """Read DBC, ARXML, KCD and SYM files.
 
     ``extra`` is the package extra that installs cantools; ``where`` names the log in messages.
-    Raises LogError if cantools is missing, ChannelMapError for a file that is missing or not a DBC,
+    Raises LogError if cantools is missing, ChannelMapError for a file that is missing or not valid,
     and for an identifier that two files describe differently.
     """
     cantools: Any = need("cantools", extra, where)
@@ -64,13 +74,19 @@ def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
         if not path.is_file():
             raise ChannelMapError("no such file", where=path, expected="a DBC", do="check the path")
         content = path.read_bytes()
+        kind = path.suffix[1:].lower() if path.suffix[1:].lower() in ENCODINGS else "dbc"
+        name = kind.upper()
         try:
-            text = content.decode("cp1252", errors="replace")
-            database = cantools.database.load_string(text, database_format="dbc", strict=True)
+            text = content.decode(ENCODINGS[kind], errors="replace")
+            database = cantools.database.load_string(text, database_format=kind, strict=True)
         except Exception as cause:  # cantools raises many kinds, some of its parser's
-            raise ChannelMapError(f"not a DBC: {cause}", where=path, expected="a DBC") from cause
+            raise ChannelMapError(
+                f"not a valid {name}: {cause}", where=path, expected=f"the format {name}"
+            ) from cause
         if not database.messages:
-            raise ChannelMapError("the file has no messages", where=path, expected="a DBC")
+            raise ChannelMapError(
+                "the file has no messages", where=path, expected="the messages of a bus"
+            )
         for message in database.messages:
             key = (message.frame_id, message.is_extended_frame)
             if key in messages:

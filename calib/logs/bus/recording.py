@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calib.errors import LogError
-from calib.logs.bus.dbc import Dbc, decode, read_dbc
+from calib.logs.bus.dbc import LONGEST, Dbc, decode, read_dbc
 from calib.logs.bus.frames import Frames, Gathered
 from calib.logs.recording import ChannelTrace, Recording, named
 from calib.logs.running import running
@@ -87,13 +87,15 @@ def of_frames(frames: list[Frames], dbc: Dbc, notes: tuple[str, ...]) -> Recordi
 def described(
     frames: list[Frames], dbc: Dbc
 ) -> "tuple[list[Column], list[tuple[Frames, Message, Signal]]]":
-    """Every signal of the frames: its column, and its frames, message and signal."""
+    """Every signal that is a number: its column, and its frames, message and signal."""
     count = Counter(item.key for item in frames)
     columns, signals = [], []
     for item in frames:
         message = dbc.messages[item.key]
         prefix = f"{item.bus}." if count[item.key] > 1 else ""
         for signal in message.signals:
+            if signal.length > LONGEST:
+                continue
             full = f"{prefix}{message.name}.{signal.name}"
             columns.append(Column(signal.name, signal.unit or None, full))
             signals.append((item, message, signal))
