@@ -1,12 +1,12 @@
 """Vector ASC, read with python-can; an ASC file without the end of its last block is refused."""
 
 import re
-from collections.abc import Sequence
 from operator import attrgetter
 from pathlib import Path
 from typing import TextIO
 
 from calib.errors import LogError
+from calib.logs.bus.databases import Databases
 from calib.logs.bus.recording import recording, require_dbc
 from calib.logs.bus.text_log import Counted, whole_frames
 from calib.logs.extra import need
@@ -60,7 +60,7 @@ class _Lines(Counted):
             self.ended = bool(_END.match(line)) or (self.ended and not _BEGIN.match(line))
 
 
-def open_asc(path: Path, dbc: Sequence[Path]) -> Recording:
+def open_asc(path: Path, dbc: Databases) -> Recording:
     """Open an ASC file.
 
     Raises LogError for a block without its end, a last line or a frame that is cut off, a line that

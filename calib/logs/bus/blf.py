@@ -7,12 +7,12 @@ counts them.
 """
 
 import struct
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import LogError
 from calib.logs.bus.blf_objects import Found, walk
+from calib.logs.bus.databases import Databases
 from calib.logs.bus.recording import gathered, recording, require_dbc
 from calib.logs.extra import need
 from calib.logs.recording import Recording
@@ -39,7 +39,7 @@ class Objects:
         )
 
 
-def open_blf(path: Path, dbc: Sequence[Path]) -> Recording:
+def open_blf(path: Path, dbc: Databases) -> Recording:
     """Open a BLF file.
 
     Raises LogError for a file that is not whole (`check_whole`; python-can reads such a file

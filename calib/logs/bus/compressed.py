@@ -5,10 +5,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from calib.errors import LogError
+from calib.logs.bus.databases import Databases
 from calib.logs.recording import Recording
 from calib.logs.text.compressed import gunzip
 
-Open = Callable[[Path, tuple[Path, ...]], Recording]
+Open = Callable[[Path, Databases], Recording]
 
 
 def packed(open_log: Open) -> Open:
@@ -19,7 +20,7 @@ def packed(open_log: Open) -> Open:
     off or damaged.
     """
 
-    def opened(path: Path, dbc: tuple[Path, ...]) -> Recording:
+    def opened(path: Path, dbc: Databases) -> Recording:
         content = gunzip(path.read_bytes(), str(path))
         with TemporaryDirectory() as folder:
             plain = Path(folder) / "log"

@@ -7,11 +7,11 @@
 
 import logging
 import re
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from calib.errors import LogError
+from calib.logs.bus.databases import Databases
 from calib.logs.bus.recording import recording, require_dbc
 from calib.logs.bus.text_log import Counted, whole_frames
 from calib.logs.extra import need
@@ -73,7 +73,7 @@ class _Lines(Counted):
         self._number = number
 
 
-def open_trc(path: Path, dbc: Sequence[Path]) -> Recording:
+def open_trc(path: Path, dbc: Databases) -> Recording:
     """Open a TRC file of version 1.0, 1.1, 1.3, 2.0 or 2.1.
 
     Raises LogError for another version, a message number that does not follow the one before, a

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from calib.errors import LogError
-from calib.logs.bus.frames import Frames, Key
+from calib.logs.bus.frames import Frames, Known, joined
 
 FRAME = "CAN_DataFrame"
 """Name of the channel for data frames in the ASAM standard."""
@@ -20,8 +20,8 @@ def bus_groups(mdf: Any) -> list[int]:
     ]
 
 
-def frames_in(mdf: Any, groups: list[int], known: frozenset[Key], where: str) -> list[Frames]:
-    """Frames of the identifiers in ``known``, by bus and identifier.
+def frames_in(mdf: Any, groups: list[int], known: Known, where: str) -> list[Frames]:
+    """Frames that are ``known``, by bus and identifier.
 
     Raises LogError for fewer frames than a group counts, and if asammdf cannot read them.
     """
@@ -30,30 +30,10 @@ def frames_in(mdf: Any, groups: list[int], known: frozenset[Key], where: str) ->
         names = {c.name for c in mdf.groups[number].channels}
         if f"{FRAME}.DataBytes" in names and mdf.groups[number].channel_group.cycles_nr:
             found += _frames(mdf, number, known, where)
-    return _joined(found)
+    return joined(found, lambda item: (item.bus, item.key))
 
 
-def _joined(found: list[Frames]) -> list[Frames]:
-    """One entry for each bus and identifier: loggers have groups for received and sent frames."""
-    parts: dict[tuple[str, Key], list[Frames]] = {}
-    for item in found:
-        parts.setdefault((item.bus, item.key), []).append(item)
-    return [_one(items) if len(items) > 1 else items[0] for items in parts.values()]
-
-
-def _one(items: list[Frames]) -> Frames:
-    """Join frames of one identifier in the order of time; equal times stay in order."""
-    time = np.concatenate([item.time for item in items])
-    width = max(item.data.shape[1] for item in items)
-    data = np.concatenate(
-        [np.pad(item.data, ((0, 0), (0, width - item.data.shape[1]))) for item in items]
-    )
-    length = np.concatenate([item.length for item in items])
-    order = np.argsort(time, kind="stable")
-    return Frames(items[0].bus, items[0].key, time[order], data[order], length[order])
-
-
-def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Frames]:
+def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
     try:
         identifier = mdf.get(f"{FRAME}.ID", group=number)
         others = {k: _field(mdf, number, k) for k in ("IDE", "BusChannel", "DataLength")}
@@ -85,18 +65,14 @@ def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Fr
             expected="frames within their records",
             do="the file is damaged: copy the log again",
         )
+    codes = bus.astype(np.int64) << 30 | extended.astype(np.int64) << 29 | bare
     result = []
-    for key in sorted(known):
-        mine = (bare == key[0]) & (extended == key[1])
-        for channel in np.unique(bus[mine]):
-            at = np.flatnonzero(mine & (bus == channel))
-            width = int(length[at].max())
-            result.append(
-                Frames(
-                    f"{int(channel)}", key, time[at],
-                    np.ascontiguousarray(data[at, :width], np.uint8), length[at].astype(np.uint8),
-                )
-            )  # fmt: skip
+    for code in np.unique(codes).tolist():
+        name, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
+        if known(name, key):
+            at = np.flatnonzero(codes == code)
+            part = np.ascontiguousarray(data[at, : int(length[at].max())], np.uint8)
+            result.append(Frames(name, key, time[at], part, length[at].astype(np.uint8)))
     return result
 
 

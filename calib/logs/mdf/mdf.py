@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from calib.errors import LogError
+from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import Dbc
-from calib.logs.bus.recording import described, require_dbc, trace
+from calib.logs.bus.recording import described, require_dbc, require_known, trace
 from calib.logs.extra import need
 from calib.logs.mdf.finish import finished, is_unfinished
 from calib.logs.mdf.frames import bus_groups, frames_in
@@ -35,7 +36,7 @@ class _Place:
     index: int
 
 
-def open_mdf(path: Path, dbc: Sequence[Path]) -> Recording:
+def open_mdf(path: Path, dbc: Databases) -> Recording:
     """Open an MDF file.
 
     Channels keep the timestamps of their group. Bus frames are decoded with the DBC; without a DBC
@@ -63,12 +64,14 @@ def open_mdf(path: Path, dbc: Sequence[Path]) -> Recording:
         raise
 
 
-def _recording(mdf: Any, dbc: Sequence[Path], notes: list[str], where: str) -> Recording:
+def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Recording:
     buses = bus_groups(mdf)
     columns, places, more_notes = _channels(mdf, buses)
     notes += more_notes
-    known = require_dbc(dbc, "mdf", where) if buses and (dbc or not columns) else None
-    frames = frames_in(mdf, buses, known.keys, where) if known else []
+    known = require_dbc(dbc, "mdf", where) if buses and (dbc.paths or not columns) else None
+    frames = frames_in(mdf, buses, known.knows, where) if known else []
+    if known and not columns:
+        require_known(frames, (), known, where)
     if buses and not known:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
     more, signals = described(frames, known or Dbc({}, ()))
