@@ -6,6 +6,10 @@
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
+from mmap import mmap
+
+Bytes = bytes | bytearray | mmap
+"""The content of a file."""
 
 _BLOCK = struct.Struct("<4s4xQQ")
 _FIRST = 64
@@ -21,14 +25,14 @@ class Block:
     content: int
 
 
-def block_at(data: bytes | bytearray, place: int) -> Block:
+def block_at(data: Bytes, place: int) -> Block:
     """The block that begins at a byte. `calib.logs.mdf.size` must have followed the links."""
     kind, length, links = _BLOCK.unpack_from(data, place)
     begin = place + _BLOCK.size
     return Block(kind, length, struct.unpack_from(f"<{links}Q", data, begin), begin + 8 * links)
 
 
-def places(data: bytes | bytearray) -> set[int]:
+def places(data: Bytes) -> set[int]:
     """First bytes of all blocks that links lead to."""
     seen, todo = set[int](), [_FIRST]
     while todo:
@@ -39,7 +43,7 @@ def places(data: bytes | bytearray) -> set[int]:
     return seen
 
 
-def chain(data: bytes | bytearray, place: int) -> Iterator[int]:
+def chain(data: Bytes, place: int) -> Iterator[int]:
     """First bytes of a block and of those that follow it by their first link, each once."""
     seen = set[int]()
     while place and place not in seen:

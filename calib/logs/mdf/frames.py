@@ -51,6 +51,14 @@ def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
             f"{min(len(data), ids.size)} of {cycles} frames can be read", where=where,
             expected="all that the group counts", do="copy the log again",
         )  # fmt: skip
+    fields = [ids, *(field for field in others.values() if field is not None)]
+    if data.ndim != 2 or any(f.ndim != 1 or f.dtype.kind not in "biuf" for f in fields):
+        raise LogError(
+            "the fields of its frames are not numbers",
+            where=where,
+            expected="identifier, bus, length and bytes of each frame",
+            do="the file is damaged: copy the log again",
+        )
     ids = ids.astype(np.int64)  # loggers store 11 bits of identifier in 16
     bare = ids & 0x1FFFFFFF
     extended = others["IDE"].astype(bool) if others["IDE"] is not None else ids > 0x7FF

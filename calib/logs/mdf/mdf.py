@@ -14,6 +14,7 @@ from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.recording import described, require_dbc, require_known, trace
 from calib.logs.extra import need
+from calib.logs.mdf.channels import check_channels
 from calib.logs.mdf.finish import finished, is_unfinished
 from calib.logs.mdf.frames import bus_groups, frames_in
 from calib.logs.mdf.records import check_records
@@ -48,6 +49,8 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
     asammdf = need("asammdf", "mdf", where)
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
     version = check_size(path)
+    if version.startswith("4"):
+        check_channels(path)
     unfinished = is_unfinished(path)
     source, note = finished(path) if unfinished else (path, "")
     if version.startswith("4") and not unfinished:
@@ -57,7 +60,8 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where) from cause
     try:
-        _check_layout(mdf, where)
+        if not version.startswith("4"):
+            _check_layout(mdf, where)
         return _recording(mdf, dbc, [note] if note else [], where)
     except BaseException:
         mdf.close()
@@ -89,20 +93,15 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
 
 
 def _check_layout(mdf: Any, where: str) -> None:
-    """Raise LogError for a channel outside its record: asammdf would read past the data."""
+    """Raise LogError for a channel of MDF 3 outside its record: asammdf would read past it.
+
+    For MDF 4 see `calib.logs.mdf.channels`.
+    """
     for number, group in enumerate(mdf.groups):
-        record = group.channel_group
-        size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
+        size = group.channel_group.samples_byte_nr
         for channel in group.channels:
-            if hasattr(channel, "byte_offset"):  # MDF 4
-                end = 8 * channel.byte_offset + channel.bit_offset + channel.bit_count
-            else:
-                end = (
-                    8 * getattr(channel, "additional_byte_offset", 0)
-                    + channel.start_offset
-                    + channel.bit_count
-                )
-            if end > 8 * size:
+            extra = getattr(channel, "additional_byte_offset", 0)
+            if 8 * extra + channel.start_offset + channel.bit_count > 8 * size:
                 raise LogError(
                     f"channel {channel.name!r} lies outside the records of group {number}",
                     where=where,

@@ -40,7 +40,7 @@ def check_size(path: Path) -> str:
                 where=path,
                 expected="3.x or 4.x",
             )
-    return version.decode()
+    return version.decode(errors="replace")
 
 
 def _check_identification(identification: bytes, size: int, path: Path) -> None:
