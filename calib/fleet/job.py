@@ -4,6 +4,7 @@ import hashlib
 import json
 import pickle
 from dataclasses import asdict, dataclass
+from pathlib import Path
 
 from calib import __version__
 from calib.fleet.command import Command
@@ -45,11 +46,16 @@ class Job:
 
 
 def _of_map(mapped: ChannelMap) -> str:
-    """Digest of a map and of the content of its DBC files."""
+    """Digest of a map and of the content of the files that describe frames."""
     content = asdict(mapped)
     del content["where"]
-    content["dbc"] = [hashlib.sha256(log_bytes(p, any_format=True)).hexdigest() for p in mapped.dbc]
+    content["dbc"] = [_of_file(path) for path in mapped.dbc]
+    content["buses"] = [(bus, [_of_file(path) for path in files]) for bus, files in mapped.buses]
     return _digest(content)
+
+
+def _of_file(path: Path) -> str:
+    return hashlib.sha256(log_bytes(path, any_format=True)).hexdigest()
 
 
 def _digest(value: object) -> str:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from calib.logs.bus.databases import Databases
 from calib.logs.source import Array
 from calib.logs.text.dialect import LOOKED, TextFormat
 from calib.units import to_si
@@ -39,7 +40,8 @@ class ChannelMap:
     """The mapped channels by canonical name, and the path of the map.
 
     ``text`` is the format of a text table; columns in ``ignore`` are not used, even if they have
-    the name of a channel; ``dbc`` files describe the frames of a bus.
+    the name of a channel; ``dbc`` files describe the frames of every bus, ``buses`` those of one,
+    ``j1939`` has source addresses, see `calib.logs.bus.databases.Databases`.
     """
 
     where: str
@@ -47,3 +49,10 @@ class ChannelMap:
     text: TextFormat = LOOKED
     ignore: tuple[str, ...] = ()
     dbc: tuple[Path, ...] = ()
+    buses: tuple[tuple[str, tuple[Path, ...]], ...] = ()
+    j1939: tuple[int, ...] | None = None
+
+    @property
+    def databases(self) -> Databases:
+        """The files that describe frames."""
+        return Databases(self.dbc, self.buses, self.j1939)

@@ -1,7 +1,11 @@
 """A channel map as a TOML file.
 
 schema = 1
-dbc = "chassis.dbc"           # optional: describes the frames of a bus; relative to this file
+dbc = "chassis.dbc"           # optional: describes the frames of a bus (DBC, ARXML, KCD or SYM);
+                              # relative to this file; or a list, or one for each bus of the log:
+                              # dbc = {1 = "chassis.dbc", 2 = ["drive.arxml", "brakes.kcd"]}
+j1939 = "any"                 # optional: find J1939 frames by their parameter group, from any
+                              # source address, or from these: j1939 = [0x0B, 0x21]
 ignore = ["p_rl"]             # optional: columns that have the name of a channel and are not used
 
 [channels.p_mc]
@@ -123,13 +127,53 @@ def _columns(written: object) -> list[str]:
     return _names(written, "a list of names of columns")
 
 
-def _files(written: object) -> list[str]:
-    one = [written] if isinstance(written, str) else written
-    return _names(one, "the path of a DBC file, or a list of them")
+_FILES = "the path of a DBC file (or ARXML, KCD, SYM), or a list of them"
 
+
+def _files(written: object) -> list[str]:
+    return _names([written] if isinstance(written, str) else written, _FILES)
+
+
+def _databases(written: object) -> dict[str, list[str]]:
+    """Files by bus; those for every bus have an empty name."""
+    if not isinstance(written, dict):
+        return {"": _files(written)}
+    if not written or not all(bus.strip() for bus in written):
+        raise wrong(f"{written!r}", f"{_FILES}, for each bus by its number or name")
+    return {bus.strip(): _files(files) for bus, files in written.items()}
+
+
+def _sources(written: object) -> list[int]:
+    """Source addresses; an empty list for any."""
+    if written == "any":
+        return []
+    good = isinstance(written, list) and written and all(type(n) is int for n in written)
+    if not good or not all(0 <= n <= HIGHEST_SOURCE for n in written):  # type: ignore[attr-defined]
+        raise wrong(f"{written!r}", '"any", or a list of source addresses from 0 to 253')
+    return written  # type: ignore[return-value]
+
+
+HIGHEST_SOURCE = 253
+"""Highest source address of a J1939 message; 254 and 255 stand for none and for all."""
 
 _LIST: dict[str, Any] = {"type": "array", "items": {"type": "string", "minLength": 1}}
 _ONE_OR_LIST: dict[str, Any] = {"anyOf": [{"type": "string", "minLength": 1}, _LIST]}
+_BY_BUS: dict[str, Any] = {
+    "anyOf": [
+        *_ONE_OR_LIST["anyOf"],
+        {"type": "object", "minProperties": 1, "additionalProperties": _ONE_OR_LIST},
+    ]
+}
+_ADDRESSES: dict[str, Any] = {
+    "anyOf": [
+        {"const": "any"},
+        {
+            "type": "array",
+            "minItems": 1,
+            "items": {"type": "integer", "minimum": 0, "maximum": HIGHEST_SOURCE},
+        },
+    ]
+}
 
 
 class ChannelMapFile(FileSchema):
@@ -140,9 +184,10 @@ class ChannelMapFile(FileSchema):
     ignore: Annotated[list[str], BeforeValidator(_columns), WithJsonSchema(_LIST)] = Field(
         default_factory=list
     )
-    dbc: Annotated[list[str], BeforeValidator(_files), WithJsonSchema(_ONE_OR_LIST)] = Field(
-        default_factory=list
+    dbc: Annotated[dict[str, list[str]], BeforeValidator(_databases), WithJsonSchema(_BY_BUS)] = (
+        Field(default_factory=dict)
     )
+    j1939: Annotated[list[int], BeforeValidator(_sources), WithJsonSchema(_ADDRESSES)] | None = None
 
     @model_validator(mode="after")
     def _says_something(self) -> Self:
@@ -160,10 +205,16 @@ def read_channel_map(path: Path) -> ChannelMap:
     path = Path(path)
     file = read_toml(path, ChannelMapFile, ChannelMapError)
     entries: dict[str, Section] = dict(file.channels.entries()) if file.channels else {}
+    files = {
+        bus: tuple((path.parent / name).absolute() for name in names)
+        for bus, names in file.dbc.items()
+    }
     return ChannelMap(
         where=str(path),
         channels={name: Mapping(**dict(entry)) for name, entry in entries.items()},
         text=TextFormat(**dict(file.text or TextSection())),
         ignore=tuple(file.ignore),
-        dbc=tuple((path.parent / name).absolute() for name in file.dbc),
+        dbc=files.pop("", ()),
+        buses=tuple(files.items()),
+        j1939=None if file.j1939 is None else tuple(file.j1939),
     )

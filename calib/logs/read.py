@@ -6,6 +6,7 @@ from pathlib import Path
 
 from calib.errors import ChannelMapError, LogError
 from calib.logs.assign import TRUTH, Assigned, assign
+from calib.logs.bus.databases import Databases
 from calib.logs.channel_map import ChannelMap
 from calib.logs.log import Array, Log, Origin
 from calib.logs.recording import ChannelTrace
@@ -43,7 +44,7 @@ def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
         return _open_table(log_bytes(path), path, channel_map)
     refuse_no_log(path)
     digest = _digest(path)
-    dbc = channel_map.dbc if channel_map else ()
+    dbc = channel_map.databases if channel_map else Databases()
     return Opened(as_source(RECORDINGS[ending_of(path)](path, dbc), str(path)), digest)
 
 
@@ -190,7 +191,9 @@ def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:
 def _read_recording(
     file: Path, digest: str, where: str, channel_map: ChannelMap | None, require: tuple[str, ...]
 ) -> _Taken:
-    opened = RECORDINGS[ending_of(file)](file, channel_map.dbc if channel_map else ())
+    opened = RECORDINGS[ending_of(file)](
+        file, channel_map.databases if channel_map else Databases()
+    )
     try:
         taken, ignored = assign(opened.columns, channel_map, require, where)
         clock = next(item for item in taken if item.channel == "time")

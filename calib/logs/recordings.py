@@ -1,25 +1,32 @@
 """Formats with several sample rates, such as bus frames: how each file ending is opened."""
 
 import contextlib
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 from calib.errors import LogError
 from calib.logs.bus.asc import open_asc
 from calib.logs.bus.blf import open_blf
 from calib.logs.bus.candump import open_candump
+from calib.logs.bus.compressed import Open, packed
+from calib.logs.bus.trc import open_trc
 from calib.logs.mdf.mdf import open_mdf
 from calib.logs.recording import Recording
 from calib.logs.resample import Wanted, on_one_clock
 from calib.logs.source import Array, ColumnSource
 
-RECORDINGS: dict[str, Callable[[Path, tuple[Path, ...]], Recording]] = {
-    ".mf4": open_mdf,
-    ".mdf": open_mdf,
-    ".dat": open_mdf,
+_BUS: dict[str, Open] = {
     ".blf": open_blf,
     ".asc": open_asc,
     ".log": open_candump,
+    ".trc": open_trc,
+}
+
+RECORDINGS: dict[str, Open] = {
+    ".mf4": open_mdf,
+    ".mdf": open_mdf,
+    ".dat": open_mdf,
+    **_BUS,
+    **{f"{ending}.gz": packed(opener) for ending, opener in _BUS.items()},
 }
 """Opening function by file ending; each takes the path and the DBC files of the channel map."""
 

@@ -192,6 +192,8 @@ MAPS = (
     {"channels": {"p_mc": Mapping("p", unit="bar")}},
     {"text": TextFormat(decimal=",")},
     {"ignore": ("v",)},
+    {"j1939": ()},
+    {"buses": ("a.dbc",)},
     {"dbc": ("a.dbc",)},
 )
 
@@ -204,9 +206,11 @@ def test_all_that_a_channel_map_says_is_a_setting(tmp_path):
         told = {"channels": {}, **told}
         if "dbc" in told:
             told["dbc"] = (bus,)
+        if "buses" in told:
+            told["buses"] = (("1", (bus,)),)
         return Job("check", channel_map=ChannelMap("m.toml", **told)).settings()["map"]
 
     found = [settings(), *(settings(**told) for told in MAPS)]
     bus.write_text("VERSION 2")
     found.append(settings(**MAPS[-1]))
-    assert len(set(found)) == len(found) == 7
+    assert len(set(found)) == len(found) == 9

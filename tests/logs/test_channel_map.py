@@ -141,11 +141,37 @@ def test_dbc_files_are_relative_to_the_map(tmp_path):
     assert read_channel_map(write_map(tmp_path, MAP)).dbc == ()
 
 
-@pytest.mark.parametrize("dbc", ["5", '""', '["a.dbc", 5]', "{can0 = 'a.dbc'}"])
+@pytest.mark.parametrize("dbc", ["5", '""', '["a.dbc", 5]', "{can0 = 5}", "{}", "{'' = 'a.dbc'}"])
 def test_dbc_that_is_no_path(tmp_path, dbc):
     assert "expected the path of a DBC file" in refused(
         write_map(tmp_path, f"schema = 1\ndbc = {dbc}\n")
     )
+
+
+def test_a_dbc_for_each_bus(tmp_path):
+    text = 'schema = 1\n[dbc]\n1 = "a.dbc"\ncan0 = ["b.kcd", "/x/c.arxml"]\n'
+    found = read_channel_map(write_map(tmp_path, text))
+    assert found.dbc == ()
+    assert found.buses == (
+        ("1", (tmp_path / "a.dbc",)),
+        ("can0", (tmp_path / "b.kcd", Path("/x/c.arxml"))),
+    )
+    assert found.databases.paths == (*found.buses[0][1], *found.buses[1][1])
+
+
+@pytest.mark.parametrize(
+    ("written", "sources"), [('"any"', ()), ("[0x0B]", (11,)), ("[0, 253]", (0, 253))]
+)
+def test_j1939_source_addresses(tmp_path, written, sources):
+    text = f'schema = 1\ndbc = "a.dbc"\nj1939 = {written}\n'
+    assert read_channel_map(write_map(tmp_path, text)).databases.sources == sources
+    assert read_channel_map(write_map(tmp_path, MAP)).databases.sources is None
+
+
+@pytest.mark.parametrize("written", ['"all"', "11", "[]", "[254]", "[-1]", '["11"]', "[true]"])
+def test_what_is_no_source_address(tmp_path, written):
+    text = f'schema = 1\ndbc = "a.dbc"\nj1939 = {written}\n'
+    assert "j1939: " in refused(write_map(tmp_path, text))
 
 
 def test_ignored_column_is_not_taken_by_its_name(tmp_path, log_file):

@@ -1,13 +1,14 @@
 """Vector ASC, read with python-can; an ASC file without the end of its last block is refused."""
 
 import re
-from collections.abc import Iterator, Sequence
+from operator import attrgetter
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
 from calib.errors import LogError
+from calib.logs.bus.databases import Databases
 from calib.logs.bus.recording import recording, require_dbc
-from calib.logs.bus.text_log import Counted
+from calib.logs.bus.text_log import Counted, whole_frames
 from calib.logs.extra import need
 from calib.logs.recording import Recording
 
@@ -59,7 +60,7 @@ class _Lines(Counted):
             self.ended = bool(_END.match(line)) or (self.ended and not _BEGIN.match(line))
 
 
-def open_asc(path: Path, dbc: Sequence[Path]) -> Recording:
+def open_asc(path: Path, dbc: Databases) -> Recording:
     """Open an ASC file.
 
     Raises LogError for a block without its end, a last line or a frame that is cut off, a line that
@@ -71,7 +72,7 @@ def open_asc(path: Path, dbc: Sequence[Path]) -> Recording:
     known = require_dbc(dbc, "can", where)
     with path.open(encoding="utf-8", errors="replace") as file:
         lines = _Lines(file, path)
-        found = lines.gathered(_whole(can.ASCReader(lines), where), known)
+        found = lines.gathered(whole_frames(can.ASCReader(lines), attrgetter("dlc"), where), known)
     if lines.begun and not lines.ended:
         raise LogError(
             f"the end is missing: {len(found.times)} frames up to {found.times[-1]:.3f} s were "
@@ -85,20 +86,6 @@ def open_asc(path: Path, dbc: Sequence[Path]) -> Recording:
 
 
 NO_FOOTER = "no trigger block: a file cut at the end of a line looks like a complete one"
-
-
-def _whole(messages: Any, where: str) -> Iterator[Any]:
-    """Yield the frames. Raises LogError for a frame with less data than its line states."""
-    for message in messages:
-        if not message.is_remote_frame and len(message.data) < message.dlc:
-            raise LogError(
-                f"a frame at {message.timestamp:.6f} s has {len(message.data)} of "
-                f"{message.dlc} bytes",
-                where=where,
-                expected="all of them",
-                do="the line is cut off: copy the log again",
-            )
-        yield message
 
 
 def _relative(path: Path) -> LogError:

@@ -1,43 +1,49 @@
-"""Vector BLF, read with python-can; size and object count are compared with the header.
+"""Vector BLF, read with python-can; the sizes in its header are compared with what is there.
 
-header   LOGG, size of the file, number of objects, time of start and stop
-container LOBJ type 10, compressed
-    object LOBJ, size, type ...      may continue in the next container
+header   LOGG, size of the file, size of all objects unpacked, number of objects, start and stop
+
+The number of objects is only a hint: Vector's writers leave out objects of type 115, python-can
+counts them.
 """
 
 import struct
-import zlib
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
 
 from calib.errors import LogError
+from calib.logs.bus.blf_objects import Found, walk
+from calib.logs.bus.databases import Databases
 from calib.logs.bus.recording import gathered, recording, require_dbc
 from calib.logs.extra import need
 from calib.logs.recording import Recording
 
 _HEADER = struct.Struct("<4sL8xQQL")
-_OBJECT = struct.Struct("<4sHHLL")
-_CONTAINER, _CONTAINER_HEADER, _DEFLATE = 10, 16, 2
-_FRAMES = frozenset((1, 86, 73, 100, 101))
-"""Types of objects that are frames: classic, classic 2, error, FD, FD 64."""
 
 
 @dataclass(frozen=True)
 class Objects:
-    """Number of ``all`` objects, and of the ``frames`` among them."""
+    """Number of ``all`` objects, of the ``frames`` among them, and the number in the header."""
 
     all: int
     frames: int
+    counted: int
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A note if the header counts another number of objects."""
+        if self.all == self.counted:
+            return ()
+        return (
+            f"the header counts {self.counted} objects, the file has {self.all}: all sizes agree, "
+            "so none is missing (writers differ in what they count)",
+        )
 
 
-def open_blf(path: Path, dbc: Sequence[Path]) -> Recording:
+def open_blf(path: Path, dbc: Databases) -> Recording:
     """Open a BLF file.
 
-    Raises LogError for a file whose size or number of objects differs from its header (python-can
-    reads such a file without an error), if python-can or a DBC is missing, and if no frame is
-    described by the DBC.
+    Raises LogError for a file that is not whole (`check_whole`; python-can reads such a file
+    without an error), if python-can or a DBC is missing, and if no frame is described by the DBC.
     """
     where = str(path)
     can = need("can", "can", where)
@@ -53,22 +59,26 @@ def open_blf(path: Path, dbc: Sequence[Path]) -> Recording:
             expected="all of them",
             do="copy the log again",
         )
-    return recording(found, known, (), where)
+    return recording(found, known, objects.notes, where)
 
 
 def check_whole(path: Path) -> Objects:
-    """Compare size and number of objects with the header. Raises LogError."""
+    """Compare the sizes in the header and in the containers with what is there.
+
+    The number of objects decides only if the header has no size of the unpacked objects. Raises
+    LogError for a file that is not BLF, not finished, damaged or not whole.
+    """
     size = path.stat().st_size
     with path.open("rb") as file:
         begin = file.read(_HEADER.size)
         if len(begin) < _HEADER.size or begin[:4] != b"LOGG":
             raise LogError("not a BLF file", where=path, expected="a file that begins with LOGG")
-        _, first, promised, _, count = _HEADER.unpack(begin)
-        if not count:
+        _, first, promised, unpacked, count = _HEADER.unpack(begin)
+        if not promised or not (unpacked or count):
             raise LogError(
                 "the recorder did not finish the file: its header counts no objects",
                 where=path,
-                expected="a header with size and count, to compare with what is there",
+                expected="a header with sizes, to compare with what is there",
                 do="open it with the tool that wrote it and save it again",
             )
         if size < promised:
@@ -80,74 +90,30 @@ def check_whole(path: Path) -> Objects:
                 do="copy the log again",
             )
         file.seek(first)
-        objects = _count(file, path)
-    if objects.all != count:
+        found = walk(file, path)
+    found.unpacked += first
+    _require_all(found, unpacked, count, path)
+    return Objects(found.objects, found.frames, count)
+
+
+def _require_all(found: Found, unpacked: int, count: int, path: Path) -> None:
+    """Raise LogError for less than the header states, or an object that is not complete.
+
+    ``found.padding`` is allowed for, because writers may count it or not.
+    """
+    short = unpacked - found.unpacked - found.padding
+    if short > 0 or (not unpacked and found.objects < count):
+        sizes = f"{found.unpacked} of {unpacked} bytes (unpacked) and " if unpacked else ""
         raise LogError(
-            f"the file has {objects.all} of {count} objects: {count - objects.all} are missing",
+            f"the file has {sizes}{found.objects} of {count} objects: some are missing",
             where=path,
-            expected="as many as the header counts",
+            expected="as much as the header states",
             do="copy the log again",
         )
-    return objects
-
-
-def _count(file: BinaryIO, path: Path) -> Objects:
-    """Count all objects, also those in containers."""
-    total = frames = 0
-    rest = b""
-    for kind, content in _outer(file, path):
-        if kind != _CONTAINER:
-            total, frames = total + 1, frames + (kind in _FRAMES)
-            continue
-        rest += _inflated(content, path)
-        kinds, rest = _inner(rest)
-        total, frames = total + len(kinds), frames + sum(k in _FRAMES for k in kinds)
-    return Objects(total, frames)
-
-
-def _outer(file: BinaryIO, path: Path) -> Iterator[tuple[int, bytes]]:
-    """Type and content of the top-level objects of the file."""
-    while head := file.read(_OBJECT.size):
-        if len(head) < _OBJECT.size or head[:4] != b"LOBJ":
-            if not head.strip(b"\0"):
-                return
-            raise _damaged(path, file.tell())
-        _, _, _, size, kind = _OBJECT.unpack(head)
-        content = file.read(size - _OBJECT.size) if size > _OBJECT.size else b""
-        if len(content) < size - _OBJECT.size:
-            raise _damaged(path, file.tell())
-        file.read(size % 4)
-        yield kind, content
-
-
-def _inflated(content: bytes, path: Path) -> bytes:
-    method = int.from_bytes(content[:2], "little")
-    if method != _DEFLATE:
-        return content[_CONTAINER_HEADER:]
-    try:
-        return zlib.decompressobj().decompress(content[_CONTAINER_HEADER:])
-    except zlib.error as cause:
+    if found.rest.strip(b"\0"):
         raise LogError(
-            f"a container cannot be unpacked: {cause}", where=path, do="copy the log again"
-        ) from cause
-
-
-def _inner(data: bytes) -> tuple[list[int], bytes]:
-    """Types of the complete objects, and the bytes of an object that is not complete yet."""
-    kinds: list[int] = []
-    place = 0
-    while True:
-        found = data.find(b"LOBJ", place, place + 8)
-        if found < 0 or found + _OBJECT.size > len(data):
-            return kinds, data[place:]
-        _, _, _, size, kind = _OBJECT.unpack_from(data, found)
-        if found + size > len(data) or size < _OBJECT.size:
-            return kinds, data[place:]
-        kinds.append(kind)
-        place = found + size
-
-
-def _damaged(path: Path, place: int) -> LogError:
-    return LogError(
-        f"damaged near byte {place}", where=path, expected="an object", do="copy the log again"
-    )
+            f"the last object is not complete, after {found.objects} whole ones",
+            where=path,
+            expected="whole objects",
+            do="copy the log again",
+        )

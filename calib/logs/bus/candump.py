@@ -5,9 +5,9 @@
 """
 
 import re
-from collections.abc import Sequence
 from pathlib import Path
 
+from calib.logs.bus.databases import Databases
 from calib.logs.bus.recording import recording, require_dbc
 from calib.logs.bus.text_log import Counted
 from calib.logs.extra import need
@@ -18,7 +18,7 @@ FRAME = re.compile(r"\s*\(\d+\.\d+\)\s")
 NO_FOOTER = "candump writes no footer: a log cut at the end of a line looks like a complete one"
 
 
-def open_candump(path: Path, dbc: Sequence[Path]) -> Recording:
+def open_candump(path: Path, dbc: Databases) -> Recording:
     """Open a log of candump.
 
     The format has no count and no footer. Raises LogError for a last line that is cut off, for

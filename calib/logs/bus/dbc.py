@@ -1,9 +1,13 @@
-"""DBC files: position and unit of each signal in the frames of a bus. Read with cantools."""
+"""DBC, ARXML, KCD and SYM: position and unit of each signal in the frames of a bus.
+
+All are read with cantools; the ending of the file names the format.
+"""
 
 import hashlib
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +16,9 @@ from numpy.typing import NDArray
 
 from calib.errors import ChannelMapError
 from calib.logs.bus.bits import last_byte, number, raw
+from calib.logs.bus.databases import Databases
 from calib.logs.bus.frames import Frames, Key
+from calib.logs.bus.j1939 import group_of, source_of
 from calib.logs.extra import need
 from calib.logs.source import Array
 
@@ -25,17 +31,71 @@ INVALID = re.compile(
 """Names of raw values that mark an invalid measurement."""
 
 
+ENCODINGS = {"dbc": "cp1252", "arxml": "utf-8", "kcd": "utf-8", "sym": "cp1252"}
+"""Formats and their encoding; a file with another ending is read as a DBC."""
+
+EVERY = ""
+"""Stands for every bus, where buses are named."""
+
+LONGEST = 64
+"""Bits of the longest signal that is a number; longer ones are text or raw bytes."""
+
+
 @dataclass(frozen=True)
 class Dbc:
-    """The messages of one or more DBC files by identifier; ``notes`` name the files."""
+    """Messages of one or more files; ``notes`` name the files.
+
+    ``messages`` by identifier on every bus, ``buses`` by bus and identifier; a bus of its own comes
+    first. ``sources`` as in `calib.logs.bus.databases.Databases`.
+    """
 
     messages: "dict[Key, Message]"
     notes: tuple[str, ...]
+    buses: "dict[str, dict[Key, Message]]" = field(default_factory=dict)
+    sources: tuple[int, ...] | None = None
+
+    def knows(self, bus: str, key: Key) -> bool:
+        """Whether `find` finds a message."""
+        return self.find(bus, key) is not None
+
+    def find(self, bus: str, key: Key) -> "Message | None":
+        """The message that describes frames of an identifier on a bus, or None.
+
+        With ``sources`` an extended identifier with one of these source addresses is found by its
+        parameter group, if the group has one message. An equal identifier comes first.
+        """
+        for messages in (self.buses.get(bus, {}), self.messages):
+            if key in messages:
+                return messages[key]
+        identifier, extended = key
+        if self.sources is None or not extended:
+            return None
+        if self.sources and source_of(identifier) not in self.sources:
+            return None
+        group = group_of(identifier)
+        own = self._groups.get(bus, {}).get(group)
+        return own or self._groups[EVERY].get(group)
+
+    @cached_property
+    def _groups(self) -> "dict[str, dict[int, Message]]":
+        """Messages by bus and parameter group."""
+        every = {EVERY: self.messages, **self.buses}
+        return {bus: _by_group(messages) for bus, messages in every.items()}
 
     @property
-    def keys(self) -> frozenset[Key]:
-        """Identifiers of all messages."""
-        return frozenset(self.messages)
+    def names(self) -> list[str]:
+        """Names of all messages."""
+        every = (self.messages, *self.buses.values())
+        return [message.name for messages in every for message in messages.values()]
+
+
+def _by_group(messages: "dict[Key, Message]") -> "dict[int, Message]":
+    """Messages with an extended identifier by parameter group; groups of several are left out."""
+    found: dict[int, list[Message]] = {}
+    for (identifier, extended), message in messages.items():
+        if extended:
+            found.setdefault(group_of(identifier), []).append(message)
+    return {group: several[0] for group, several in found.items() if len(several) == 1}
 
 
 @dataclass(frozen=True)
@@ -50,11 +110,25 @@ class Decoded:
     state: bool
 
 
+def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
+    """Read the files of a channel map, those of each bus by itself. Raises as `read_dbc`."""
+    general = read_dbc(databases.files, extra, where)
+    notes, buses = [*general.notes], {}
+    for bus, files in databases.buses:
+        own = read_dbc(files, extra, where)
+        buses[bus] = own.messages
+        notes += [f"bus {bus}: {note}" for note in own.notes]
+    if databases.sources is not None:
+        names = ", ".join(f"{source:#04x}" for source in databases.sources) or "any address"
+        notes.append(f"J1939: frames are found by their parameter group, from {names}")
+    return Dbc(general.messages, tuple(notes), buses, databases.sources)
+
+
 def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
-    """Read DBC files.
+    """Read DBC, ARXML, KCD and SYM files.
 
     ``extra`` is the package extra that installs cantools; ``where`` names the log in messages.
-    Raises LogError if cantools is missing, ChannelMapError for a file that is missing or not a DBC,
+    Raises LogError if cantools is missing, ChannelMapError for a file that is missing or not valid,
     and for an identifier that two files describe differently.
     """
     cantools: Any = need("cantools", extra, where)
@@ -64,13 +138,19 @@ def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
         if not path.is_file():
             raise ChannelMapError("no such file", where=path, expected="a DBC", do="check the path")
         content = path.read_bytes()
+        kind = path.suffix[1:].lower() if path.suffix[1:].lower() in ENCODINGS else "dbc"
+        name = kind.upper()
         try:
-            text = content.decode("cp1252", errors="replace")
-            database = cantools.database.load_string(text, database_format="dbc", strict=True)
+            text = content.decode(ENCODINGS[kind], errors="replace")
+            database = cantools.database.load_string(text, database_format=kind, strict=True)
         except Exception as cause:  # cantools raises many kinds, some of its parser's
-            raise ChannelMapError(f"not a DBC: {cause}", where=path, expected="a DBC") from cause
+            raise ChannelMapError(
+                f"not a valid {name}: {cause}", where=path, expected=f"the format {name}"
+            ) from cause
         if not database.messages:
-            raise ChannelMapError("the file has no messages", where=path, expected="a DBC")
+            raise ChannelMapError(
+                "the file has no messages", where=path, expected="the messages of a bus"
+            )
         for message in database.messages:
             key = (message.frame_id, message.is_extended_frame)
             if key in messages:

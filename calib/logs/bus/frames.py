@@ -1,7 +1,7 @@
 """Frames of a bus, grouped by identifier."""
 
 from array import array
-from collections.abc import Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 Key = tuple[int, bool]
 """Identifier, and whether it is extended (29 bits)."""
+
+Known = Callable[[str, Key], bool]
+"""Whether the frames of an identifier on a bus are described."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +37,15 @@ class Frames:
 
 @dataclass
 class Gathered:
-    """Frames while a file is read: those that a DBC describes, and the times of all [s]."""
+    """Frames while a file is read: those that are ``known``, and the times of all [s].
 
-    known: frozenset[Key]
+    ``seen`` has every bus and identifier, and whether it is known.
+    """
+
+    known: Known
     times: "array[float]" = field(default_factory=lambda: array("d"))
     errors: int = 0
+    seen: dict[tuple[str, Key], bool] = field(default_factory=dict)
     _place: "dict[tuple[str, Key], array[int]]" = field(default_factory=dict)
     _data: dict[tuple[str, Key], list[bytes]] = field(default_factory=dict)
 
@@ -46,21 +53,36 @@ class Gathered:
         """Read all messages. Error and remote frames are counted but have no data."""
         for number, message in enumerate(messages, start=len(self.times)):
             self.times.append(message.timestamp)
-            key = (message.arbitration_id, message.is_extended_id)
             if message.is_error_frame:
                 self.errors += 1
-            elif key in self.known and not message.is_remote_frame:
-                origin = (str(message.channel), key)
-                if origin not in self._place:
-                    self._place[origin], self._data[origin] = array("L"), []
+                continue
+            origin = (
+                str(message.channel),
+                (message.arbitration_id, message.is_extended_id),
+            )
+            if origin not in self.seen:
+                self._meet(origin)
+            if self.seen[origin] and not message.is_remote_frame:
                 self._place[origin].append(number)
                 self._data[origin].append(bytes(message.data))
+
+    def _meet(self, origin: tuple[str, Key]) -> None:
+        """Note a bus and identifier when it comes first."""
+        self.seen[origin] = self.known(*origin)
+        if self.seen[origin]:
+            self._place[origin], self._data[origin] = array("L"), []
+
+    @property
+    def buses(self) -> list[str]:
+        """All buses of the log."""
+        return sorted({bus for bus, _ in self.seen})
 
     def result(self, time: Array) -> list[Frames]:
         """Frames by bus and identifier; ``time`` [s] replaces `times`, shape (n,)."""
         return [
             frames_of(*origin, time[np.asarray(self._place[origin])], self._data[origin])
             for origin in sorted(self._place)
+            if self._data[origin]
         ]
 
 
@@ -70,3 +92,25 @@ def frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
     width = int(length.max(initial=0))
     padded = b"".join(d.ljust(width, b"\0") for d in data)
     return Frames(bus, key, time, np.frombuffer(padded, np.uint8).reshape(len(data), width), length)
+
+
+def joined(frames: Iterable[Frames], same: Callable[[Frames], Hashable]) -> list[Frames]:
+    """Join frames with an equal value of ``same``, in the order of time; equal times stay in order.
+
+    The result has the bus and the identifier of the first.
+    """
+    parts: dict[Hashable, list[Frames]] = {}
+    for item in frames:
+        parts.setdefault(same(item), []).append(item)
+    return [_one(items) if len(items) > 1 else items[0] for items in parts.values()]
+
+
+def _one(items: list[Frames]) -> Frames:
+    time = np.concatenate([item.time for item in items])
+    width = max(item.data.shape[1] for item in items)
+    data = np.concatenate(
+        [np.pad(item.data, ((0, 0), (0, width - item.data.shape[1]))) for item in items]
+    )
+    length = np.concatenate([item.length for item in items])
+    order = np.argsort(time, kind="stable")
+    return Frames(items[0].bus, items[0].key, time[order], data[order], length[order])

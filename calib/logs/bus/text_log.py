@@ -1,7 +1,7 @@
 """Count the lines of a text log while python-can reads them."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -65,8 +65,12 @@ class Counted:
                 do="a line is damaged: copy or export the log again",
             )
 
+    def is_whole(self, line: str) -> bool:
+        """Whether the last line is not cut off: here, whether it has an end of line."""
+        return line.endswith("\n")
+
     def _require_line_end(self) -> None:
-        if self.last and not self.last.endswith("\n"):
+        if self.last and not self.is_whole(self.last):
             whole = self.frames - bool(self.frame.match(self.last))
             raise LogError(
                 f"cut off within the last line, after {whole} whole frames: "
@@ -75,3 +79,22 @@ class Counted:
                 expected="an end of line",
                 do="copy the log again; the file does not show how much is missing",
             )
+
+
+def whole_frames(
+    messages: "Iterable[can.Message]", stated: "Callable[[can.Message], int]", where: str
+) -> "Iterator[can.Message]":
+    """Yield the frames. Raises LogError for a frame with less data than its line states.
+
+    ``stated`` returns the number of bytes that the line of a frame states.
+    """
+    for message in messages:
+        if not message.is_remote_frame and len(message.data) < stated(message):
+            raise LogError(
+                f"a frame at {message.timestamp:.6f} s has {len(message.data)} of "
+                f"{stated(message)} bytes",
+                where=where,
+                expected="all of them",
+                do="the line is cut off: copy the log again",
+            )
+        yield message

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from calib.errors import LogError
-from calib.logs.bus.frames import Frames, Key
+from calib.logs.bus.frames import Frames, Known, joined
 
 FRAME = "CAN_DataFrame"
 """Name of the channel for data frames in the ASAM standard."""
@@ -20,8 +20,8 @@ def bus_groups(mdf: Any) -> list[int]:
     ]
 
 
-def frames_in(mdf: Any, groups: list[int], known: frozenset[Key], where: str) -> list[Frames]:
-    """Frames of the identifiers in ``known``, by bus and identifier.
+def frames_in(mdf: Any, groups: list[int], known: Known, where: str) -> list[Frames]:
+    """Frames that are ``known``, by bus and identifier.
 
     Raises LogError for fewer frames than a group counts, and if asammdf cannot read them.
     """
@@ -30,10 +30,10 @@ def frames_in(mdf: Any, groups: list[int], known: frozenset[Key], where: str) ->
         names = {c.name for c in mdf.groups[number].channels}
         if f"{FRAME}.DataBytes" in names and mdf.groups[number].channel_group.cycles_nr:
             found += _frames(mdf, number, known, where)
-    return found
+    return joined(found, lambda item: (item.bus, item.key))
 
 
-def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Frames]:
+def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
     try:
         identifier = mdf.get(f"{FRAME}.ID", group=number)
         others = {k: _field(mdf, number, k) for k in ("IDE", "BusChannel", "DataLength")}
@@ -51,7 +51,16 @@ def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Fr
             f"{min(len(data), ids.size)} of {cycles} frames can be read", where=where,
             expected="all that the group counts", do="copy the log again",
         )  # fmt: skip
-    bare = (ids & 0x1FFFFFFF).astype(np.int64)
+    fields = [ids, *(field for field in others.values() if field is not None)]
+    if data.ndim != 2 or any(f.ndim != 1 or f.dtype.kind not in "biuf" for f in fields):
+        raise LogError(
+            "the fields of its frames are not numbers",
+            where=where,
+            expected="identifier, bus, length and bytes of each frame",
+            do="the file is damaged: copy the log again",
+        )
+    ids = ids.astype(np.int64)  # loggers store 11 bits of identifier in 16
+    bare = ids & 0x1FFFFFFF
     extended = others["IDE"].astype(bool) if others["IDE"] is not None else ids > 0x7FF
     bus = others["BusChannel"] if others["BusChannel"] is not None else np.zeros(ids.size, int)
     length = others["DataLength"]
@@ -64,18 +73,14 @@ def _frames(mdf: Any, number: int, known: frozenset[Key], where: str) -> list[Fr
             expected="frames within their records",
             do="the file is damaged: copy the log again",
         )
+    codes = bus.astype(np.int64) << 30 | extended.astype(np.int64) << 29 | bare
     result = []
-    for key in sorted(known):
-        mine = (bare == key[0]) & (extended == key[1])
-        for channel in np.unique(bus[mine]):
-            at = np.flatnonzero(mine & (bus == channel))
-            width = int(length[at].max())
-            result.append(
-                Frames(
-                    f"{channel}", key, time[at],
-                    np.ascontiguousarray(data[at, :width], np.uint8), length[at].astype(np.uint8),
-                )
-            )  # fmt: skip
+    for code in np.unique(codes).tolist():
+        name, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
+        if known(name, key):
+            at = np.flatnonzero(codes == code)
+            part = np.ascontiguousarray(data[at, : int(length[at].max())], np.uint8)
+            result.append(Frames(name, key, time[at], part, length[at].astype(np.uint8)))
     return result
 
 

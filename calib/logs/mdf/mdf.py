@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 
 from calib.errors import LogError
+from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import Dbc
-from calib.logs.bus.recording import described, require_dbc, trace
+from calib.logs.bus.recording import described, require_dbc, require_known, trace
 from calib.logs.extra import need
+from calib.logs.mdf.channels import check_channels
+from calib.logs.mdf.finish import finished, is_unfinished
 from calib.logs.mdf.frames import bus_groups, frames_in
 from calib.logs.mdf.records import check_records
 from calib.logs.mdf.size import check_size
@@ -34,35 +37,45 @@ class _Place:
     index: int
 
 
-def open_mdf(path: Path, dbc: Sequence[Path]) -> Recording:
+def open_mdf(path: Path, dbc: Databases) -> Recording:
     """Open an MDF file.
 
     Channels keep the timestamps of their group. Bus frames are decoded with the DBC; without a DBC
-    they are ignored, with a note. Raises LogError for a file that is cut off or not finished
-    (`calib.logs.mdf.size`), if asammdf cannot read it, and if asammdf is missing.
+    they are ignored, with a note. A file that its recorder did not finish is finished in memory,
+    with a note (`calib.logs.mdf.finish`). Raises LogError for a file that is cut off or cannot be
+    finished (`calib.logs.mdf.size`), if asammdf cannot read it, and if asammdf is missing.
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where)
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
-    if check_size(path).startswith("4"):
+    version = check_size(path)
+    if version.startswith("4"):
+        check_channels(path)
+    unfinished = is_unfinished(path)
+    source, note = finished(path) if unfinished else (path, "")
+    if version.startswith("4") and not unfinished:
         check_records(path)
     try:
-        mdf = asammdf.MDF(path)
+        mdf = asammdf.MDF(source)
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where) from cause
     try:
-        _check_layout(mdf, where)
-        return _recording(mdf, dbc, where)
+        if not version.startswith("4"):
+            _check_layout(mdf, where)
+        return _recording(mdf, dbc, [note] if note else [], where)
     except BaseException:
         mdf.close()
         raise
 
 
-def _recording(mdf: Any, dbc: Sequence[Path], where: str) -> Recording:
+def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Recording:
     buses = bus_groups(mdf)
-    columns, places, notes = _channels(mdf, buses)
-    known = require_dbc(dbc, "mdf", where) if buses and (dbc or not columns) else None
-    frames = frames_in(mdf, buses, known.keys, where) if known else []
+    columns, places, more_notes = _channels(mdf, buses)
+    notes += more_notes
+    known = require_dbc(dbc, "mdf", where) if buses and (dbc.paths or not columns) else None
+    frames = frames_in(mdf, buses, known.knows, where) if known else []
+    if known and not columns:
+        require_known(frames, (), known, where)
     if buses and not known:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
     more, signals = described(frames, known or Dbc({}, ()))
@@ -80,20 +93,15 @@ def _recording(mdf: Any, dbc: Sequence[Path], where: str) -> Recording:
 
 
 def _check_layout(mdf: Any, where: str) -> None:
-    """Raise LogError for a channel outside its record: asammdf would read past the data."""
+    """Raise LogError for a channel of MDF 3 outside its record: asammdf would read past it.
+
+    For MDF 4 see `calib.logs.mdf.channels`.
+    """
     for number, group in enumerate(mdf.groups):
-        record = group.channel_group
-        size = record.samples_byte_nr + getattr(record, "invalidation_bytes_nr", 0)
+        size = group.channel_group.samples_byte_nr
         for channel in group.channels:
-            if hasattr(channel, "byte_offset"):  # MDF 4
-                end = 8 * channel.byte_offset + channel.bit_offset + channel.bit_count
-            else:
-                end = (
-                    8 * getattr(channel, "additional_byte_offset", 0)
-                    + channel.start_offset
-                    + channel.bit_count
-                )
-            if end > 8 * size:
+            extra = getattr(channel, "additional_byte_offset", 0)
+            if 8 * extra + channel.start_offset + channel.bit_count > 8 * size:
                 raise LogError(
                     f"channel {channel.name!r} lies outside the records of group {number}",
                     where=where,
@@ -107,7 +115,7 @@ def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place
     columns, places, notes = [], [], []
     names = Counter(_group(mdf, i) for i in range(len(mdf.groups)))
     for number, group in enumerate(mdf.groups):
-        if number in buses or not group.channel_group.cycles_nr:
+        if number in buses or not (group.channel_group.cycles_nr and group.channels):
             continue
         master = mdf.masters_db.get(number)
         if master is None or getattr(group.channels[master], "sync_type", 1) != TIME_SYNC:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from calib.errors import LogError
+from calib.logs.mdf.finish import finishable
 
 _V4 = struct.Struct("<4s4xQQ")
 _HEAD, _ID_SIZE = 64, 64
@@ -20,7 +21,8 @@ def check_size(path: Path) -> str:
     """Compare the size of a file with its blocks, in MDF 3 also with its record counts.
 
     Returns the version of the format. Raises LogError for a file that is not MDF, that the
-    recorder did not finish, or that is too short, with the number of missing bytes.
+    recorder did not finish and that cannot be finished here (`calib.logs.mdf.finish`), or that is
+    too short, with the number of missing bytes.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -38,18 +40,19 @@ def check_size(path: Path) -> str:
                 where=path,
                 expected="3.x or 4.x",
             )
-    return version.decode()
+    return version.decode(errors="replace")
 
 
 def _check_identification(identification: bytes, size: int, path: Path) -> None:
-    if identification[:8].rstrip(b" \0") == b"UnFinMF":
+    begin = identification[:8].rstrip(b" \0")
+    if begin == b"UnFinMF" and not finishable(identification):
         raise LogError(
             "the recorder did not finish the file (UnFinMF), so its counts are not final",
             where=path,
-            expected="a finished file: only final counts show whether data is missing",
+            expected="a finished file, or one that lacks only counts and the length of its data",
             do="finish it with the recorder's own tool, or open and save it with an MDF editor",
         )
-    if identification[:8].rstrip(b" \0") != b"MDF":
+    if begin not in (b"MDF", b"UnFinMF"):
         raise LogError("not an MDF file", where=path, expected="a file that begins with MDF")
     if len(identification) < _ID_SIZE:
         raise _short(size, _HEAD, path)

@@ -1,7 +1,8 @@
 """Racelogic VBO: text in sections with satellite speed and channels of the car's bus.
 
 [header]           one name a line; standard names may have a unit: ``velocity kmh``
-[channel units]    one line for each name that is not standard; it may be empty
+[channel units]    one line for each name that is not standard; it may be empty. Fewer lines belong
+                   to the last names: the channels of input modules come last
 [column names]     one word for each column, in the order of [header]
 [data]             samples, separated by blanks; time is HHMMSS.ss
 
@@ -20,7 +21,7 @@ from calib.logs.text.csv import last_row, read_columns
 from calib.logs.text.dialect import Dialect, TextFormat
 from calib.logs.text.encoding import head_text, to_utf8
 from calib.logs.text.header import column_from_cell
-from calib.units import is_unit
+from calib.units import is_unit, spelling
 
 STANDARD = (
     *("satellites", "time", "latitude", "longitude", "velocity", "heading", "height"),
@@ -109,9 +110,7 @@ def _columns(texts: dict[str, list[str]], where: str) -> tuple[tuple[Column, ...
             where=where,
             expected="the same number in both",
         )
-    own = [i for i, name in enumerate(header) if not _standard(name)]
-    units, notes = _units(texts.get("channel units", []), len(own))
-    by_index = dict(zip(own, units, strict=True))
+    by_index, notes = _units(texts.get("channel units", []), header)
     columns = [
         _column(name, word, by_index.get(i))
         for i, (name, word) in enumerate(zip(header, short, strict=True))
@@ -125,16 +124,42 @@ def _standard(name: str) -> bool:
     return any(name.lower() == s or name.lower().startswith(f"{s} ") for s in STANDARD)
 
 
-def _units(lines: list[str], count: int) -> tuple[list[str | None], list[str]]:
-    """The units of the channels that are not standard, and a note if they do not fit."""
+def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], list[str]]:
+    """Units by position in the header, and a note if there is not one for each channel.
+
+    A line belongs to each name that is not standard; or only to those without a unit of their own
+    (``yaw deg/s`` has one); or, if there are fewer lines, to the last names. The first of these
+    that contradicts no unit of a name is taken.
+    """
+    own = [i for i, name in enumerate(header) if not _standard(name)]
+    bare = [i for i in own if _own_unit(header[i]) is None]
     filled = len(lines)
     while filled and not lines[filled - 1]:
         filled -= 1  # a blank line ends the section, or belongs to a channel without a unit
-    if filled > count or (filled > 0 and len(lines) < count):
-        note = f"[channel units] has {filled} lines for {count} channels: no unit was used"
-        return [None] * count, [note]
-    padded = [*lines, *[""] * count][:count]
-    return [None if unit.lower() in ("", "(null)") else unit for unit in padded], []
+    fits = f"[channel units] has {filled} lines for {len(own)} channels: "
+    choices: list[tuple[list[int], list[str]]]
+    choices = [(own, [])] if filled <= len(own) <= len(lines) else []
+    choices += [(bare, [])] if filled == len(bare) else []
+    if 0 < filled < len(own):
+        names = ", ".join(header[i] for i in own[-filled:])
+        choices += [(own[-filled:], [f"{fits}they were taken for the last, {names}"])]
+    for places, notes in choices:
+        given = zip(places, lines, strict=False)
+        found = {i: unit for i, unit in given if unit.lower() not in ("", "(null)")}
+        if all(_agree(header[i], unit) for i, unit in found.items()):
+            return found, notes
+    return {}, [f"{fits}no unit was used"] if filled else []
+
+
+def _own_unit(name: str) -> str | None:
+    """The unit after a name: ``yaw deg/s``; None if it has none."""
+    stem, _, last = name.rpartition(" ")
+    return last if stem and is_unit(last) else None
+
+
+def _agree(name: str, unit: str) -> bool:
+    own = _own_unit(name)
+    return own is None or spelling(own) == spelling(unit)
 
 
 def _column(name: str, word: str, unit: str | None) -> Column:

@@ -1,4 +1,4 @@
-"""BLF: what its header counts is there, or it is refused."""
+"""BLF: what its header and its containers state is there, or the file is refused."""
 
 import struct
 import zlib
@@ -11,8 +11,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from calib.errors import LogError
-from calib.logs.bus.blf import check_whole
+from calib.logs.bus.blf import check_whole, open_blf
+from calib.logs.bus.databases import Databases
 from calib.logs.read import read_log
+from tests.support.blf import HEADER, RESTORE, blf, block, container, frame, header
 from tests.support.recordings import messages, ramp, write_bus
 from tests.support.refusals import refusal
 
@@ -136,3 +138,78 @@ def test_a_clock_of_32_bits_that_wraps(folder):
     assert any("32 bits of microseconds" in note for note in log.notes)
     np.testing.assert_allclose(log.time, whole.time, atol=2e-6)
     assert log.time[-1] == pytest.approx(ramp().time[-1], abs=0.02)
+
+
+def vector(**more):
+    """Frames at 100 Hz as Vector's writers store them: two objects of type 115 are not counted."""
+    rows = b"".join(frame(0.01 * i, 256, bytes([0, i % 200] * 4)) for i in range(300))
+    ends = b"".join(block(RESTORE, bytes(42)) for _ in range(2))
+    half = 150 * 48 + 20  # an object continues in the next container
+    return blf([rows[:half], rows[half:], ends], 300, **more)
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_objects_that_the_writer_does_not_count(folder, compressed):
+    """Six of six files of Vector's programs in the tests of python-can are like this."""
+    path = folder / "vector.blf"
+    path.write_bytes(vector(compressed=compressed))
+    objects = check_whole(path)
+    assert (objects.all, objects.frames, objects.counted) == (302, 300, 300)
+    opened = open_blf(path, Databases((folder / "chassis.dbc",)))
+    (wheel,) = opened.read([1])
+    np.testing.assert_allclose(wheel.time, 0.01 * np.arange(300), atol=5e-7)
+    np.testing.assert_allclose(wheel.values, 0.005 * (np.arange(300) % 200))
+    assert any("counts 300 objects, the file has 302" in note for note in opened.notes)
+
+
+def test_a_count_above_what_is_there_is_told_where_all_sizes_agree(folder):
+    path = folder / "counted.blf"
+    path.write_bytes(blf([frame(0.0, 256, bytes(8))], count=2))
+    (note,) = check_whole(path).notes
+    assert "counts 2 objects, the file has 1" in note
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_a_lost_container_shows_in_the_unpacked_size(folder, compressed):
+    parts = [frame(0.01 * i, 256, bytes(8)) for i in range(3)]
+    body = b"".join(container(part, compressed) for part in parts[:2])
+    message = refused(folder, header(len(body), parts, 2) + body)
+    assert "304 of 384 bytes (unpacked) and 2 of 2 objects" in message
+
+
+def test_without_an_unpacked_size_the_count_decides(folder):
+    whole = blf([frame(0.0, 256, bytes(8))], 1, unpacked=0)
+    (folder / "plain.blf").write_bytes(whole)
+    assert check_whole(folder / "plain.blf").all == 1
+    cut = blf([frame(0.0, 256, bytes(8))], 3, unpacked=0)
+    assert "the file has 1 of 3 objects: some are missing" in refused(folder, cut)
+
+
+def test_padding_may_be_counted_or_not(folder):
+    part = block(65, bytes(19)) + frame(0.0, 256, bytes(8))
+    for unpacked in (None, HEADER + 32 + len(part) + (32 + len(part)) % 4):
+        (folder / "padded.blf").write_bytes(blf([part], 2, unpacked=unpacked))
+        assert check_whole(folder / "padded.blf").all == 2
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        (container(frame(0.0, 256, bytes(8)), stated=90), "it holds 48 of 90 bytes"),
+        (container(frame(0.0, 256, bytes(8)) + block(1, bytes(20), 48)), "after 1 whole ones"),
+        (container(frame(0.0, 256, bytes(8)) + b"x" * 40), "no object after 1 whole ones"),
+        (container(block(1, b"", 4)), "an object of 4 bytes"),
+        (block(10, b"\2\0"), "it has no header"),
+    ],
+    ids=["content", "object", "no object", "size", "head"],
+)
+def test_what_is_not_whole_inside_a_container(folder, body, words):
+    assert words in refused(folder, header(len(body), [], 1, unpacked=HEADER) + body)
+
+
+def test_a_compressed_container_that_ends_early(folder):
+    content = b"".join(frame(0.01 * i, 256, bytes([i] * 8)) for i in range(50))
+    packed = zlib.compress(content)[:-30]
+    body = block(10, struct.pack("<H6xL4x", 2, len(content)) + packed)
+    message = refused(folder, header(len(body), [content], 50) + body)
+    assert "cannot be unpacked: it ends after" in message

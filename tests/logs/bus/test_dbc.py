@@ -7,6 +7,8 @@ import pytest
 from calib.errors import ChannelMapError
 from calib.logs.bus.dbc import decode, read_dbc
 from calib.logs.bus.frames import frames_of
+from calib.logs.bus.recording import described
+from tests.support.databases import DATABASES
 from tests.support.recordings import DBC
 
 MUX = """VERSION ""
@@ -91,7 +93,7 @@ def test_the_files_are_named_with_their_digest(tmp_path):
 
 @pytest.mark.parametrize("text", ["", "BO_ 1 M: 8\n", "\0\1\2"])
 def test_what_is_no_dbc(tmp_path, text):
-    with pytest.raises(ChannelMapError, match=r"not a DBC|no messages"):
+    with pytest.raises(ChannelMapError, match=r"not a valid DBC|no messages"):
         known(tmp_path, text)
 
 
@@ -102,3 +104,30 @@ def test_two_that_describe_one_frame(tmp_path):
         read_dbc([tmp_path / "a.dbc", tmp_path / "b.dbc"], "can", "run.blf")
     with pytest.raises(ChannelMapError, match="no such file"):
         read_dbc([tmp_path / "c.dbc"], "can", "run.blf")
+
+
+@pytest.mark.parametrize("kind", [*DATABASES, "KCD"])
+def test_every_format_that_describes_a_bus(tmp_path, kind):
+    dbc = known(tmp_path, DATABASES[kind.lower()], f"chassis.{kind}")
+    rows = [np.asarray([i, 1000 * i, 0, 0], "<u2").tobytes() for i in range(60)]
+    frames = frames_of("0", (256, False), np.arange(60.0), rows)
+    columns, signals = described([frames], dbc)
+    assert [(c.name, c.unit) for c in columns] == [("WhlFL", "rad/s"), ("WhlFR", "rad/s")]
+    left, right = (decode(*signal).values for signal in signals)
+    np.testing.assert_allclose(left, 0.005 * np.arange(60))
+    np.testing.assert_allclose(right, 5.0 * np.arange(60))
+
+
+@pytest.mark.parametrize("kind", DATABASES)
+def test_a_file_of_another_format_than_its_ending(tmp_path, kind):
+    other = DATABASES["kcd" if kind == "dbc" else "dbc"]
+    with pytest.raises(ChannelMapError, match=f"not a valid {kind.upper()}: .*expected the format"):
+        known(tmp_path, other, f"a.{kind}")
+
+
+def test_a_signal_of_more_than_64_bits_is_no_number(tmp_path):
+    text = 'VERSION ""\nNS_ :\nBS_:\nBU_: A\nBO_ 1 M: 16 A\n'
+    text += ' SG_ Text : 0|80@1+ (1,0) [0|0] "" A\n SG_ Speed : 80|8@1+ (1,0) [0|0] "km/h" A\n'
+    dbc = known(tmp_path, text)
+    columns, _ = described([frames_of("0", (1, False), np.zeros(1), [bytes(16)])], dbc)
+    assert [c.name for c in columns] == ["Speed"]

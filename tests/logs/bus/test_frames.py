@@ -19,7 +19,7 @@ def test_every_known_frame_is_kept_once_and_whole(rows):
         for i, (a, x, b, d) in enumerate(rows)
     ]
     known = frozenset([(0, False), (1, True), (2, False)])
-    found = Gathered(known)
+    found = Gathered(lambda _, key: key in known)
     found.take(messages)
     assert len(found.times) == len(rows)
     kept = []

@@ -8,6 +8,7 @@ import pytest
 from asammdf.blocks.conversion_utils import from_dict
 
 from calib.errors import ChannelMapError, LogError
+from calib.logs.bus.databases import Databases
 from calib.logs.mdf.mdf import open_mdf
 from calib.logs.read import read_log
 from calib.names import G
@@ -103,7 +104,7 @@ def test_a_value_with_a_name_among_numbers_is_no_measurement(tmp_path):
 def test_what_has_only_names_is_a_state(tmp_path):
     names = {f"val_{i}": i for i in range(3)} | {f"text_{i}": f"gear {i}" for i in range(3)}
     gear = signal("gear", "", (np.arange(200) // 80).astype("u1"), conversion=from_dict(names))
-    opened = open_mdf(write(tmp_path / "run.mf4", [gear, signal("p_mc")]), ())
+    opened = open_mdf(write(tmp_path / "run.mf4", [gear, signal("p_mc")]), Databases())
     gear, p = opened.read([1, 2])
     opened.close()
     assert (gear.state, p.state) == (True, False)
@@ -169,7 +170,7 @@ def test_nothing_that_is_known(tmp_path):
 def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):
     """Its own extraction, with canmatrix instead of cantools."""
     path, chart = write_bus(tmp_path / "bus.mf4"), write_dbc(tmp_path)
-    opened = open_mdf(path, (tmp_path / "chassis.dbc",))
+    opened = open_mdf(path, Databases((tmp_path / "chassis.dbc",)))
     names = ["WhlFL", "WhlRR", "PMc", "Ax", "VRef"]
     index = [[c.name for c in opened.columns].index(name) for name in names]
     ours = opened.read(index)

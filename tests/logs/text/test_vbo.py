@@ -146,3 +146,49 @@ def test_units_that_do_not_fit_the_names_are_not_taken():
     source = open_vbo(vbo().replace(b"bar\r\n", b"bar\r\nbar\r\nbar\r\n"), "run.vbo")
     assert {c.name: c.unit for c in source.columns}["Brake Pressure"] is None
     assert "4 lines for 3 channels" in source.notes[0]
+
+
+def with_units(header, units):
+    """A file of time, velocity and the channels of ``header``, with these lines as units."""
+    words = " ".join(f"c{i}" for i, _ in enumerate(header))
+    text = "[header]\ntime\nvelocity kmh\n" + "".join(f"{name}\n" for name in header)
+    text += "\n[channel units]\n" + "".join(f"{unit}\n" for unit in units)
+    text += f"\n[column names]\ntime velocity {words}\n\n[data]\n"
+    cells = " ".join("+1.0E+00" for _ in header)
+    source = open_vbo((text + f"120000.00 036.0 {cells}\n" * 60).encode(), "run.vbo")
+    return [c.unit for c in source.columns[2:]], source.notes
+
+
+@pytest.mark.parametrize(
+    ("header", "units", "expected"),
+    [
+        (["lap"], ["(null)"], [None]),
+        (["Brake", "lap"], ["bar", ""], ["bar", None]),
+        # a converter of racing logs: the unit of the first is in its name, and has no line
+        (
+            ["yaw rate deg/s", "Slip Angle", "Brake"],
+            ["deg", "bar", "", ""],
+            ["deg/s", "deg", "bar"],
+        ),
+        (["yaw rate deg/s", "Brake"], ["deg/s", "bar"], ["deg/s", "bar"]),
+        (["Brake", "yaw rate deg/s"], ["bar"], ["bar", "deg/s"]),
+        (["yaw rate deg/s"], [], ["deg/s"]),
+    ],
+)
+def test_a_unit_for_each_channel_that_needs_one(header, units, expected):
+    assert with_units(header, units) == (expected, ())
+
+
+def test_units_of_the_module_channels_only():
+    """The maker: the section "lists the units of any input module channels", which come last."""
+    header = ["Lateral position", "Kalman status", "Satellite mode", "p_front", "p_rear"]
+    units, (note,) = with_units(header, ["bar", "kPa"])
+    assert units == [None, None, None, "bar", "kPa"]
+    assert note.endswith("2 lines for 5 channels: they were taken for the last, p_front, p_rear")
+
+
+def test_units_that_contradict_a_name_are_not_taken():
+    header = ["Kalman status", "p_front", "Satellite mode", "yaw rate deg/s"]
+    units, (note,) = with_units(header, ["bar"])
+    assert units == [None, None, None, "deg/s"]
+    assert note.endswith("1 lines for 4 channels: no unit was used")

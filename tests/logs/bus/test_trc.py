@@ -1,0 +1,118 @@
+"""PEAK TRC: values as in the log of candump; its numbered messages show what is lost."""
+
+import numpy as np
+import pytest
+
+from calib.errors import LogError
+from calib.logs.bus.databases import Databases
+from calib.logs.bus.trc import open_trc
+from calib.logs.read import read_log
+from tests.support.recordings import messages, write_bus
+from tests.support.refusals import refusal
+from tests.support.trc import HEADS, trc
+
+VERSIONS = list(HEADS)
+
+
+@pytest.fixture(scope="module")
+def folder(bus):
+    write_bus(bus / "whole.log", 1.7e9)
+    return bus
+
+
+@pytest.fixture(scope="module")
+def texts():
+    return {version: trc(version, messages()) for version in VERSIONS}
+
+
+def opened(folder, text, name="run.trc"):
+    path = folder / name
+    path.write_text(text)
+    return open_trc(path, Databases((folder / "chassis.dbc",)))
+
+
+def refused(folder, text):
+    return refusal(opened, folder, text, kind=LogError, names="run.trc")
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_frames_are_those_of_the_run(folder, texts, version):
+    found = opened(folder, texts[version])
+    index = [c.name for c in found.columns].index("PMc")
+    (pressure,) = found.read([index])
+    mine = [m for m in messages() if m.is_extended_id and m.data[0] & 3 == 1]
+    raw = np.asarray([int.from_bytes(m.data[:3], "little") >> 4 & 0xFFFF for m in mine])
+    np.testing.assert_array_equal(pressure.values, raw - 500.0)
+    begin = min(m.timestamp for m in messages() if version >= "2" or not m.is_fd)
+    tick = {"1.0": 1e-3, "1.1": 1e-4}.get(version, 1e-6)
+    np.testing.assert_allclose(pressure.time, [m.timestamp - begin for m in mine], atol=1.1 * tick)
+
+
+@pytest.mark.parametrize("version", ["2.0", "2.1"])
+def test_a_log_with_fd_frames(folder, texts, version):
+    path = folder / f"v{version[0]}{version[2]}.trc"
+    path.write_text(texts[version])
+    log, whole = (read_log(folder / n, folder / "map.toml") for n in (path.name, "whole.log"))
+    assert any("no footer" in note for note in log.notes)
+    for name in ("omega_fl", "p_mc", "a_x", "v"):
+        np.testing.assert_allclose(log[name], whole[name], rtol=1e-4, atol=1e-9)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_lost_line_shows_in_the_numbers(folder, texts, version):
+    lines = texts[version].splitlines(keepends=True)
+    message = refused(folder, "".join(lines[:300] + lines[301:]))
+    assert "after message " in message
+    assert "a line is missing or damaged" in message
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("cut", range(1, 14))
+def test_a_last_line_that_is_cut_off(folder, texts, version, cut):
+    """Without its end of line a line is whole, and PEAK-Converter leaves it out."""
+    lines = texts[version].splitlines(keepends=True)
+    count = len(opened(folder, "".join(lines[:300])).read([1])[0].time)
+    text = "".join(lines[:301])
+    if cut == 1:
+        assert len(opened(folder, text[:-1]).read([1])[0].time) in (count, count + 1)
+    else:
+        assert "cut off" in refused(folder, text[:-cut]) or "missing" in refused(
+            folder, text[:-cut]
+        )
+
+
+@pytest.mark.parametrize(
+    ("version", "damage"),
+    [
+        (version, damage)
+        for version in VERSIONS
+        for damage in ("type", "data", "text", "half")
+        if (version, damage) != ("1.0", "type")  # it has no types
+    ],
+)
+def test_a_damaged_line(folder, texts, version, damage):
+    lines = texts[version].splitlines(keepends=True)
+    row = lines[300]
+    head, last = row.rstrip().rsplit(maxsplit=1)
+    lines[300] = {
+        "type": row.replace("Rx", "Qx").replace("DT", "DQ").replace("FB", "FQ"),
+        "data": head + "\n",
+        "text": f"{head} {last[0]}*\n",
+        "half": row[:17] + "\n",
+    }[damage]
+    message = refused(folder, "".join(lines))
+    assert "missing" in message or "not readable" in message or "bytes" in message
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "not a TRC file"),
+        ("time [s],p_mc [bar]\n0,1\n", "not a TRC file"),
+        (";$FILEVERSION=1.2\n;\n", "version 1.2 of TRC"),
+        (";$FILEVERSION=3.0\n;\n", "expected one of 1.0, 1.1, 1.3, 2.0, 2.1"),
+        (HEADS["2.1"], "no frames"),
+    ],
+)
+def test_what_is_no_trc(folder, text, words):
+    assert words in refused(folder, text)

@@ -1,0 +1,110 @@
+"""MF4 as CAN loggers leave it: finished in memory, and it says so."""
+
+import struct
+
+import asammdf
+import numpy as np
+import pytest
+
+from calib.errors import LogError
+from calib.logs.bus.databases import Databases
+from calib.logs.mdf.finish import finished
+from calib.logs.mdf.mdf import open_mdf
+from tests.support.logger_mf4 import Row, logger_mf4
+from tests.support.recordings import write_dbc
+from tests.support.refusals import refusal
+
+ROWS = [Row(0.01 * i, 1, 256, struct.pack(">4H", *range(i, i + 4))) for i in range(200)]
+
+
+def opened(folder, data):
+    write_dbc(folder)
+    path = folder / "run.mf4"
+    path.write_bytes(data)
+    found = open_mdf(path, Databases((folder / "chassis.dbc",)))
+    traces = found.read([1, 4])
+    found.close()
+    assert path.read_bytes() == data
+    assert sorted(p.name for p in folder.iterdir()) == ["chassis.dbc", "map.toml", "run.mf4"]
+    return found, traces
+
+
+@pytest.mark.parametrize("vlsd", [False, True])
+def test_frames_whose_identifier_has_16_bits(tmp_path, vlsd):
+    found, (left, right) = opened(tmp_path, logger_mf4(ROWS, vlsd))
+    np.testing.assert_allclose(left.time, 0.01 * np.arange(200))
+    np.testing.assert_allclose(left.values, 0.005 * np.arange(200))
+    np.testing.assert_allclose(right.values, 0.005 * np.arange(3, 203))
+    assert any("did not finish the file: its 200 records were counted" in n for n in found.notes)
+    assert not any("left out" in n for n in found.notes)
+
+
+@pytest.mark.parametrize("vlsd", [False, True])
+def test_frames_received_and_sent_are_one_message(tmp_path, vlsd):
+    rows = [Row(r.time, 1, 256, r.data, sent=i % 3 == 0) for i, r in enumerate(ROWS)]
+    found, (left, _) = opened(tmp_path, logger_mf4(rows, vlsd))
+    assert found.columns[1].full == "WHEELS.WhlFL"
+    np.testing.assert_allclose(left.time, 0.01 * np.arange(200))
+    np.testing.assert_allclose(left.values, 0.005 * np.arange(200))
+
+
+def test_two_buses_stay_apart(tmp_path):
+    rows = [Row(r.time, bus, 256, r.data) for r in ROWS for bus in (1, 2)]
+    found, _ = opened(tmp_path, logger_mf4(rows))
+    assert {c.full for c in found.columns[1:]} >= {"1.WHEELS.WhlFL", "2.WHEELS.WhlFL"}
+
+
+@pytest.mark.parametrize(("cut", "left"), [(1, 20), (20, 1), (21, 0), (22, 20)])
+def test_a_record_that_is_not_whole_is_left_out_and_told(tmp_path, cut, left):
+    found, (trace, _) = opened(tmp_path, logger_mf4(ROWS)[:-cut])
+    assert trace.time.size == 200 - -(-cut // 21)
+    told = [n for n in found.notes if "left out" in n]
+    assert told == [] if left == 0 else f" {left} bytes of a last record" in told[0]
+
+
+def test_space_that_was_reserved_is_no_record(tmp_path):
+    found, (trace, _) = opened(tmp_path, logger_mf4(ROWS) + bytes(500))
+    assert trace.time.size == 200
+    assert not any("left out" in n for n in found.notes)
+
+
+def test_counts_that_were_written_now_and_then(tmp_path):
+    """A recorder may count from time to time: fewer than there are is no loss, more is one."""
+    data = bytearray(logger_mf4(ROWS))
+    place = data.index(struct.pack("<QQHHLLL", 1, 0, 6, 0, 0, 20, 0)) + 8
+    struct.pack_into("<Q", data, place, 120)
+    _, (trace, _) = opened(tmp_path, bytes(data))
+    assert trace.time.size == 200
+    struct.pack_into("<Q", data, place, 300)
+    message = refusal(opened, tmp_path, bytes(data), kind=LogError)
+    assert "200 of 300 records are there: 100 are missing" in message
+
+
+def test_damage_among_the_records(tmp_path):
+    data = bytearray(logger_mf4(ROWS))
+    data[-21 * 50] = 77
+    message = refusal(opened, tmp_path, bytes(data), kind=LogError)
+    assert f"damaged near byte {len(data) - 21 * 50}: no group" in message
+
+
+@pytest.mark.parametrize("flags", [0, 0x10, 0x35, 0x02])
+def test_what_is_not_finished_here(tmp_path, flags):
+    message = refusal(opened, tmp_path, logger_mf4(ROWS, flags=flags), kind=LogError)
+    assert "did not finish the file (UnFinMF)" in message
+
+
+def test_a_finished_file_that_lost_its_end_mark(tmp_path):
+    """A whole file of asammdf, marked as unfinished: nothing changes but the mark."""
+    path = tmp_path / "run.mf4"
+    with asammdf.MDF(version="4.10") as mdf:
+        time = np.arange(300) * 0.01
+        mdf.append([asammdf.Signal(time**2, time, name="x", unit="m")])
+        mdf.save(path)
+    data = bytearray(path.read_bytes())
+    data[:8] = b"UnFinMF "
+    struct.pack_into("<H", data, 60, 5)
+    path.write_bytes(data)
+    stream, note = finished(path)
+    assert "its 300 records" in note
+    with asammdf.MDF(stream) as mdf:
+        np.testing.assert_array_equal(mdf.get("x").samples, time**2)
