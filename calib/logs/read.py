@@ -7,6 +7,7 @@ from pathlib import Path
 from calib.errors import ChannelMapError, LogError
 from calib.logs.assign import TRUTH, Assigned, assign
 from calib.logs.channel_map import ChannelMap
+from calib.logs.gaps import Gap, fill_rows
 from calib.logs.log import Array, Log, Origin
 from calib.logs.recording import ChannelTrace
 from calib.logs.recordings import RECORDINGS, as_source
@@ -159,18 +160,20 @@ def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
         ignored=taken.ignored,
         notes=taken.notes + notes,
+        bridged=tuple(gap for gap in taken.bridged if gap.channel in values),
     )
 
 
 @dataclass(frozen=True)
 class _Taken:
-    """Content of a file: digest, channels [SI], unused columns, notes."""
+    """Content of a file: digest, channels [SI], unused columns, notes, bridged gaps."""
 
     digest: str
     values: dict[str, Array]
     origins: tuple[Origin, ...]
     ignored: tuple[str, ...]
     notes: tuple[str, ...]
+    bridged: tuple[Gap, ...] = ()
 
 
 def _read_table(
@@ -180,7 +183,12 @@ def _read_table(
     taken, ignored = assign(source.columns, channel_map, require, str(path))
     written = source.read([item.index for item in taken])
     values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
-    return _Taken(opened.digest, values, _origins(taken), ignored, source.notes)
+    measured = {name: x for name, x in values.items() if name in CHANNELS and name != "time"}
+    filled, notes, bridged = fill_rows(measured, values["time"])
+    notes = [*source.notes, *notes]
+    return _Taken(
+        opened.digest, values | filled, _origins(taken), ignored, tuple(notes), tuple(bridged)
+    )
 
 
 def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:
@@ -205,7 +213,8 @@ def _read_recording(
     resampled = on_one_clock([_wanted(i, t) for i, t in zip(others, traces, strict=True)], where)
     written = zip((clock, *others), (resampled.time, *resampled.values), strict=True)
     values = {item.channel: item.to_si(w) for item, w in written}
-    return _Taken(digest, values, _origins(taken), ignored, opened.notes + resampled.notes)
+    notes = opened.notes + resampled.notes
+    return _Taken(digest, values, _origins(taken), ignored, notes, resampled.bridged)
 
 
 def _own_clock(clock: Assigned, channel_map: ChannelMap | None) -> ChannelMapError:

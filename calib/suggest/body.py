@@ -12,10 +12,11 @@ from calib.names import G
 from calib.signals.filters import centred_mean
 from calib.suggest.physics import LATE, ColumnClock, correlation, lead, slope
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
-from calib.suggest.series import Series
+from calib.suggest.series import Series, finest
 from calib.suggest.words import (
     BRAKE,
     DECELERATION,
+    DERIVED,
     LONG,
     MASTER,
     NO_BRAKE,
@@ -54,18 +55,41 @@ class Found:
 def choose(
     channel: str, passed: list[tuple[Series, int]], why: str, found: Callable[[Series], Proposal]
 ) -> Found:
-    """The column whose name fits best; if several fit equally well, a doubt."""
+    """The column whose name fits best; if several fit equally well, a doubt.
+
+    Of measured columns, those that are sampled coarsely beside another are no candidates.
+    """
     if not passed:
         return Found()
-    best = max(points for _, points in passed)
-    top = [s for s, points in passed if points == best]
+    fine = _fine(channel, passed)
+    best = max(points for _, points in fine)
+    top = [s for s, points in fine if points == best]
     exact = [s for s in top if s.name == channel] or top
     if len(exact) > 1:
         names = tuple(s.name for s in exact)
         return Found(doubts=(Doubt(channel, names, why, f"choose one: --take {channel}=NAME"),))
-    second = [(s.name, f"{exact[0].name} is more likely {channel}") for s, _ in passed]
-    refused = tuple(pair for pair in second if pair[0] != exact[0].name)
+    kept = {s.name for s, _ in fine}
+    refused = tuple(
+        (s.name, _less_likely(s, exact[0], channel, s.name not in kept))
+        for s, _ in passed
+        if s.name != exact[0].name
+    )
     return Found(found(exact[0]), (), refused, exact[0])
+
+
+def _fine(channel: str, passed: list[tuple[Series, int]]) -> list[tuple[Series, int]]:
+    """The columns without those that are coarser than a measured one that is named as well."""
+    measured = [s for s, points in passed if points > 0 and not DERIVED & set(words(s.name))]
+    if any(s.name == channel for s, _ in passed):
+        return passed
+    coarse = {s.name for s in measured} - {s.name for s in finest(measured)}
+    return [(s, points) for s, points in passed if s.name not in coarse]
+
+
+def _less_likely(item: Series, better: Series, channel: str, coarse: bool) -> str:
+    if coarse:
+        return f"sampled at {item.rate:.3g} Hz, and {better.name} at {better.rate:.3g} Hz"
+    return f"{better.name} is more likely {channel}"
 
 
 def find_speed(series: list[Series], wheels: Array | None) -> Found:

@@ -21,7 +21,7 @@ from calib.suggest.body import Found, find_acceleration, find_pressure, find_spe
 from calib.suggest.clock import find_clock
 from calib.suggest.physics import ColumnClock, moving, rate_of
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal, Suggestion
-from calib.suggest.series import Series, read_series
+from calib.suggest.series import Series, read_series, without_gaps
 from calib.suggest.wheels import find_wheels, groups
 from calib.suggest.words import (
     DISC,
@@ -63,8 +63,8 @@ def suggest(
     InputError for a channel or column in ``told`` that does not exist.
     """
     told = dict(told or {})
-    series, left = read_series(source)
-    work = _Work(series, left, told, radius)
+    series, with_gaps, left = read_series(source)
+    work = _Work(series, with_gaps, left, told, radius)
     for channel, cell in told.items():
         work.assign(channel, cell, source, where)
     work.find()
@@ -76,6 +76,7 @@ class _Work:
     """Intermediate state. Columns that are assigned are not proposed again."""
 
     series: list[Series]
+    with_gaps: list[Series]
     left: dict[str, str]
     told: dict[str, str]
     radius: float | None
@@ -105,6 +106,7 @@ class _Work:
         clock = self.clock
         if clock is None:
             return
+        self._bridge(clock)
         wheels = find_wheels(self._free(), self.radius)
         self.left.update(dict(wheels.refused))
         self._take_group("omega", wheels.proposals, wheels.doubts)
@@ -119,6 +121,17 @@ class _Work:
         self._take("p_mc", find_pressure(self._free(), None if rate is None else -rate, clock))
         self._wheel_pressures()
         self._by_name()
+
+    def _bridge(self, clock: ColumnClock) -> None:
+        """Bridge the short gaps of columns; leave those with longer ones."""
+        for item in self.with_gaps:
+            filled = without_gaps(item, clock.time)
+            if isinstance(filled, str):
+                self.left[item.name] = filled
+            else:
+                self.series.append(filled)
+        rows = 1.0 / clock.step
+        self.series = [replace(s, rate=s.rate or rows) for s in self.series]
 
     def _while_moving(
         self, motion: Array | None, clock: ColumnClock

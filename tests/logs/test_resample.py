@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import LogError
+from calib.logs.gaps import BRIDGE
 from calib.logs.recording import ChannelTrace
-from calib.logs.resample import BRIDGE, Wanted, on_one_clock
+from calib.logs.resample import Wanted, on_one_clock
 
 
 def wanted(name, time, values=None, hold=False, clock=None):
@@ -66,7 +67,7 @@ def test_a_state_holds_its_last_value():
 
 def test_a_gap_is_not_filled_in():
     time = np.arange(0, 2, 0.01)
-    hole = time[(time < 0.8) | (time > 0.8 + 2 * BRIDGE)]
+    hole = time[(time < 0.8) | (time > 0.8 + BRIDGE)]
     _, values = on_one_clock([wanted("omega_fl", time), wanted("p_mc", hole)], "run").values
     np.testing.assert_array_equal(np.isnan(values), ~np.isin(time, hole))
 

@@ -321,3 +321,48 @@ def test_an_unnamed_acceleration_needs_physics():
     columns = without(foreign(still), "Longitudinal deceleration")
     columns[("acc 1", "g")] = -still["a_x"] / 9.80665
     assert "a_x" in suggestion(columns).missing
+
+
+def with_lost(name, start, end):
+    """The foreign log in which one column has no value in these rows."""
+    columns = foreign()
+    key = next(key for key in columns if key[0] == name)
+    columns[key] = columns[key].copy()
+    columns[key][start:end] = np.nan
+    return columns
+
+
+def test_a_lost_message_does_not_cost_the_channel():
+    columns = with_lost("Fahrzeuggeschwindigkeit", 300, 310)
+    assert found(columns)["v"].mapping.source == "Fahrzeuggeschwindigkeit"
+
+
+def test_a_long_gap_is_told_with_its_place():
+    result = suggestion(with_lost("Fahrzeuggeschwindigkeit", 300, 360))
+    assert "v" not in {p.channel for p in result.proposals}
+    assert "60 of" in result.left["Fahrzeuggeschwindigkeit"]
+    assert f"first at {RUN.time[300]:.3f} s" in result.left["Fahrzeuggeschwindigkeit"]
+
+
+def test_of_two_speeds_the_finer_one_is_taken():
+    """Also where it lost a message, and the coarse one is named as well or better."""
+    columns = with_lost("Fahrzeuggeschwindigkeit", 300, 310)
+    coarse = np.full(N, np.nan)
+    coarse[::11] = 3.6 * RUN["v"][::11]
+    coarse[-1] = 3.6 * RUN["v"][-1]
+    columns[("GPS vehicle speed", "km/h")] = coarse
+    result = suggestion(columns)
+    assert {p.channel: p.mapping.source for p in result.proposals}["v"] == "Fahrzeuggeschwindigkeit"
+    assert result.left["GPS vehicle speed"] == (
+        "sampled at 9.09 Hz, and Fahrzeuggeschwindigkeit at 100 Hz"
+    )
+    assert not result.doubts
+
+
+def test_a_coarse_speed_alone_is_taken():
+    columns = without(foreign(), "Fahrzeuggeschwindigkeit")
+    coarse = np.full(N, np.nan)
+    coarse[::10] = 3.6 * RUN["v"][::10]
+    coarse[-1] = 3.6 * RUN["v"][-1]
+    columns[("GPS speed", "km/h")] = coarse
+    assert found(columns)["v"].mapping.source == "GPS speed"
