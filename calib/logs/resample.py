@@ -25,6 +25,10 @@ FASTEST = 1050.0
 ALIKE = 0.9
 """From this share of the highest rate on, the clock with most wheel speeds is chosen [1]."""
 
+UNEVEN = 0.5
+"""A clock of which more than a tenth of the steps differ by more than this from the median [1] is
+taken only if there is no other."""
+
 ENDS = 0.5
 """An optional channel may shorten the log by at most this at either end [s]."""
 
@@ -61,10 +65,11 @@ class Resampled:
 def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
     """Resample channels onto one clock.
 
-    The clock has the timestamps of the required channel with the highest rate; if several are about
-    as fast, of those with most wheel speeds. Channels on these timestamps keep their samples;
-    others are interpolated linearly, states hold their last value. There are no values before the
-    first or after the last sample of a channel, nor in a gap, unless `calib.logs.gaps` bridges it.
+    The clock has the timestamps of the required channel with the highest rate and even steps; if
+    several are about as fast, of those with most wheel speeds. Channels on these timestamps keep
+    their samples; others are interpolated linearly, states hold their last value. There are no
+    values before the first or after the last sample of a channel, nor in a gap, unless
+    `calib.logs.gaps` bridges it.
 
     Raises LogError if the required channels have no time in common, for timestamps that are not in
     order (`calib.logs.running`), and if there is no channel at all.
@@ -168,8 +173,16 @@ def _rates(full: list[Wanted]) -> dict[str, float]:
     return {w.name: known[w.trace.clock, w.trace.time.size] for w in full}
 
 
+def _even(time: Array) -> bool:
+    """Whether nearly all steps are about as long: not so the pages of a multiplexed message."""
+    steps = np.diff(time)
+    median = float(np.median(steps))
+    return bool(np.quantile(np.abs(steps - median), 0.9) <= UNEVEN * median)
+
+
 def _master(full: list[Wanted], rates: dict[str, float]) -> Wanted:
     base = [w for w in full if w.required] or full
+    base = [w for w in base if _even(w.trace.time)] or base
     fastest = [rates[w.name] for w in base]
     top = max([r for r in fastest if r <= FASTEST] or fastest)
     alike = [w for w in base if ALIKE * top <= rates[w.name] <= top]

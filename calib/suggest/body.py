@@ -148,7 +148,9 @@ def find_acceleration(
     used = rate if measured else None
 
     def proposal(item: Series) -> Proposal:
-        return _acceleration(item, used, clock, metres)
+        if used is None:
+            return _unchecked_acceleration(item, rate, metres)
+        return _acceleration(item, used, clock)
 
     found = choose("a_x", passed, "more than one longitudinal acceleration", proposal)
     wrong = _wrong_unit(found.series, used, clock, metres)
@@ -164,14 +166,26 @@ def _follows(item: Series, rate: Array, clock: ColumnClock) -> float:
     return forward if forward >= back else -back
 
 
-def _acceleration(item: Series, rate: Array | None, clock: ColumnClock, metres: bool) -> Proposal:
+def _named_and_unit(item: Series) -> tuple[bool, list[str]]:
     named = item.name == "a_x" or score(item.name, LONG, NO_LONG) > 0
-    reasons = [*(["name"] if named else []), f"unit {item.column.unit}"]
+    return named, [*(["name"] if named else []), f"unit {item.column.unit}"]
+
+
+def _unchecked_acceleration(item: Series, rate: Array | None, metres: bool) -> Proposal:
+    sign = -1 if DECELERATION & set(words(item.name)) else 1
+    _, reasons = _named_and_unit(item)
     if rate is None:
-        sign = -1 if DECELERATION & set(words(item.name)) else 1
-        reasons.append("speed does not change enough to check its sign")
-        reasons += ["named a deceleration: sign reversed"] if sign < 0 else []
-        return Proposal("a_x", Mapping(item.name, sign=sign), LIKELY, tuple(reasons))
+        reasons.append("no speed is known to check its sign with")
+    else:
+        unit = "m/s^2" if metres else "rad/s^2"
+        most = f"{float(np.abs(rate).max()):.2g} {unit}"
+        reasons.append(f"the speed changes by {most} at most: too slowly to check its sign")
+    reasons += ["named a deceleration: sign reversed"] if sign < 0 else []
+    return Proposal("a_x", Mapping(item.name, sign=sign), LIKELY, tuple(reasons))
+
+
+def _acceleration(item: Series, rate: Array, clock: ColumnClock) -> Proposal:
+    named, reasons = _named_and_unit(item)
     follows = _follows(item, rate, clock)
     sign = 1 if follows > 0 else -1
     reasons.append(f"is the derivative of speed (correlation {abs(follows):.2f})")
@@ -259,7 +273,10 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
 def _pressure(item: Series, braking: Array | None, clock: ColumnClock) -> Proposal:
     reasons = [*(["name"] if _is_named(item) else []), f"unit {item.column.unit}"]
     applied = float(np.ptp(item.values)) > PRESSED
-    if braking is None or not applied or np.ptp(braking) < ACCELERATED:
+    if braking is None:
+        reasons.append("no speed is known to check it with")
+        return Proposal("p_mc", Mapping(item.name), LIKELY, tuple(reasons))
+    if not applied or np.ptp(braking) < ACCELERATED:
         reasons.append("no braking in the log to check it with")
         return Proposal("p_mc", Mapping(item.name), LIKELY, tuple(reasons))
     ahead, follows = lead(item.values, braking, clock, LATE)

@@ -40,7 +40,7 @@ class Series:
 
 def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[str, str]]:
     """The columns with a number in every row, those with gaps, and for the others the reason."""
-    found, with_gaps, left = [], [], {}
+    found, with_gaps, left = list[Series](), list[Series](), dict[str, str]()
     for index, (column, values) in enumerate(zip(source.columns, _arrays(source), strict=True)):
         if isinstance(values, str):
             left[column.name] = values

@@ -58,6 +58,14 @@ def test_a_raster_beyond_one_kilohertz_is_no_clock():
     assert on_one_clock(traces, "run").time.size == 200
 
 
+def test_the_pages_of_a_multiplexed_message_are_no_clock():
+    """Two pages, 1 ms and 9 ms apart, have 200 samples a second as the wheels have."""
+    wheels, pages = np.arange(0, 1, 0.005), np.arange(0, 1, 0.01)
+    both = np.sort([*pages, *(pages + 0.001)])
+    traces = [wanted("Page", both), wanted("other", both, clock="Page"), wanted("WhlFL", wheels)]
+    assert np.isin(on_one_clock(traces, "run").time, wheels).all()
+
+
 def test_a_state_holds_its_last_value():
     time = np.arange(0, 1, 0.01)
     gear = wanted("steering", [0.0, 0.305, 0.99], [1.0, 2.0, 3.0], hold=True)
