@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import ChannelMapError, LogError
-from calib.logs.assign import TRUTH, Assigned, assign
+from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.channel_map import ChannelMap
 from calib.logs.gaps import Gap, fill_rows
+from calib.logs.kind import refuse_other_kind
 from calib.logs.log import Array, Log, Origin
 from calib.logs.recording import ChannelTrace
 from calib.logs.recordings import RECORDINGS, as_source
@@ -43,15 +44,26 @@ def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
     if ending_of(path) not in RECORDINGS:
         return _open_table(log_bytes(path), path, channel_map)
     refuse_no_log(path)
+    _refuse_other_kind(path, path)
     digest = _digest(path)
     dbc = channel_map.dbc if channel_map else ()
     return Opened(as_source(RECORDINGS[ending_of(path)](path, dbc), str(path)), digest)
 
 
 def _open_table(data: bytes, path: Path, channel_map: ChannelMap | None) -> Opened:
+    refuse_other_kind(data[:64], ending_of(path), path)
     text_format = channel_map.text if channel_map else LOOKED
     source = TABLES[ending_of(path)](data, str(path), text_format)
     return Opened(source, hashlib.sha256(data).hexdigest())
+
+
+def _refuse_other_kind(file: Path, where: object) -> None:
+    try:
+        with file.open("rb") as opened:
+            head = opened.read(64)
+    except OSError as cause:
+        raise _unreadable(where, cause) from cause
+    refuse_other_kind(head, ending_of(file), where)
 
 
 def _digest(path: Path) -> str:
@@ -185,7 +197,7 @@ def _read_table(
     values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
     measured = {name: x for name, x in values.items() if name in CHANNELS and name != "time"}
     filled, notes, bridged = fill_rows(measured, values["time"])
-    notes = [*source.notes, *notes]
+    notes = [*source.notes, *without_unit(source.columns, taken), *notes]
     return _Taken(
         opened.digest, values | filled, _origins(taken), ignored, tuple(notes), tuple(bridged)
     )
@@ -198,6 +210,7 @@ def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:
 def _read_recording(
     file: Path, digest: str, where: str, channel_map: ChannelMap | None, require: tuple[str, ...]
 ) -> _Taken:
+    _refuse_other_kind(file, where)
     opened = RECORDINGS[ending_of(file)](file, channel_map.dbc if channel_map else ())
     try:
         taken, ignored = assign(opened.columns, channel_map, require, where)
@@ -213,7 +226,7 @@ def _read_recording(
     resampled = on_one_clock([_wanted(i, t) for i, t in zip(others, traces, strict=True)], where)
     written = zip((clock, *others), (resampled.time, *resampled.values), strict=True)
     values = {item.channel: item.to_si(w) for item, w in written}
-    notes = opened.notes + resampled.notes
+    notes = (*opened.notes, *without_unit(opened.columns, taken), *resampled.notes)
     return _Taken(digest, values, _origins(taken), ignored, notes, resampled.bridged)
 
 

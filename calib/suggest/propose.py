@@ -18,7 +18,7 @@ from calib.names import CHANNELS, WHEELS
 from calib.suggest.body import Found, find_acceleration, find_pressure, find_speed
 from calib.suggest.clock import find_clock, rising
 from calib.suggest.physics import ColumnClock, moving, rate_of
-from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal, Suggestion
+from calib.suggest.proposal import LIKELY, Doubt, Proposal, Suggestion
 from calib.suggest.series import Series, read_series, without_gaps
 from calib.suggest.told import told_source, values_of
 from calib.suggest.wheels import find_wheels, groups

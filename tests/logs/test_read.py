@@ -157,6 +157,18 @@ def test_missing_unit(tmp_path):
     assert "[Pa]" in message
 
 
+def test_an_optional_channel_without_unit_is_left_out_and_said(tmp_path):
+    columns = {**table(), "v": ["20"] * 60}
+    path = write(tmp_path, csv_text(columns))
+    log = read_log(path)
+    assert "v" not in log
+    assert log.ignored == ("v",)
+    assert log.notes == (
+        "v has no unit and was left out: name it in the header or in a channel map",
+    )
+    assert "v: the unit is missing" in refused(path, require=("v",))
+
+
 def test_unknown_unit(tmp_path):
     message = refused(write(tmp_path, csv_text(table()).replace("[bar]", "[barg]")))
     assert "p_mc" in message
