@@ -123,6 +123,7 @@ SPELLINGS = {
     "ms^-2": "m/s^2",
     "m*s^-2": "m/s^2",
     "G": "g",
+    "g's": "g",
     "rps": "Hz",
     "RPM": "rpm",
     "rev/min": "rpm",

@@ -1,5 +1,6 @@
 """`brake-cal map`: propose a channel map for a log of foreign names."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     from calib.suggest.proposal import Suggestion
 
 UNCERTAIN = 3
+"""Exit code for a log that leaves something open, or has no channel at all."""
+NOT_ENOUGH = 1
+"""Exit code for a map without a channel that every log needs, as that of `check` for such a log."""
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -49,7 +53,7 @@ def suggest(
         typer.Option(metavar="M", help="Radius [m] for wheel speeds in km/h.", min=0.1, max=1.0),
     ] = None,
     channel_map: Annotated[
-        Path | None, map_file("Its file format; not that of the settings.")
+        Path | None, map_file("Its file format and DBC; not that of the settings.")
     ] = None,
     out: Annotated[Path | None, out_file("Map file to write.", "M.toml")] = None,
     json: Json = False,
@@ -57,7 +61,8 @@ def suggest(
     """Propose a channel map for a LOG from names, units and physics, with its confidence.
 
     Prints the map on stdout and the reasons on stderr. Where something is ambiguous it lists the
-    candidates, writes no map and ends with 3. Of --map only the file format is used.
+    candidates, writes no map and ends with 3. It ends with 1 if the log lacks what every log needs,
+    such as the pressure. Of --map only file format and DBC are used; the new map keeps them.
     """
     from calib.logs.read import open_log
     from calib.suggest.propose import suggest as propose
@@ -67,24 +72,32 @@ def suggest(
     if out is not None:
         refuse_folder(out)
         refuse_overwriting([out], [log], [channel_map])
-    source = open_log(log, channel_map_of(channel_map)).source
-    found = propose(source, str(log), told=taken, radius=radius)
+    read_with = channel_map_of(channel_map)
+    found = propose(open_log(log, read_with).source, str(log), told=taken, radius=radius)
+    toml = to_toml(found, read_with, None if out is None else out.absolute().parent)
+    written = not found.doubts and bool(found.proposals)
     if json:
-        emit_json({"schema": 1, "certain": not found.doubts, **_document(found)})
+        document = {**asdict(found), "toml": toml if written else None}
+        emit_json({"schema": 1, "certain": not found.doubts, **document})
     else:
         _tell(found)
-    if found.doubts:
-        for doubt in found.doubts:
-            complain(f"{doubt.channel}: {doubt.why}: {', '.join(doubt.candidates)}; {doubt.do}")
+    for doubt in found.doubts:
+        complain(f"{doubt.channel}: {doubt.why}: {', '.join(doubt.candidates)}; {doubt.do}")
+    if not written:
+        if not found.doubts:
+            complain(f"{log}: no column is a channel; name them: --take CHANNEL=NAME")
         raise typer.Exit(UNCERTAIN)
     if out is not None:
         from calib.files import write_whole
 
         with writing(out):
-            write_whole(out, to_toml(found).encode())
+            write_whole(out, toml.encode())
         say(f"wrote {out}")
     elif not json:
-        emit(to_toml(found).rstrip("\n"))
+        emit(toml.rstrip("\n"))
+    if found.missing:
+        complain(f"{log}: {', '.join(found.missing)} missing: no table can be made of this log")
+        raise typer.Exit(NOT_ENOUGH)
 
 
 def _pair(text: str) -> tuple[str, str]:
@@ -92,15 +105,6 @@ def _pair(text: str) -> tuple[str, str]:
     if not equals:
         raise typer.BadParameter(f"{text!r} is not CHANNEL=NAME", param_hint="--take")
     return channel.strip(), name.strip()
-
-
-def _document(found: "Suggestion") -> dict[str, object]:
-    from dataclasses import asdict
-
-    from calib.suggest.written import to_toml
-
-    toml = None if found.doubts else to_toml(found)
-    return {**asdict(found), "toml": toml}
 
 
 def _tell(found: "Suggestion") -> None:

@@ -12,6 +12,7 @@ from calib.checks.sensors import Sensor
 from calib.checks.uses import uses
 from calib.checks.warnings import warnings_of
 from calib.checks.wheel_checks import IntervalEstimate
+from calib.logs.gaps import Gap
 from calib.logs.log import Log, Origin
 from calib.names import CHANNELS
 from calib.signals.driving_record import BrakeEvent
@@ -69,6 +70,7 @@ class Findings:
     verdicts : one for each purpose.
     taken : source column of each channel.
     uses : quantities that can be determined from the log, also if it is not usable.
+    bridged : gaps of single channels that were bridged while reading.
     """
 
     log: str
@@ -82,6 +84,7 @@ class Findings:
     verdicts: tuple[LogVerdict, ...]
     taken: tuple[Taken, ...] = ()
     uses: tuple[str, ...] = ()
+    bridged: tuple[Gap, ...] = ()
 
     def __repr__(self) -> str:
         """The findings as lines of text, in the units of a log file."""
@@ -140,6 +143,7 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
         verdicts=tuple(verdicts),
         taken=tuple(_taken(log, origin) for origin in log.origins if origin.channel in CHANNELS),
         uses=tuple(uses(seen)),
+        bridged=log.bridged,
     )
 
 

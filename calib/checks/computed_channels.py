@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.logs.source import ColumnSource
-from calib.names import CHANNELS
 from calib.units import UnknownUnit, si_of, spelling
 
 Array = NDArray[np.float64]
@@ -19,6 +18,9 @@ ALIKE = 1e-3
 PRESSURES = ("p_mc", "p_fl", "p_fr", "p_rl", "p_rr")
 """The channels that are checked. The bus of some cars has the demanded brake torque and no
 pressure, and some decoders divide this torque by a constant to get a pressure."""
+
+COUNTS = ("1", "-")
+"""Units of a bare number."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +56,7 @@ def factor_between(channel: Array, other: Array) -> float | None:
 def computed_channels(log: Log, source: ColumnSource) -> tuple[ComputedChannel, ...]:
     """The pressures of a log that equal a column of another quantity times a number.
 
-    ``source`` is the opened file of ``log``. Columns of pressure do not count as sources: a logger
-    may write one pressure in two units.
+    ``source`` is the opened file of ``log``. Only columns of `is_other_quantity` count as sources.
     """
     return tuple(_copies(log, source))
 
@@ -63,7 +64,7 @@ def computed_channels(log: Log, source: ColumnSource) -> tuple[ComputedChannel, 
 def _copies(log: Log, source: ColumnSource) -> Iterator[ComputedChannel]:
     pressures = [name for name in PRESSURES if name in log]
     for index, column in enumerate(source.columns):
-        if column.name not in log.ignored or not pressures or not _other_quantity(column.unit):
+        if column.name not in log.ignored or not pressures or not is_other_quantity(column.unit):
             continue
         try:
             (values,) = source.read([index])
@@ -76,9 +77,13 @@ def _copies(log: Log, source: ColumnSource) -> Iterator[ComputedChannel]:
                     yield ComputedChannel(name, column.name, spelling(str(column.unit)), factor)
 
 
-def _other_quantity(unit: str | None) -> bool:
-    """Whether a unit is known and is not a unit of pressure."""
+def is_other_quantity(unit: str | None) -> bool:
+    """Whether a unit is that of a quantity of which a pressure can be computed.
+
+    Not so a pressure: a logger may write one in two units. Neither a bare number: it may be the
+    count of the converter that the pressure was scaled from.
+    """
     try:
-        return unit is not None and si_of(unit) != CHANNELS["p_mc"].si
+        return unit is not None and spelling(unit) not in COUNTS and si_of(unit) not in ("Pa", "s")
     except UnknownUnit:
         return False

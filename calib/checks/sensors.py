@@ -22,6 +22,14 @@ HIGH_PASS = 0.2
 RESTING = ("T_drive_f", "T_drive_r")
 """Channels whose highest value may be that of rest: a motor that only slows returns to zero."""
 
+PRESSES = 0.1
+"""A pressure that is held moves the deceleration by less than this share of it [1], once the brakes
+have followed; one at the end of its range goes on to rise."""
+FOLLOWED = 0.3
+"""Time in which the brakes have followed the pressure [s]."""
+RELEASED = 0.05
+"""Below this deceleration no brake is applied [1]."""
+
 UNKNOWN = (float("nan"),) * 3
 
 
@@ -40,7 +48,7 @@ class Sensor:
     flat : share of the unbraked samples that have their most frequent value [1].
     stuck : (from, to) where it is constant while others change [s].
     saturated : time for which it stays at its highest (``a_x``: lowest) value, if unusual [s]; 0
-        for the channels of `RESTING`.
+        for the channels of `RESTING`, and for a pressure that the driver holds.
     """
 
     channel: str
@@ -70,6 +78,7 @@ def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: 
     step = log.sample_time
     quiet = np.ones(x.size, bool) if driving is None else driving.unbraked
     noise, white, colour = noise_of(x, quiet, step) if full else UNKNOWN
+    idle = name in RESTING or (name.startswith("p_") and _is_held(x, driving))
     return Sensor(
         channel=name,
         low=float(x.min()),
@@ -80,7 +89,7 @@ def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: 
         autocorrelation=colour,
         flat=flatness(x[quiet]) if full else UNKNOWN[0],
         stuck=() if driving is None else _stuck(name, x, log, driving),
-        saturated=0.0 if name in RESTING else saturation(-x if name == "a_x" else x, step),
+        saturated=0.0 if idle else saturation(-x if name == "a_x" else x, step),
     )
 
 
@@ -150,6 +159,19 @@ def saturation(x: Array, step: float) -> float:
     return longest * step if odd else 0.0
 
 
+def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
+    """Whether the deceleration stays as it is while the pressure is at its highest value.
+
+    So for a pedal that is held; a pressure beyond the range of its sensor makes it rise.
+    """
+    if driving is None:
+        return False
+    start, end = max(runs(pressure == pressure.max()), key=lambda run: run[1] - run[0])
+    followed = slice(start + round(FOLLOWED / driving.step), end - round(SMOOTH / driving.step))
+    z = driving.z[followed][driving.moving[followed]]
+    return z.size > 0 and float(z.max() - z[0]) < PRESSES * float(z.max())
+
+
 def _stuck(
     name: str, x: Array, log: Log, driving: DrivingRecord
 ) -> tuple[tuple[float, float], ...]:
@@ -178,6 +200,20 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
         return spin.size > 0 and bool(np.ptp(spin) > 0.1)
     if name == "p_mc":
         z = driving.z[inside][moving]
-        braked = z.size > 0 and float(np.ptp(z)) > 0.15
-        return braked and (log[name][part.start] != 0 or float(z.max()) > 0.3)
+        if z.size == 0 or float(np.ptp(z)) <= 0.15:
+            return False
+        if log[name][part.start] == 0:
+            return float(z.max()) > 0.3
+        return float(z.min()) < RELEASED or _returns_with_a_jump(log[name], part.stop)
     return False
+
+
+def _returns_with_a_jump(x: Array, end: int) -> bool:
+    """Whether the step at ``end`` is much larger than those around it: a sensor works again.
+
+    A pedal that was held moves on in steps that are alike; friction alone moves the deceleration.
+    """
+    if end + 5 >= x.size:
+        return False
+    after = np.abs(np.diff(x[end : end + 6]))
+    return bool(abs(x[end] - x[end - 1]) > 5.0 * max(float(np.median(after)), 1.0))

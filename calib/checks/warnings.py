@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from calib.checks.observation import Observation
 from calib.checks.rules import LEAD_IN_GOOD, LEAD_IN_VALIDATE
+from calib.checks.swapped import causes_of_reversed_slip
 from calib.warning import PlausibilityWarning
 
 SLOW = 95.0
@@ -114,8 +115,9 @@ def _swapped(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if sign * eta.value < -max(ZERO, eta.half):
         yield PlausibilityWarning(
             "axles_swapped", log, eta.value, (-ZERO, MORE) if sign > 0.0 else (-MORE, ZERO),
-            ("front and rear wheel speeds that are swapped", f"{less} wheels that brake more"),
-            f"check the order of the wheel speeds; the {more} wheels must slip more",
+            causes_of_reversed_slip(less),
+            f"check the order of the wheel speeds, and log a motor's T_drive_{less[0]}; the {more} "
+            "wheels must slip more",
         )  # fmt: skip
 
 

@@ -1,11 +1,19 @@
-"""CSV: comments with the table's facts, then one row per number (`calib.exports.rows`)."""
+"""CSV: comments with the table's facts, then one row per number (`calib.exports.rows`).
+
+The unit of a bare number is ``-``: readers that guess types would take ``1`` for an integer, and
+fail at the first other unit.
+"""
 
 import csv
 import io
 
+from calib.exports.build import UNIT
 from calib.exports.dataset import Dataset
 from calib.exports.labels import printable
 from calib.exports.rows import COLUMNS, rows
+
+BARE = "-"
+"""The unit of a bare number; `calib.units` knows it, too."""
 
 
 def write_csv(data: Dataset) -> bytes:
@@ -16,5 +24,13 @@ def write_csv(data: Dataset) -> bytes:
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)
     for row in rows(data):
-        table.writerow("" if v is None else repr(v) if isinstance(v, float) else v for v in row)
+        table.writerow(map(_cell, row))
     return text.getvalue().encode()
+
+
+def _cell(value: str | float | None) -> str:
+    if value is None:
+        return ""
+    if value == UNIT:
+        return BARE
+    return repr(value) if isinstance(value, float) else str(value)

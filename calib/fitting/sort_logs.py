@@ -4,6 +4,7 @@ import numpy as np
 
 from calib.checks.check import problems_for
 from calib.checks.gates import bitten, eta_rise, refuse_twice, require_same_wheels
+from calib.checks.swapped import what_to_check
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
@@ -77,6 +78,6 @@ def _require_axles(vehicle: Vehicle, log: Log, b: Blocks) -> None:
             f"the {more} wheels slip less than the {less} while braking: eta {100 * rise:+.2f} %",
             where=log.source,
             expected=f"a {way}: {why}",
-            do="are the axles swapped? put them right in a channel map"
+            do=what_to_check(less)
             + ("; leave out wheel pressures that are not measured" if alone else ""),
         )

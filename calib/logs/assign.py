@@ -54,9 +54,10 @@ def assign(
 
     Returns
     -------
-    The columns to use, and the names of the other columns. Raises LogError for a required channel
-    that is missing, a channel that occurs twice, a missing or unknown unit; ChannelMapError for a
-    source that is not in the file.
+    The columns to use, and the names of the other columns; among these are optional channels
+    without a unit, see `without_unit`. Raises LogError for a required channel that is missing, a
+    channel that occurs twice, a missing or unknown unit; ChannelMapError for a source that is not
+    in the file.
     """
     mapped = channel_map.channels if channel_map else {}
     ignore = channel_map.ignore if channel_map else ()
@@ -64,7 +65,7 @@ def assign(
     sources = {item.index for item in taken}
     for index, column in enumerate(columns):
         if index not in sources and column.name not in (*mapped, *ignore):
-            item = _canonical(column, index, where)
+            item = None if _is_spare(column, require) else _canonical(column, index, where)
             taken += [item] if item else []
     _refuse_twice(taken, columns, where)
     names = {item.channel for item in taken}
@@ -72,6 +73,22 @@ def assign(
     ignored = tuple(c.name for i, c in enumerate(columns) if i not in indices)
     _refuse_missing([name for name in require if name not in names], ignored, where)
     return taken, ignored
+
+
+def _is_spare(column: Column, require: tuple[str, ...] = ()) -> bool:
+    """Whether a column is an optional channel without a unit."""
+    known = column.name in CHANNELS and not CHANNELS[column.name].required
+    return known and not column.unit and column.name not in require
+
+
+def without_unit(columns: tuple[Column, ...], taken: list[Assigned]) -> tuple[str, ...]:
+    """A note on each optional channel that was left out because it has no unit."""
+    used = {item.channel for item in taken}
+    return tuple(
+        f"{column.name} has no unit and was left out: name it in the header or in a channel map"
+        for column in columns
+        if _is_spare(column) and column.name not in used
+    )
 
 
 def _mapped(

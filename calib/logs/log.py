@@ -6,6 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.logs.gaps import Gap
+
 Array = NDArray[np.float64]
 
 
@@ -37,6 +39,7 @@ class Log:
     ignored : source channels that were not used.
     notes : what the reader changed or ignored, as text.
     origins : source and conversion of each channel; empty for a simulated log.
+    bridged : gaps of single channels that were bridged, see `calib.logs.gaps`.
     """
 
     name: str
@@ -47,6 +50,7 @@ class Log:
     ignored: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     origins: tuple[Origin, ...] = ()
+    bridged: tuple[Gap, ...] = ()
 
     def __repr__(self) -> str:
         names = ", ".join(self.channels) + (" + truth" if self.truth else "")

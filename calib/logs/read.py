@@ -5,9 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import ChannelMapError, LogError
-from calib.logs.assign import TRUTH, Assigned, assign
+from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.bus.databases import Databases
 from calib.logs.channel_map import ChannelMap
+from calib.logs.gaps import Gap, fill_rows
+from calib.logs.kind import refuse_other_kind
 from calib.logs.log import Array, Log, Origin
 from calib.logs.recording import ChannelTrace
 from calib.logs.recordings import RECORDINGS, as_source
@@ -43,15 +45,26 @@ def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
     if ending_of(path) not in RECORDINGS:
         return _open_table(log_bytes(path), path, channel_map)
     refuse_no_log(path)
+    _refuse_other_kind(path, path)
     digest = _digest(path)
     dbc = channel_map.databases if channel_map else Databases()
     return Opened(as_source(RECORDINGS[ending_of(path)](path, dbc), str(path)), digest)
 
 
 def _open_table(data: bytes, path: Path, channel_map: ChannelMap | None) -> Opened:
+    refuse_other_kind(data[:64], ending_of(path), path)
     text_format = channel_map.text if channel_map else LOOKED
     source = TABLES[ending_of(path)](data, str(path), text_format)
     return Opened(source, hashlib.sha256(data).hexdigest())
+
+
+def _refuse_other_kind(file: Path, where: object) -> None:
+    try:
+        with file.open("rb") as opened:
+            head = opened.read(64)
+    except OSError as cause:
+        raise _unreadable(where, cause) from cause
+    refuse_other_kind(head, ending_of(file), where)
 
 
 def _digest(path: Path) -> str:
@@ -160,18 +173,20 @@ def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
         ignored=taken.ignored,
         notes=taken.notes + notes,
+        bridged=tuple(gap for gap in taken.bridged if gap.channel in values),
     )
 
 
 @dataclass(frozen=True)
 class _Taken:
-    """Content of a file: digest, channels [SI], unused columns, notes."""
+    """Content of a file: digest, channels [SI], unused columns, notes, bridged gaps."""
 
     digest: str
     values: dict[str, Array]
     origins: tuple[Origin, ...]
     ignored: tuple[str, ...]
     notes: tuple[str, ...]
+    bridged: tuple[Gap, ...] = ()
 
 
 def _read_table(
@@ -181,7 +196,12 @@ def _read_table(
     taken, ignored = assign(source.columns, channel_map, require, str(path))
     written = source.read([item.index for item in taken])
     values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
-    return _Taken(opened.digest, values, _origins(taken), ignored, source.notes)
+    measured = {name: x for name, x in values.items() if name in CHANNELS and name != "time"}
+    filled, notes, bridged = fill_rows(measured, values["time"])
+    notes = [*source.notes, *without_unit(source.columns, taken), *notes]
+    return _Taken(
+        opened.digest, values | filled, _origins(taken), ignored, tuple(notes), tuple(bridged)
+    )
 
 
 def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:
@@ -191,6 +211,7 @@ def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:
 def _read_recording(
     file: Path, digest: str, where: str, channel_map: ChannelMap | None, require: tuple[str, ...]
 ) -> _Taken:
+    _refuse_other_kind(file, where)
     opened = RECORDINGS[ending_of(file)](
         file, channel_map.databases if channel_map else Databases()
     )
@@ -208,7 +229,8 @@ def _read_recording(
     resampled = on_one_clock([_wanted(i, t) for i, t in zip(others, traces, strict=True)], where)
     written = zip((clock, *others), (resampled.time, *resampled.values), strict=True)
     values = {item.channel: item.to_si(w) for item, w in written}
-    return _Taken(digest, values, _origins(taken), ignored, opened.notes + resampled.notes)
+    notes = (*opened.notes, *without_unit(opened.columns, taken), *resampled.notes)
+    return _Taken(digest, values, _origins(taken), ignored, notes, resampled.bridged)
 
 
 def _own_clock(clock: Assigned, channel_map: ChannelMap | None) -> ChannelMapError:

@@ -54,7 +54,8 @@ def as_source(opened: Recording, where: str) -> ColumnSource:
                 raise LogError("holds no numbers", where=f"{where}: {_name(opened, index)}")
         return [arrays[index] for index in indices]
 
-    return ColumnSource(opened.columns, read, opened.notes + resampled.notes)
+    rates = {i: resampled.rates[n] for i in traces if (n := _name(opened, i)) in resampled.rates}
+    return ColumnSource(opened.columns, read, opened.notes + resampled.notes, rates)
 
 
 def _name(opened: Recording, index: int) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import LogError
+from calib.logs.gaps import Filled, Gap, fill, in_words, step_of
 from calib.logs.recording import ChannelTrace
 from calib.logs.running import running
 from calib.logs.source import Array
@@ -24,14 +25,12 @@ FASTEST = 1050.0
 ALIKE = 0.9
 """From this share of the highest rate on, the clock with most wheel speeds is chosen [1]."""
 
+UNEVEN = 0.5
+"""A clock of which more than a tenth of the steps differ by more than this from the median [1] is
+taken only if there is no other."""
+
 ENDS = 0.5
 """An optional channel may shorten the log by at most this at either end [s]."""
-
-BRIDGE = 0.1
-"""Gaps longer than this [s] and than `STEPS` are not interpolated."""
-
-STEPS = 3.5
-"""Longest interpolated gap in median steps: two samples in a row may be missing, plus jitter."""
 
 
 @dataclass(frozen=True)
@@ -50,20 +49,27 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Resampled:
-    """``time`` [s], one array of its shape for each wanted channel, NaN where it has no value."""
+    """Channels on one clock.
+
+    ``time`` [s]; one array of its shape for each wanted channel, NaN where it has no value; notes;
+    the gaps that were bridged; the sample rate of each channel that is not empty [Hz].
+    """
 
     time: Array
     values: list[Array]
     notes: tuple[str, ...]
+    bridged: tuple[Gap, ...]
+    rates: dict[str, float]
 
 
 def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
     """Resample channels onto one clock.
 
-    The clock has the timestamps of the required channel with the highest rate; if several are about
-    as fast, of those with most wheel speeds. Channels on these timestamps keep their samples;
-    others are interpolated linearly, states hold their last value. There are no values before the
-    first or after the last sample of a channel, nor in a gap.
+    The clock has the timestamps of the required channel with the highest rate and even steps; if
+    several are about as fast, of those with most wheel speeds. Channels on these timestamps keep
+    their samples; others are interpolated linearly, states hold their last value. There are no
+    values before the first or after the last sample of a channel, nor in a gap, unless
+    `calib.logs.gaps` bridges it.
 
     Raises LogError if the required channels have no time in common, for timestamps that are not in
     order (`calib.logs.running`), and if there is no channel at all.
@@ -79,11 +85,15 @@ def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
     master = _master(full, rates)
     inside = (master.trace.time >= low) & (master.trace.time <= high)
     time = master.trace.time[inside]
-    missing = np.full(time.size, np.nan)
-    values = [
-        _at(w, master, inside, rates[w.name]) if w.name in rates else missing.copy() for w in wanted
-    ]
-    return Resampled(time, values, (*notes, *_notes(full, master, rates), *cut))
+    filled = [_at(w, master, inside) for w in wanted]
+    gaps = [text for item in filled for text in in_words(item)]
+    return Resampled(
+        time,
+        [item.values for item in filled],
+        (*notes, *_notes(full, master, rates), *gaps, *cut),
+        tuple(gap for item in filled for gap in item.bridged),
+        rates,
+    )
 
 
 def _clean(wanted: Sequence[Wanted], where: str) -> tuple[list[Wanted], list[str]]:
@@ -150,7 +160,7 @@ def _span(full: list[Wanted], where: str) -> tuple[float, float, list[str]]:
 
 def rate_of(time: Array) -> float:
     """Sample rate [Hz] from the median step of ascending times [s]."""
-    return float(1.0 / np.median(np.diff(time)))
+    return 1.0 / step_of(time)
 
 
 def _rates(full: list[Wanted]) -> dict[str, float]:
@@ -163,8 +173,16 @@ def _rates(full: list[Wanted]) -> dict[str, float]:
     return {w.name: known[w.trace.clock, w.trace.time.size] for w in full}
 
 
+def _even(time: Array) -> bool:
+    """Whether nearly all steps are about as long: not so the pages of a multiplexed message."""
+    steps = np.diff(time)
+    median = float(np.median(steps))
+    return bool(np.quantile(np.abs(steps - median), 0.9) <= UNEVEN * median)
+
+
 def _master(full: list[Wanted], rates: dict[str, float]) -> Wanted:
     base = [w for w in full if w.required] or full
+    base = [w for w in base if _even(w.trace.time)] or base
     fastest = [rates[w.name] for w in base]
     top = max([r for r in fastest if r <= FASTEST] or fastest)
     alike = [w for w in base if ALIKE * top <= rates[w.name] <= top]
@@ -176,30 +194,21 @@ def _master(full: list[Wanted], rates: dict[str, float]) -> Wanted:
     return max(alike, key=carried)
 
 
-def _at(w: Wanted, master: Wanted, inside: NDArray[np.bool_], rate: float) -> Array:
+def _at(w: Wanted, master: Wanted, inside: NDArray[np.bool_]) -> Filled:
     """Values of a channel at the times of the clock."""
-    t, x = w.trace.time, w.trace.values
+    t, x, at = w.trace.time, w.trace.values, master.trace.time[inside]
+    if t.size < 2:
+        return Filled(np.full(at.size, np.nan))
     if _same(w, master):
-        kept: Array = x[inside]
-        return kept
-    at = master.trace.time[inside]
-    values = _held(t, x, at) if w.hold else _between(t, x, at, max(BRIDGE, STEPS / rate))
-    values[(at < t[0]) | (at > t[-1])] = np.nan
-    return values
+        return Filled(x[inside])
+    return Filled(_held(t, x, at)) if w.hold else fill(w.name, t, x, at)
 
 
 def _held(t: Array, x: Array, at: Array) -> Array:
     before = np.clip(np.searchsorted(t, at, side="right") - 1, 0, t.size - 1)
     held: Array = x[before].astype(np.float64)
+    held[(at < t[0]) | (at > t[-1])] = np.nan
     return held
-
-
-def _between(t: Array, x: Array, at: Array, wide: float) -> Array:
-    """Straight lines between samples, NaN where they are more than ``wide`` [s] apart."""
-    values: Array = np.interp(at, t, x)
-    for i in np.flatnonzero(np.diff(t) > wide):
-        values[(at > t[i]) & (at < t[i + 1])] = np.nan
-    return values
 
 
 def _same(w: Wanted, master: Wanted) -> bool:

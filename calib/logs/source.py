@@ -1,7 +1,7 @@
 """An opened log file: its columns, and a function that reads some of them."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +28,11 @@ class ColumnSource:
 
     ``columns`` in file order; ``read`` takes indices into them and returns one array each, as
     written, with NaN for an empty cell, and raises LogError for a column that holds no numbers;
-    ``notes`` on oddities that are no errors.
+    ``notes`` on oddities that are no errors; ``rates`` of the columns that were recorded on another
+    clock than that of the rows [Hz], by index.
     """
 
     columns: tuple[Column, ...]
     read: Callable[[Sequence[int]], list[Array]]
     notes: tuple[str, ...] = ()
+    rates: Mapping[int, float] = field(default_factory=dict)

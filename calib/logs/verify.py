@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import LogError
+from calib.logs.gaps import ONLY
 from calib.logs.source import Array
 from calib.names import CHANNELS
 
@@ -42,7 +43,7 @@ def complete_channels(
                 raise _empty(name, values.size, where)
             notes.append(f"{name} is empty and was left out")
         elif name in CHANNELS and CHANNELS[name].required:
-            raise _holes(name, values, bad, where)
+            raise _holes(name, values, bad, channels["time"], where)
         else:
             notes.append(
                 f"{name} has no value in {bad.size} of {values.size} rows, "
@@ -72,14 +73,16 @@ def _empty(name: str, rows: int, where: str) -> LogError:
     )
 
 
-def _holes(name: str, values: Array, bad: NDArray[np.intp], where: str) -> LogError:
+def _holes(name: str, values: Array, bad: NDArray[np.intp], time: Array, where: str) -> LogError:
     first = int(bad[0])
     kind = "no value" if np.isnan(values[first]) else "an infinite value"
     return LogError(
-        f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1}",
+        f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1} "
+        f"at {time[first]:.3f} s",
         where=f"{where}: {name}",
         expected="a finite value in every row",
-        do="export all channels on one clock, or cut the log before the gap",
+        do=f"export all channels on one clock, or cut the log before the gap: a gap is bridged "
+        f"{ONLY}",
     )
 
 

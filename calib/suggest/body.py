@@ -12,10 +12,11 @@ from calib.names import G
 from calib.signals.filters import centred_mean
 from calib.suggest.physics import LATE, ColumnClock, correlation, lead, slope
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
-from calib.suggest.series import Series
+from calib.suggest.series import Series, finest
 from calib.suggest.words import (
     BRAKE,
     DECELERATION,
+    DERIVED,
     LONG,
     MASTER,
     NO_BRAKE,
@@ -54,18 +55,41 @@ class Found:
 def choose(
     channel: str, passed: list[tuple[Series, int]], why: str, found: Callable[[Series], Proposal]
 ) -> Found:
-    """The column whose name fits best; if several fit equally well, a doubt."""
+    """The column whose name fits best; if several fit equally well, a doubt.
+
+    Of measured columns, those that are sampled coarsely beside another are no candidates.
+    """
     if not passed:
         return Found()
-    best = max(points for _, points in passed)
-    top = [s for s, points in passed if points == best]
+    fine = _fine(channel, passed)
+    best = max(points for _, points in fine)
+    top = [s for s, points in fine if points == best]
     exact = [s for s in top if s.name == channel] or top
     if len(exact) > 1:
         names = tuple(s.name for s in exact)
         return Found(doubts=(Doubt(channel, names, why, f"choose one: --take {channel}=NAME"),))
-    second = [(s.name, f"{exact[0].name} is more likely {channel}") for s, _ in passed]
-    refused = tuple(pair for pair in second if pair[0] != exact[0].name)
+    kept = {s.name for s, _ in fine}
+    refused = tuple(
+        (s.name, _less_likely(s, exact[0], channel, s.name not in kept))
+        for s, _ in passed
+        if s.name != exact[0].name
+    )
     return Found(found(exact[0]), (), refused, exact[0])
+
+
+def _fine(channel: str, passed: list[tuple[Series, int]]) -> list[tuple[Series, int]]:
+    """The columns without those that are coarser than a measured one that is named as well."""
+    measured = [s for s, points in passed if points > 0 and not DERIVED & set(words(s.name))]
+    if any(s.name == channel for s, _ in passed):
+        return passed
+    coarse = {s.name for s in measured} - {s.name for s in finest(measured)}
+    return [(s, points) for s, points in passed if s.name not in coarse]
+
+
+def _less_likely(item: Series, better: Series, channel: str, coarse: bool) -> str:
+    if coarse:
+        return f"sampled at {item.rate:.3g} Hz, and {better.name} at {better.rate:.3g} Hz"
+    return f"{better.name} is more likely {channel}"
 
 
 def find_speed(series: list[Series], wheels: Array | None) -> Found:
@@ -124,7 +148,9 @@ def find_acceleration(
     used = rate if measured else None
 
     def proposal(item: Series) -> Proposal:
-        return _acceleration(item, used, clock, metres)
+        if used is None:
+            return _unchecked_acceleration(item, rate, metres)
+        return _acceleration(item, used, clock)
 
     found = choose("a_x", passed, "more than one longitudinal acceleration", proposal)
     wrong = _wrong_unit(found.series, used, clock, metres)
@@ -140,14 +166,26 @@ def _follows(item: Series, rate: Array, clock: ColumnClock) -> float:
     return forward if forward >= back else -back
 
 
-def _acceleration(item: Series, rate: Array | None, clock: ColumnClock, metres: bool) -> Proposal:
+def _named_and_unit(item: Series) -> tuple[bool, list[str]]:
     named = item.name == "a_x" or score(item.name, LONG, NO_LONG) > 0
-    reasons = [*(["name"] if named else []), f"unit {item.column.unit}"]
+    return named, [*(["name"] if named else []), f"unit {item.column.unit}"]
+
+
+def _unchecked_acceleration(item: Series, rate: Array | None, metres: bool) -> Proposal:
+    sign = -1 if DECELERATION & set(words(item.name)) else 1
+    _, reasons = _named_and_unit(item)
     if rate is None:
-        sign = -1 if DECELERATION & set(words(item.name)) else 1
-        reasons.append("speed does not change enough to check its sign")
-        reasons += ["named a deceleration: sign reversed"] if sign < 0 else []
-        return Proposal("a_x", Mapping(item.name, sign=sign), LIKELY, tuple(reasons))
+        reasons.append("no speed is known to check its sign with")
+    else:
+        unit = "m/s^2" if metres else "rad/s^2"
+        most = f"{float(np.abs(rate).max()):.2g} {unit}"
+        reasons.append(f"the speed changes by {most} at most: too slowly to check its sign")
+    reasons += ["named a deceleration: sign reversed"] if sign < 0 else []
+    return Proposal("a_x", Mapping(item.name, sign=sign), LIKELY, tuple(reasons))
+
+
+def _acceleration(item: Series, rate: Array, clock: ColumnClock) -> Proposal:
+    named, reasons = _named_and_unit(item)
     follows = _follows(item, rate, clock)
     sign = 1 if follows > 0 else -1
     reasons.append(f"is the derivative of speed (correlation {abs(follows):.2f})")
@@ -235,7 +273,10 @@ def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClo
 def _pressure(item: Series, braking: Array | None, clock: ColumnClock) -> Proposal:
     reasons = [*(["name"] if _is_named(item) else []), f"unit {item.column.unit}"]
     applied = float(np.ptp(item.values)) > PRESSED
-    if braking is None or not applied or np.ptp(braking) < ACCELERATED:
+    if braking is None:
+        reasons.append("no speed is known to check it with")
+        return Proposal("p_mc", Mapping(item.name), LIKELY, tuple(reasons))
+    if not applied or np.ptp(braking) < ACCELERATED:
         reasons.append("no braking in the log to check it with")
         return Proposal("p_mc", Mapping(item.name), LIKELY, tuple(reasons))
     ahead, follows = lead(item.values, braking, clock, LATE)

@@ -11,17 +11,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.computed_channels import factor_between
-from calib.errors import InputError
+from calib.checks.computed_channels import factor_between, is_other_quantity
 from calib.logs.channel_map import Mapping
-from calib.logs.source import Column, ColumnSource
-from calib.logs.text.header import column_from_cell
+from calib.logs.source import ColumnSource
 from calib.names import CHANNELS, WHEELS
 from calib.suggest.body import Found, find_acceleration, find_pressure, find_speed
-from calib.suggest.clock import find_clock
+from calib.suggest.clock import find_clock, rising
 from calib.suggest.physics import ColumnClock, moving, rate_of
-from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal, Suggestion
-from calib.suggest.series import Series, read_series
+from calib.suggest.proposal import LIKELY, Doubt, Proposal, Suggestion
+from calib.suggest.series import Series, read_series, without_gaps
+from calib.suggest.told import told_source, values_of
 from calib.suggest.wheels import find_wheels, groups
 from calib.suggest.words import (
     DISC,
@@ -33,7 +32,6 @@ from calib.suggest.words import (
     axle,
     score,
 )
-from calib.units import UnknownUnit, from_si, to_si, unit_of
 
 Array = NDArray[np.float64]
 
@@ -55,7 +53,8 @@ def suggest(
     where : the file's path, for messages.
     told : sources given by the user, by channel: ``Brake [bar]`` with or without a unit; empty
         for a channel that must not be mapped.
-    radius : rolling radius [m] if the log has wheel speeds as speeds at the rim.
+    radius : rolling radius [m] if the log has wheel speeds as speeds at the rim; used for those in
+        ``told``, too.
 
     Returns
     -------
@@ -63,8 +62,8 @@ def suggest(
     InputError for a channel or column in ``told`` that does not exist.
     """
     told = dict(told or {})
-    series, left = read_series(source)
-    work = _Work(series, left, told, radius)
+    series, with_gaps, left = read_series(source)
+    work = _Work(series, with_gaps, left, told, radius)
     for channel, cell in told.items():
         work.assign(channel, cell, source, where)
     work.find()
@@ -76,6 +75,7 @@ class _Work:
     """Intermediate state. Columns that are assigned are not proposed again."""
 
     series: list[Series]
+    with_gaps: list[Series]
     left: dict[str, str]
     told: dict[str, str]
     radius: float | None
@@ -85,26 +85,18 @@ class _Work:
 
     def assign(self, channel: str, cell: str, source: ColumnSource, where: str) -> None:
         """Assign the source that the user gives."""
-        if channel not in CHANNELS:
-            raise InputError(f"there is no channel {channel!r}", expected=", ".join(CHANNELS))
-        if not cell:
-            return
-        column = _column_called(cell, source)
-        if column is None:
-            names = ", ".join(repr(c.name) for c in source.columns)
-            raise InputError(f"{where} has no column {cell!r}", expected=f"one of {names}")
-        given = column_from_cell(cell)
-        unit = given.unit if column.name != cell and given.unit != column.unit else None
-        _check_unit(unit or column.unit, channel, cell)
-        mapping = Mapping(column.name, unit)
-        self.proposals[channel] = Proposal(channel, mapping, SURE, ("given",))
+        proposal = told_source(channel, cell, source, where, self.radius)
+        if proposal is not None:
+            self.proposals[channel] = proposal
 
     def find(self) -> None:
         """Find every channel that the user did not give, in the order of the module's sketch."""
         self._clock()
         clock = self.clock
         if clock is None:
+            self.left.update({s.name: "has missing values" for s in self.with_gaps})
             return
+        self._bridge(clock)
         wheels = find_wheels(self._free(), self.radius)
         self.left.update(dict(wheels.refused))
         self._take_group("omega", wheels.proposals, wheels.doubts)
@@ -119,6 +111,17 @@ class _Work:
         self._take("p_mc", find_pressure(self._free(), None if rate is None else -rate, clock))
         self._wheel_pressures()
         self._by_name()
+
+    def _bridge(self, clock: ColumnClock) -> None:
+        """Bridge the short gaps of columns; leave those with longer ones."""
+        for item in self.with_gaps:
+            filled = without_gaps(item, clock.time)
+            if isinstance(filled, str):
+                self.left[item.name] = filled
+            else:
+                self.series.append(filled)
+        rows = 1.0 / clock.step
+        self.series = [replace(s, rate=s.rate or rows) for s in self.series]
 
     def _while_moving(
         self, motion: Array | None, clock: ColumnClock
@@ -138,22 +141,35 @@ class _Work:
 
     def _clock(self) -> None:
         if "time" in self.proposals:
-            series = [_given_values(s, self.proposals["time"]) for s in self.series]
+            series = [values_of(s, self.proposals["time"]) for s in self.series]
             named = next((s for s in series if s is not None), None)
             if named is not None:
+                named = named[rising(named)]
                 self.clock = ColumnClock(named, float(np.median(np.diff(named))))
-            return
-        found, self.clock, doubts = find_clock(self._free())
-        self.doubts += doubts
-        if found:
-            self.proposals["time"] = found
+        elif "time" not in self.told:
+            found, self.clock, doubts = find_clock(self._free(), self.with_gaps)
+            self.doubts += doubts
+            if found:
+                self.proposals["time"] = found
+        self._drop_repeated_rows()
+
+    def _drop_repeated_rows(self) -> None:
+        """Leave out the rows that repeat the time of the row before them."""
+        written = [s.values for s in self.series if self._is_time(s)]
+        if written and self.clock is not None:
+            kept = rising(written[0])
+            self.series = [replace(s, values=s.values[kept]) for s in self.series]
+            self.with_gaps = [replace(s, values=s.values[kept]) for s in self.with_gaps]
+
+    def _is_time(self, item: Series) -> bool:
+        return "time" in self.proposals and item.name == self.proposals["time"].mapping.source
 
     def _given_wheels(self) -> Array | None:
         """Mean wheel speed of the columns that the user gave [rad/s], or None."""
         four = []
         for wheel in WHEELS:
             proposal = self.proposals.get(f"omega_{wheel}")
-            found = [_given_values(s, proposal) for s in self.series] if proposal else []
+            found = [values_of(s, proposal) for s in self.series] if proposal else []
             four += [x for x in found if x is not None]
         return np.mean(four, axis=0) if len(four) == 4 else None
 
@@ -162,7 +178,7 @@ class _Work:
         self.left.update({k: v for k, v in found.refused if k not in self.left})
         if channel in self.told:
             proposal = self.proposals.get(channel)
-            values = [_given_values(s, proposal) for s in self.series] if proposal else []
+            values = [values_of(s, proposal) for s in self.series] if proposal else []
             return next((x for x in values if x is not None), None)
         self.doubts += found.doubts
         if found.proposal is None or found.series is None:
@@ -179,7 +195,7 @@ class _Work:
 
     def _computed(self) -> None:
         """Refuse pressures that are a column of another quantity times a number."""
-        others = [s for s in self.series if s.si not in ("Pa", None, "?", "s")]
+        others = [s for s in self.series if is_other_quantity(s.column.unit)]
         for item in self._free():
             for other in others if item.si == "Pa" else []:
                 factor = factor_between(item.values, other.values)
@@ -269,38 +285,3 @@ def _why_missing(name: str) -> str:
         "a_x": "no column is a longitudinal acceleration by name, unit and values",
     }
     return why.get(name, "no four columns are wheel speeds by name, unit and values")
-
-
-def _column_called(cell: str, source: ColumnSource) -> Column | None:
-    """The column with this name or header cell, also if ``cell`` has another unit; or None."""
-    for name in (cell, column_from_cell(cell).name):
-        for column in source.columns:
-            if name in (column.name, column.full):
-                return column
-    return None
-
-
-def _check_unit(unit: str | None, channel: str, cell: str) -> None:
-    """Raise InputError if the unit is missing or of another quantity."""
-    si = CHANNELS[channel].si
-    if unit is None:
-        do = f"give it: '{channel}={cell} [{CHANNELS[channel].unit}]'"
-        raise InputError(f"{cell!r} has no unit", where=channel, expected=f"one of {si}", do=do)
-    try:
-        unit_of(unit, si)
-    except UnknownUnit as cause:
-        raise InputError(f"{cell!r}: {cause}", where=channel) from cause
-
-
-def _given_values(series: Series, proposal: Proposal | None) -> Array | None:
-    """The values [SI] of a column if it is the source of ``proposal``, else None."""
-    if proposal is None or series.name != proposal.mapping.source:
-        return None
-    unit = proposal.mapping.unit
-    if unit is None:
-        return series.values
-    # A given unit overrides the file's: undo that conversion, then apply the given one.
-    written = series.values
-    if series.column.unit and series.si not in (None, "?"):
-        written = from_si(series.values, series.column.unit, str(series.si))
-    return to_si(written, unit, CHANNELS[proposal.channel].si)

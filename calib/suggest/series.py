@@ -1,11 +1,12 @@
 """The numeric columns of a source, in SI if their unit is known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import LogError
+from calib.logs.gaps import ONLY, fill_rows, step_of
 from calib.logs.source import Column, ColumnSource
 from calib.names import CHANNELS
 from calib.units import UnknownUnit, is_unit, si_of, to_si
@@ -15,14 +16,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Series:
-    """A column with a number in every row; ``si`` is the SI unit, None without a unit.
+    """A numeric column; ``si`` is the SI unit, None without a unit.
 
-    ``values``, shape (n,), are in SI if the unit is known, else as written.
+    ``values``, shape (n,), are in SI if the unit is known, else as written. ``rate`` is that of its
+    samples [Hz], None if they are the rows.
     """
 
     column: Column
     values: Array
     si: str | None
+    rate: float | None = None
 
     @property
     def name(self) -> str:
@@ -35,20 +38,42 @@ class Series:
         return bool(np.ptp(self.values) > 0.0)
 
 
-def read_series(source: ColumnSource) -> tuple[list[Series], dict[str, str]]:
-    """The numeric columns, and for the others the reason, by name."""
-    found, left = [], {}
-    for column, values in zip(source.columns, _arrays(source), strict=True):
+def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[str, str]]:
+    """The columns with a number in every row, those with gaps, and for the others the reason."""
+    found, with_gaps, left = list[Series](), list[Series](), dict[str, str]()
+    for index, (column, values) in enumerate(zip(source.columns, _arrays(source), strict=True)):
         if isinstance(values, str):
             left[column.name] = values
         elif column.name.startswith("true_"):
             left[column.name] = "truth of a simulation"
-        elif not np.isfinite(values).all():
-            empty = np.isnan(values).all()
-            left[column.name] = "empty" if empty else "has missing values"
+        elif np.isnan(values).all():
+            left[column.name] = "empty"
+        elif np.isinf(values).any():
+            left[column.name] = "has infinite values"
         else:
-            found.append(_series(column, values))
-    return found, left
+            item = replace(_series(column, values), rate=source.rates.get(index))
+            (with_gaps if np.isnan(values).any() else found).append(item)
+    return found, with_gaps, left
+
+
+def without_gaps(series: Series, time: Array) -> Series | str:
+    """The column with its short gaps bridged, or why it cannot be used.
+
+    ``time`` of the rows [s], shape (n,).
+    """
+    filled, _, _ = fill_rows({series.name: series.values}, time)
+    values, known = filled[series.name], time[~np.isnan(series.values)]
+    missing = np.flatnonzero(np.isnan(values))
+    if missing.size:
+        first = f"{missing.size} of {time.size} rows, first at {time[missing[0]]:.3f} s"
+        return f"no value in {first}; gaps are bridged {ONLY}"
+    return replace(series, values=values, rate=series.rate or 1.0 / step_of(known))
+
+
+def finest(series: list[Series]) -> list[Series]:
+    """Those that were sampled more than half as fast as the fastest; all if rates are unknown."""
+    top = max((item.rate or 0.0 for item in series), default=0.0)
+    return [item for item in series if 2.0 * (item.rate or 0.0) >= top]
 
 
 def _arrays(source: ColumnSource) -> list[Array | str]:

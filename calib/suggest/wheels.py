@@ -11,7 +11,7 @@ from calib.suggest.physics import together
 from calib.suggest.proposal import SURE, Doubt, Proposal
 from calib.suggest.series import Series
 from calib.suggest.words import loose_corner
-from calib.units import to_si
+from calib.units import is_unit, to_si
 
 Array = NDArray[np.float64]
 
@@ -64,6 +64,24 @@ def find_wheels(series: list[Series], radius: float | None) -> Wheels:
     return replace(_of(fit[0], radius), refused=tuple(refused))
 
 
+def rim_mapping(
+    channel: str, source: str, unit: str | None, radius: float | None
+) -> Mapping | None:
+    """The mapping of a wheel speed that is written as a speed at the rim.
+
+    None for another channel, a unit that is not one of speed, or without the ``radius`` [m].
+    """
+    wheel = channel.startswith("omega_") and radius is not None
+    if not wheel or unit is None or radius is None or not is_unit(unit, "m/s"):
+        return None
+    return Mapping(source, "rad/s", scale=to_si(1.0, unit, "m/s") / radius)
+
+
+def rim_reason(radius: float) -> str:
+    """How a speed at the rim became a wheel speed, in words."""
+    return f"divided by the given radius of {radius:g} m"
+
+
 def _of(four: dict[str, Series], radius: float | None) -> Wheels:
     mean = np.mean([four[w].values for w in WHEELS], axis=0)
     names = tuple(four[w].name for w in WHEELS)
@@ -80,10 +98,7 @@ def _of(four: dict[str, Series], radius: float | None) -> Wheels:
         do = "give the radius with which the car computes them: --radius 0.31"
         why = f"speeds at the rim, in {unit}, need a radius to become wheel speeds"
         return Wheels(doubts=(Doubt("omega_fl ... omega_rr", names, why, do),), mean=mean)
-    reasons = (*reasons, f"divided by the given radius of {radius:g} m")
-    scale = to_si(1.0, str(unit), "m/s") / radius
-    found = [
-        Proposal(f"omega_{w}", Mapping(four[w].name, "rad/s", scale=scale), SURE, reasons)
-        for w in WHEELS
-    ]
+    reasons = (*reasons, rim_reason(radius))
+    mappings = {w: rim_mapping(f"omega_{w}", four[w].name, unit, radius) for w in WHEELS}
+    found = [Proposal(f"omega_{w}", m, SURE, reasons) for w, m in mappings.items() if m]
     return Wheels(tuple(found), (), mean / radius, True)

@@ -3,22 +3,25 @@
 import re
 from itertools import pairwise
 
-_WORD = re.compile(r"[A-ZÄÖÜ]+(?=[A-ZÄÖÜ][a-zäöü])|[A-ZÄÖÜ]?[a-zäöüß]+|[A-ZÄÖÜ]+|\d+")
+_WORD = re.compile(
+    r"[LR][12](?![0-9A-Za-z])|(?<![A-Za-z])[lr][12](?![0-9A-Za-z])"
+    r"|[A-ZÄÖÜ]+(?=[A-ZÄÖÜ][a-zäöü])|[A-ZÄÖÜ]?[a-zäöüß]+|[A-ZÄÖÜ]+|\d+"
+)
 
 FRONT = {"f", "front", "v", "vorn", "vorne", "va", "fa"}
 REAR = {"r", "rear", "h", "hinten", "ha", "ra"}
 LEFT = {"l", "left", "links", "li", "lh"}
 RIGHT = {"r", "right", "rechts", "re", "rh"}
 CORNERS = {
-    "fl": {"fl", "lf", "vl", "frontleft", "leftfront"},
-    "fr": {"fr", "rf", "vr", "frontright", "rightfront"},
-    "rl": {"rl", "lr", "hl", "rearleft", "leftrear"},
-    "rr": {"rr", "hr", "rearright", "rightrear"},
+    "fl": {"fl", "lf", "vl", "frontleft", "leftfront", "l1"},
+    "fr": {"fr", "rf", "vr", "frontright", "rightfront", "r1"},
+    "rl": {"rl", "lr", "hl", "rearleft", "leftrear", "l2"},
+    "rr": {"rr", "hr", "rearright", "rightrear", "r2"},
 }
-"""Abbreviations of a wheel: English in both orders, and German."""
+"""Abbreviations of a wheel: English in both orders, German, and CarSim's side and axle."""
 
 TIME = {"time", "zeit", "t", "timestamp", "timestamps", "timestemp", "ts"}
-BRAKE = {"brake", "brk", "brakes", "bremse", "brems", "bremsdruck", "bremskraft"}
+BRAKE = {"brake", "brk", "pbk", "brakes", "bremse", "brems", "bremsdruck", "bremskraft"}
 MASTER = {"mc", "tmc", "master", "mastercylinder", "hz", "thz", "hauptbremszylinder", "hbz"}
 NO_BRAKE = {
     *("tire", "tyre", "reifen", "oil", "oel", "öl", "fuel", "boost", "booster", "manifold"),
@@ -89,8 +92,8 @@ def words(name: str) -> list[str]:
 def corner(name: str) -> str | None:
     """The wheel in a name, ``fl``, ``fr``, ``rl`` or ``rr``, or None.
 
-    >>> corner("nRad_VL"), corner("rear right speed"), corner("speed")
-    ('fl', 'rr', None)
+    >>> corner("nRad_VL"), corner("rear right speed"), corner("AVy_R2"), corner("speed")
+    ('fl', 'rr', 'rr', None)
     """
     return _corner(words(name))
 

@@ -1,21 +1,36 @@
 """A suggestion as a channel map, and as lines of text."""
 
+import os
 from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from calib.logs.channel_map import ChannelMap
 from calib.suggest.proposal import Proposal, Suggestion
 
 if TYPE_CHECKING:
     from tomlkit.items import Table
 
 
-def to_toml(found: Suggestion) -> str:
-    """The channel map as TOML; comments say how sure each entry is."""
+def to_toml(
+    found: Suggestion, read_with: ChannelMap | None = None, folder: Path | None = None
+) -> str:
+    """The channel map as TOML; comments say how sure each entry is.
+
+    ``read_with`` is the map that the log was opened with: its DBC files and text format are kept.
+    The paths of the DBC files lead from ``folder``, in which the map is to stand; they are absolute
+    without one.
+    """
     import tomlkit
 
     document = tomlkit.document()
     document.add(tomlkit.comment(f"proposed from {_one_line(found.log)}"))
     document.add("schema", 1)
+    if read_with is not None and (files := _databases(read_with, folder)):
+        document.add("dbc", files)
+    if read_with is not None and read_with.j1939 is not None:
+        document.add("j1939", list(read_with.j1939) or "any")
     if found.ignore:
         document.add("ignore", list(found.ignore))
     for name, why in found.missing.items():
@@ -24,7 +39,30 @@ def to_toml(found: Suggestion) -> str:
     for proposal in found.proposals:
         channels.add(proposal.channel, _entry(proposal))
     document.add("channels", channels)
+    if read_with is not None and (text := _text_format(read_with)):
+        document.add("text", text)
     return tomlkit.dumps(document)
+
+
+def _databases(read_with: ChannelMap, folder: Path | None) -> list[str] | dict[str, list[str]]:
+    """The files that describe frames, by bus where the map has them so."""
+    of_all = [_path_from(folder, path) for path in read_with.dbc]
+    by_bus = {bus: [_path_from(folder, path) for path in paths] for bus, paths in read_with.buses}
+    return by_bus or of_all
+
+
+def _path_from(folder: Path | None, path: Path) -> str:
+    """``path`` from a folder; absolute without one, and on another drive."""
+    try:
+        shown = path if folder is None else Path(os.path.relpath(path, folder))
+    except ValueError:
+        shown = path
+    return shown.as_posix()
+
+
+def _text_format(read_with: ChannelMap) -> dict[str, str]:
+    """What the map says of the text format."""
+    return {name: value for name, value in asdict(read_with.text).items() if value is not None}
 
 
 def _entry(proposal: Proposal) -> "Table":

@@ -12,6 +12,7 @@ import numpy as np
 
 from calib.checks.check import problems_for
 from calib.checks.gates import bitten, eta_rise, require_same_wheels
+from calib.checks.swapped import what_to_check
 from calib.errors import LogError, VehicleError
 from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
@@ -253,7 +254,7 @@ def require_same_car(table: Table, log: Log) -> None:
             f"the front wheels slip less than the rear while braking: eta {100 * rise:+.2f} %",
             where=log.source,
             expected=f"about {100 * expected:+.2f} % by the table of {table.name}",
-            do="are the axles swapped? correct them with a channel map",
+            do=what_to_check("rear", mirrored=-1.5 < rise / expected < -0.5),
         )
 
 

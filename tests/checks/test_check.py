@@ -149,6 +149,10 @@ def test_swapped_axles():
     swapped = changed(log, **axles)
     assert "axles_swapped is -0.00" in warned(swapped)
     assert "axles_swapped" not in warned(log)
+    (warning,) = (w for w in check(swapped).warnings if w.code == "axles_swapped")
+    assert "swapped" in warning.causes[0]
+    assert "regeneration" in warning.causes[1]
+    assert "all-wheel drive" in warning.causes[2]
     assert usable(swapped) == STOP
 
 

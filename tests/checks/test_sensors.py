@@ -110,3 +110,41 @@ def test_a_motor_back_at_rest_is_not_saturation():
     log = changed(log, T_drive_r=torque)
     found = {s.channel: s.saturated for s in sensors_of(log, driving_record(log))}
     assert found["T_drive_r"] == 0.0
+
+
+def held_on_changing_road(noise):
+    """Pads that are held at 40 bar, while their friction falls to half in the third second."""
+    log = made_run(lambda t: np.clip(30.0 * (t - 1.5), 0.0, 40.0), duration=6.0, noise=noise)
+    share = np.interp(log.time, [3.0, 4.0], [1.0, 0.5])
+    speed = np.maximum(30.0 + np.cumsum(share * log["a_x"]) / 200.0, 1.0)
+    wheels = dict.fromkeys(("omega_fl", "omega_fr", "omega_rl", "omega_rr"), speed / 0.32)
+    quantised = np.round(log["p_mc"] / 0.5e5) * 0.5e5
+    return changed(log, a_x=share * log["a_x"], v=speed, p_mc=quantised, **wheels)
+
+
+def test_a_pressure_that_is_held_is_not_stuck():
+    """The deceleration changes with the friction: that is no fault of p_mc."""
+    assert "p_mc" not in stuck(held_on_changing_road(0.0))
+
+
+def test_a_pressure_that_is_held_is_not_at_the_end_of_its_range():
+    log = made_run(lambda t: np.clip(40.0 * (t - 0.3), 0.0, 40.0), duration=6.0)
+    held = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
+    assert saturation(held["p_mc"], 0.005) > 1.0  # by its values alone it could be
+    found = {s.channel: s.saturated for s in sensors_of(held, driving_record(held))}
+    assert found["p_mc"] == 0.0
+
+
+def test_a_pressure_beyond_its_range_is_at_its_end():
+    log = made_run(ramp(start=0.5, rate=10.0, top=60.0))
+    beyond = changed(log, p_mc=np.minimum(log["p_mc"], 30e5))
+    found = {s.channel: s.saturated for s in sensors_of(beyond, driving_record(beyond))}
+    assert found["p_mc"] > 1.0
+
+
+@pytest.mark.parametrize("value", [30e5, 55e5])
+def test_a_pressure_that_hangs_to_the_end_is_stuck(value):
+    """It was released, or never applied, and does not say so."""
+    log = made_run(stop(start=1.5, end=4.0))
+    hanging = np.where(log.time > 2.0, value, log["p_mc"])
+    assert "p_mc" in stuck(changed(log, p_mc=hanging))

@@ -1,9 +1,12 @@
 """`brake-cal map suggest` as the shell runs it, and what `check --map` says of it."""
 
 import json
+import tomllib
 from pathlib import Path
 
 import pytest
+
+from tests.support.recordings import write_bus, write_dbc
 
 REAL = Path(__file__).parents[2] / "sample_logs/real"
 
@@ -21,7 +24,8 @@ def foreign(tmp_path):
 
 def test_prints_a_map_and_says_why(brake_cal):
     ran = brake_cal("map", "suggest", REAL / "mustang_brake.csv")
-    assert ran.code == 0
+    assert ran.code == 1  # as `check`: no table can be made of it
+    assert "p_mc missing: no table can be made of this log" in ran.err
     assert 'ignore = ["p_mc"]' in ran.out
     assert "[channels.p_mc]" not in ran.out
     assert "T_b_req_oem [N*m]" in ran.err
@@ -95,3 +99,55 @@ def test_check_says_what_the_cars_can_and_cannot_give(brake_cal):
     assert "p_mc is missing" in ran.out
     assert ran.out.count("not usable") == 6
     assert "the zero of eta" in ran.out
+
+
+def test_a_log_without_any_channel_gets_no_map(brake_cal, tmp_path):
+    path = tmp_path / "run.csv"
+    rows = "\n".join(f"{i},{i % 7}" for i in range(100))
+    path.write_text(f"time [s],humidity [%]\n{rows}\n")
+    ran = brake_cal("map", "suggest", path, "--take", "time=")
+    assert (ran.code, ran.out) == (3, "")
+    assert "no column is" in ran.err
+
+
+def test_the_map_of_a_bus_log_is_usable_at_once(brake_cal, tmp_path):
+    """With the DBC of the map that it was opened with, from another folder, too."""
+    (tmp_path / "bus").mkdir()
+    given = write_dbc(tmp_path / "bus")
+    log = write_bus(tmp_path / "run.asc")
+    given.write_text('schema = 1\ndbc = "chassis.dbc"\n')
+    out = tmp_path / "maps" / "new.toml"
+    out.parent.mkdir()
+    ran = brake_cal("map", "suggest", log, "--map", given, "--out", out)
+    assert ran.code == 0, ran.err
+    assert 'dbc = ["../bus/chassis.dbc"]' in out.read_text()
+    assert brake_cal("check", log, "--map", out).code == 0
+    printed = tmp_path / "printed.toml"
+    printed.write_text(brake_cal("map", "suggest", log, "--map", given).out)
+    assert brake_cal("check", log, "--map", printed).code == 0
+
+
+def test_a_message_lost_on_the_bus_costs_no_channel(brake_cal, tmp_path):
+    """0.1 s of the message with a_x and v are lost while the car rolls."""
+    given = write_dbc(tmp_path)
+    log = write_bus(tmp_path / "run.log")
+    kept = [
+        line
+        for line in log.read_text().splitlines()
+        if not (" 300#" in line and 0.5 < float(line[1 : line.index(")")]) < 0.6)
+    ]
+    log.write_text("\n".join([*kept, ""]))
+    ran = brake_cal("map", "suggest", log, "--map", given)
+    assert ran.code == 0, ran.err
+    assert "[channels.v]" in ran.out
+    told = json.loads(brake_cal("check", log, "--map", given, "--json").out)["logs"][0]
+    assert {gap["channel"] for gap in told["bridged"]} == {"a_x", "v"}
+
+
+def test_the_text_format_is_kept(brake_cal, tmp_path):
+    lines = (REAL / "mustang_brake.csv").read_text().splitlines()
+    path, given, out = tmp_path / "run.csv", tmp_path / "text.toml", tmp_path / "map.toml"
+    path.write_text("\n".join(lines).replace(",", ";").replace(".", ","))
+    given.write_text('schema = 1\n[text]\nseparator = ";"\ndecimal = ","\n')
+    assert brake_cal("map", "suggest", path, "--map", given, "--out", out).code == 1
+    assert tomllib.loads(out.read_text())["text"] == {"separator": ";", "decimal": ","}

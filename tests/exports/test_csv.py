@@ -1,11 +1,17 @@
+import csv
 import io
+import re
+from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from calib.exports.build import build
 from calib.exports.csv import write_csv
+from calib.exports.parquet import TEXTS
 from tests.exports.conftest import bits
+
+README = Path(__file__).parents[2] / "README.md"
 
 
 def read(content):
@@ -49,3 +55,31 @@ def test_the_head_says_what_it_is(stored):
     text = write_csv(build(stored)).decode()
     for part in ("# table: sedan@1\n", f"# digest: {stored.digest}\n", "# ends: outside an axis"):
         assert part in text
+
+
+def test_no_text_can_be_taken_for_a_number(stored):
+    """Readers that guess types from the first rows would fail at a later one."""
+    body = [line for line in write_csv(build(stored)).decode().splitlines() if line[0] != "#"]
+    for row in csv.DictReader(body):
+        for name in TEXTS:
+            assert re.fullmatch(r"[-+0-9.eE]*[0-9][-+0-9.eE]*", row[name]) is None
+        assert row["unit"]
+
+
+@pytest.mark.parametrize(
+    ("module", "line"),
+    [
+        ("pandas", 'pandas.read_csv("car.csv", comment="#")'),
+        ("polars", 'polars.read_csv("car.csv", comment_prefix="#")'),
+    ],
+)
+def test_the_line_of_the_readme_reads_it(stored, tmp_path, monkeypatch, module, line):
+    library = pytest.importorskip(module)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "car.csv").write_bytes(write_csv(build(stored)))
+    assert f"`{line}`" in README.read_text()
+    frame = eval(line, {module: library})
+    units = dict(zip(frame["label"], frame["unit"], strict=True))
+    assert (units["sedan_f1"], units["sedan_mass"]) == ("-", "kg")
+    values = dict(zip(frame["label"], frame["value"], strict=True))
+    assert values["sedan_mass"] == 1744.0

@@ -157,6 +157,18 @@ def test_missing_unit(tmp_path):
     assert "[Pa]" in message
 
 
+def test_an_optional_channel_without_unit_is_left_out_and_said(tmp_path):
+    columns = {**table(), "v": ["20"] * 60}
+    path = write(tmp_path, csv_text(columns))
+    log = read_log(path)
+    assert "v" not in log
+    assert log.ignored == ("v",)
+    assert log.notes == (
+        "v has no unit and was left out: name it in the header or in a channel map",
+    )
+    assert "v: the unit is missing" in refused(path, require=("v",))
+
+
 def test_unknown_unit(tmp_path):
     message = refused(write(tmp_path, csv_text(table()).replace("[bar]", "[barg]")))
     assert "p_mc" in message
@@ -171,10 +183,20 @@ def test_unit_of_another_quantity(tmp_path):
 
 def test_hole(tmp_path):
     columns = table()
+    columns["a_x [m/s^2]"][7:37] = [*[""] * 29, "NaN"]
+    message = refused(write(tmp_path, csv_text(columns)), require=())
+    assert "a_x: no value in 30 of 60 rows, first in row 8 at 0.070 s" in message
+
+
+def test_a_lost_value_of_a_smooth_channel_is_interpolated_and_said(tmp_path):
+    columns = table()
     columns["a_x [m/s^2]"][7] = ""
     columns["a_x [m/s^2]"][9] = "NaN"
-    message = refused(write(tmp_path, csv_text(columns)), require=())
-    assert "a_x: no value in 2 of 60 rows, first in row 8" in message
+    log = read_log(write(tmp_path, csv_text(columns)))
+    np.testing.assert_allclose(log["a_x"], 20 + np.arange(60) / 100)
+    assert log.notes == (
+        "a_x: 2 of 60 rows have no value and were interpolated, the first at 0.070 s",
+    )
 
 
 def test_infinite_value(tmp_path):

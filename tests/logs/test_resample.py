@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import LogError
+from calib.logs.gaps import BRIDGE
 from calib.logs.recording import ChannelTrace
-from calib.logs.resample import BRIDGE, Wanted, on_one_clock
+from calib.logs.resample import Wanted, on_one_clock
 
 
 def wanted(name, time, values=None, hold=False, clock=None):
@@ -57,6 +58,14 @@ def test_a_raster_beyond_one_kilohertz_is_no_clock():
     assert on_one_clock(traces, "run").time.size == 200
 
 
+def test_the_pages_of_a_multiplexed_message_are_no_clock():
+    """Two pages, 1 ms and 9 ms apart, have 200 samples a second as the wheels have."""
+    wheels, pages = np.arange(0, 1, 0.005), np.arange(0, 1, 0.01)
+    both = np.sort([*pages, *(pages + 0.001)])
+    traces = [wanted("Page", both), wanted("other", both, clock="Page"), wanted("WhlFL", wheels)]
+    assert np.isin(on_one_clock(traces, "run").time, wheels).all()
+
+
 def test_a_state_holds_its_last_value():
     time = np.arange(0, 1, 0.01)
     gear = wanted("steering", [0.0, 0.305, 0.99], [1.0, 2.0, 3.0], hold=True)
@@ -66,7 +75,7 @@ def test_a_state_holds_its_last_value():
 
 def test_a_gap_is_not_filled_in():
     time = np.arange(0, 2, 0.01)
-    hole = time[(time < 0.8) | (time > 0.8 + 2 * BRIDGE)]
+    hole = time[(time < 0.8) | (time > 0.8 + BRIDGE)]
     _, values = on_one_clock([wanted("omega_fl", time), wanted("p_mc", hole)], "run").values
     np.testing.assert_array_equal(np.isnan(values), ~np.isin(time, hole))
 

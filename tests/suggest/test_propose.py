@@ -321,3 +321,152 @@ def test_an_unnamed_acceleration_needs_physics():
     columns = without(foreign(still), "Longitudinal deceleration")
     columns[("acc 1", "g")] = -still["a_x"] / 9.80665
     assert "a_x" in suggestion(columns).missing
+
+
+def with_lost(name, start, end):
+    """The foreign log in which one column has no value in these rows."""
+    columns = foreign()
+    key = next(key for key in columns if key[0] == name)
+    columns[key] = columns[key].copy()
+    columns[key][start:end] = np.nan
+    return columns
+
+
+def test_a_lost_message_does_not_cost_the_channel():
+    columns = with_lost("Fahrzeuggeschwindigkeit", 300, 310)
+    assert found(columns)["v"].mapping.source == "Fahrzeuggeschwindigkeit"
+
+
+def test_a_long_gap_is_told_with_its_place():
+    result = suggestion(with_lost("Fahrzeuggeschwindigkeit", 300, 360))
+    assert "v" not in {p.channel for p in result.proposals}
+    assert "60 of" in result.left["Fahrzeuggeschwindigkeit"]
+    assert f"first at {RUN.time[300]:.3f} s" in result.left["Fahrzeuggeschwindigkeit"]
+
+
+def test_of_two_speeds_the_finer_one_is_taken():
+    """Also where it lost a message, and the coarse one is named as well or better."""
+    columns = with_lost("Fahrzeuggeschwindigkeit", 300, 310)
+    coarse = np.full(N, np.nan)
+    coarse[::11] = 3.6 * RUN["v"][::11]
+    coarse[-1] = 3.6 * RUN["v"][-1]
+    columns[("GPS vehicle speed", "km/h")] = coarse
+    result = suggestion(columns)
+    assert {p.channel: p.mapping.source for p in result.proposals}["v"] == "Fahrzeuggeschwindigkeit"
+    assert result.left["GPS vehicle speed"] == (
+        "sampled at 9.09 Hz, and Fahrzeuggeschwindigkeit at 100 Hz"
+    )
+    assert not result.doubts
+
+
+def test_a_coarse_speed_alone_is_taken():
+    columns = without(foreign(), "Fahrzeuggeschwindigkeit")
+    coarse = np.full(N, np.nan)
+    coarse[::10] = 3.6 * RUN["v"][::10]
+    coarse[-1] = 3.6 * RUN["v"][-1]
+    columns[("GPS speed", "km/h")] = coarse
+    assert found(columns)["v"].mapping.source == "GPS speed"
+
+
+@pytest.mark.parametrize("unit", ["ms", None])
+def test_a_repeated_time_stamp_is_told_as_what_it_is(unit):
+    """The column is the time; the rows that repeat one are named."""
+    time = 1e3 * RUN.time
+    time[400] = time[399]
+    columns = {("Zeit", unit): time, **without(foreign(), "Zeit")}
+    result = suggestion(columns)
+    reasons = " ".join(next(p for p in result.proposals if p.channel == "time").reasons)
+    assert "repeats a time in 1 rows, first in row 401" in reasons
+    assert {p.channel for p in result.proposals} == {
+        *("time", "p_mc", "a_x", "omega_fl", "omega_fr", "omega_rl", "omega_rr", "v")
+    }
+    assert not result.doubts
+
+
+@pytest.mark.parametrize(
+    ("row", "value", "words"),
+    [
+        (400, 0.0, "Zeit is named a time, but goes back in 1 rows, first in row 401"),
+        (400, np.nan, "Zeit is named a time, but has no value in 1 rows, first in row 401"),
+        (slice(400, 500), 1.0, "goes back in 1 rows, first in row 401"),
+    ],
+)
+def test_a_time_that_does_not_run_is_told_as_what_it_is(row, value, words):
+    time = 1e3 * RUN.time
+    time[row] = value
+    columns = {("Zeit", "ms"): time, **without(foreign(), "Zeit")}
+    (doubt,) = suggestion(columns).doubts
+    assert doubt.channel == "time"
+    assert words in doubt.why
+
+
+def test_without_a_speed_it_is_not_said_that_the_speed_does_not_change():
+    names = ("Fahrzeuggeschwindigkeit", "nRad_VL", "nRad_VR", "nRad_HL", "nRad_HR")
+    proposals = found(without(foreign(), *names))
+    for channel in ("a_x", "p_mc"):
+        assert "no speed is known to check" in " ".join(proposals[channel].reasons)
+
+
+def test_a_slow_change_of_speed_is_told_in_numbers():
+    """0 to 86 km/h within 80 s: 0.3 m/s^2."""
+    time = np.arange(0.0, 80.0, 0.02)
+    speed = 0.3 * time
+    columns = {
+        ("time", "s"): time,
+        ("speed", "m/s"): speed,
+        ("acc long", "m/s^2"): np.gradient(speed, time),
+    }
+    reasons = " ".join(found(columns)["a_x"].reasons)
+    assert "the speed changes by 0.3 m/s^2 at most: too slowly to check its sign" in reasons
+
+
+def test_wheels_that_are_told_respect_the_radius():
+    columns = {k: x for k, x in foreign().items() if not k[0].startswith("nRad")}
+    for wheel in WHEELS:
+        columns[(f"Rim {wheel.upper()}", "km/h")] = RUN[f"omega_{wheel}"] * 0.3 * 3.6
+    told = {f"omega_{wheel}": f"Rim {wheel.upper()}" for wheel in WHEELS}
+    result = suggestion(columns, told=told, radius=0.3)
+    mapping = {p.channel: p.mapping for p in result.proposals}["omega_fl"]
+    assert (mapping.unit, mapping.scale) == ("rad/s", pytest.approx(1 / 3.6 / 0.3))
+    assert {p.channel for p in result.proposals} >= {"p_mc", "a_x", "v"}
+    with pytest.raises(InputError, match="--radius"):
+        suggestion(columns, told=told)
+
+
+@pytest.mark.parametrize(("unit", "taken"), [("1", True), ("-", True), ("Nm", False), ("%", False)])
+def test_a_count_beside_its_pressure_is_no_source_of_it(unit, taken):
+    """An analogue input and what it was scaled to; a torque or a demand is another matter."""
+    columns = {**foreign(), ("Raw", unit): RUN["p_mc"] / 1e3}
+    result = suggestion(columns)
+    assert ("p_mc" in {p.channel for p in result.proposals}) is taken
+    assert ("Bremsdruck HZ" in result.left) is not taken
+
+
+def test_a_run_of_carsim():
+    places = dict(zip(WHEELS, ("L1", "R1", "L2", "R2"), strict=True))
+    columns = {
+        ("Time", "s"): RUN.time,
+        ("Vx", "km/h"): 3.6 * RUN["v"],
+        ("Ax", "g's"): RUN["a_x"] / 9.80665,
+        ("Pbk_Con", "MPa"): RUN["p_mc"] / 1e6,
+        **{(f"AVy_{p}", "rpm"): RUN[f"omega_{w}"] * 30 / np.pi for w, p in places.items()},
+        **{(f"Pbk_{p}", "MPa"): 0.9 * RUN["p_mc"] / 1e6 for p in places.values()},
+    }
+    result = suggestion(columns)
+    by_name = {p.channel: p.mapping.source for p in result.proposals}
+    assert by_name == {
+        "time": "Time",
+        "v": "Vx",
+        "a_x": "Ax",
+        "p_mc": "Pbk_Con",
+        **{f"omega_{w}": f"AVy_{p}" for w, p in places.items()},
+        **{f"p_{w}": f"Pbk_{p}" for w, p in places.items()},
+    }
+    assert not result.doubts
+
+
+def test_a_run_of_a_vbox():
+    columns = {k: x for k, x in foreign().items() if not k[0].startswith("nRad")}
+    for wheel in WHEELS:
+        columns[(f"WheelSp{wheel.upper()}", "km/h")] = RUN[f"omega_{wheel}"] * 0.3 * 3.6
+    assert found(columns, radius=0.3)["omega_rr"].mapping.source == "WheelSpRR"

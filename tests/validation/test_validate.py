@@ -194,6 +194,16 @@ def test_swapped_axles_are_refused(table, seed):
     """The filter would find pads for them: 0.30 in front and 0.58 behind, with 3 % of error."""
     message = refused(table, swapped(noisy(stop(WET), seed)))
     assert "are the axles swapped?" in message
+    assert message.index("swapped?") < message.index("T_drive_r") < message.index("all-wheel drive")
+
+
+def test_rear_wheels_that_slip_far_more_than_a_swap_explains_are_told_so(table):
+    """A motor that brakes the rear wheels by four times the difference of the axles."""
+    log = noisy(stop(WET), 0)
+    z = np.maximum(-log["a_x"] / 9.81, 0.0)
+    slower = {w: log[w] * (1.0 - 0.08 * z) for w in ("omega_rl", "omega_rr")}
+    message = refused(table, replace(log, channels={**log.channels, **slower}))
+    assert message.index("T_drive_r") < message.index("swapped?")
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,8 @@ from calib.logs.recording import Recording
 
 FRAME = re.compile(r"\s*\(\d+\.\d+\)\s")
 
+EXAMPLE = "a frame of `candump -L`, such as '(1436509052.249713) can0 044#2A366C2BBA'"
+
 NO_FOOTER = "candump writes no footer: a log cut at the end of a line looks like a complete one"
 
 
@@ -29,7 +31,7 @@ def open_candump(path: Path, dbc: Databases) -> Recording:
     can = need("can", "can", where)
     known = require_dbc(dbc, "can", where)
     with path.open(encoding="utf-8", errors="replace") as file:
-        lines = Counted(file, FRAME, path)
+        lines = Counted(file, FRAME, path, EXAMPLE)
         found = lines.gathered(can.CanutilsLogReader(lines), known)
     lines.require_all(found)
     return recording(found, known, (NO_FOOTER,), where)

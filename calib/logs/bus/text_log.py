@@ -17,19 +17,21 @@ if TYPE_CHECKING:
 class Counted:
     """A text file that counts the lines that match ``frame`` as they are read.
 
-    ``frames`` is their number so far; ``last`` is the last line that was not empty. If python-can
-    skips a line without an error, it returns fewer frames than ``frames``.
+    ``frames`` is their number so far; ``line`` the number of lines; ``last`` the last that was not
+    empty; ``example`` a frame in words. If python-can skips a line without an error, it returns
+    fewer frames than ``frames``.
     """
 
-    def __init__(self, file: TextIO, frame: re.Pattern[str], path: Path):
-        self.file, self.frame, self.path = file, frame, path
-        self.frames, self.last = 0, ""
+    def __init__(self, file: TextIO, frame: re.Pattern[str], path: Path, example: str = "a frame"):
+        self.file, self.frame, self.path, self.example = file, frame, path, example
+        self.frames, self.line, self.last = 0, 0, ""
 
     def __iter__(self) -> Iterator[str]:
         return self
 
     def __next__(self) -> str:
         line = next(self.file)
+        self.line += 1
         if self.frame.match(line):
             self.frames += 1
         self.last = line if line.strip() else self.last
@@ -42,14 +44,17 @@ class Counted:
     def gathered(self, messages: "Iterable[can.Message]", dbc: Dbc) -> Gathered:
         """Frames that python-can reads from these lines.
 
-        Raises LogError for a file that ends within a line, and as
+        Raises LogError for a file that ends within a line, for a line that is not a frame, and as
         `calib.logs.bus.recording.gathered`.
         """
         try:
             found = gathered(messages, dbc, str(self.path))
-        except LogError:
-            self._require_line_end()
-            raise
+        except LogError as error:
+            if self.frames:
+                self._require_line_end()
+            if error.__cause__ is None or isinstance(error.__cause__, LogError):
+                raise
+            raise self._no_frame() from error.__cause__
         self._require_line_end()
         return found
 
@@ -68,6 +73,18 @@ class Counted:
     def is_whole(self, line: str) -> bool:
         """Whether the last line is not cut off: here, whether it has an end of line."""
         return line.endswith("\n")
+
+    def _no_frame(self) -> LogError:
+        """The error for the line at which python-can stopped; its own words help nobody."""
+        whole = self.frames - bool(self.frame.match(self.last))
+        return LogError(
+            f"not readable after frame {whole}: line {self.line} is {self.last.strip()[:60]!r}",
+            where=self.path,
+            expected=self.example,
+            do="a line is damaged: copy the log again"
+            if whole
+            else "is it a log of this format? its ending says so",
+        )
 
     def _require_line_end(self) -> None:
         if self.last and not self.is_whole(self.last):

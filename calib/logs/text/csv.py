@@ -124,6 +124,7 @@ def last_row(data: bytes, start: int, width: int, dialect: Dialect, where: str) 
     lines = text.splitlines()[-20:]
     cells = dialect.cells([line.decode(errors="replace") for line in lines])
     ended = data.endswith((b"\n", b"\r"))
+    _refuse_no_table([len(row) for row in cells[:-1] if row], width, where)
     before, last = [row[-1] for row in cells[:-1] if row], cells[-1]
     open_quote = lines[-1].count(b'"') % 2 == 1
     if (
@@ -138,6 +139,22 @@ def last_row(data: bytes, start: int, width: int, dialect: Dialect, where: str) 
             do="copy the log again; if the rest is good, delete the last line",
         )
     return None if ended else "no end of line after the last row, which looks complete"
+
+
+def _refuse_no_table(counts: list[int], width: int, where: str) -> None:
+    """Raise LogError if the rows before the last one do not have the cells of the header, either.
+
+    Such a file was not cut off: it is text of another kind.
+    """
+    wrong = [count for count in counts if count != width]
+    if 2 * len(wrong) > len(counts):
+        raise LogError(
+            f"{len(wrong)} of the {len(counts)} rows before the last one have {min(wrong)} to "
+            f"{max(wrong)} cells",
+            where=where,
+            expected=f"a table: {width} cells in each row, as the header has",
+            do="is it text of another kind?",
+        )
 
 
 def _shorter(cell: str, before: list[str], mark: str) -> bool:

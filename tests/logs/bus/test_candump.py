@@ -57,6 +57,18 @@ def test_what_is_no_frame(folder, lines, line):
     assert "not readable after frame 100" in message or "cut off" in message
 
 
+@pytest.mark.parametrize(
+    "line",
+    ["hello world\n", "(x) can0 100#00\n", "(1700000000.5) can0 100#5Z\n", "(1700000000.5) can0\n"],
+)
+def test_a_line_that_is_no_frame_is_shown(folder, lines, line):
+    """And not the words of the interpreter on how it failed."""
+    message = refused(folder, [*lines[:1000], line])
+    assert f"line 1001 is {line.strip()!r}" in message
+    assert "such as '(1436509052.249713) can0 044#2A366C2BBA'" in message
+    assert not any(word in message for word in ("unpack", "invalid literal", "convert", "base 16"))
+
+
 def test_a_clock_that_wraps(folder, lines):
     """16 bits of milliseconds, which begin again twice a minute or so."""
 

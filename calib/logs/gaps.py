@@ -1,0 +1,185 @@
+"""Bridge the short gaps of a channel, such as that of a lost CAN message.
+
+. . . .------. . . .    both sides lead to the middle of the bridge: smooth, bridged
+
+             . . . .
+. . . .                 they do not: something happened in the gap, it stays open
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from calib.logs.source import Array
+
+STEPS = 3.5
+"""Gaps up to this many median steps are filled and not told: two lost samples, plus jitter."""
+
+BRIDGE = 0.2
+"""Gaps longer than this [s] and than `STEPS` are never bridged: a brake builds up in that time."""
+
+SIDE = 0.1
+"""Length [s] of the samples on either side of a gap that show whether a channel is smooth."""
+
+NEAR = 0.5
+"""Length [s] of the samples on either side of a gap that show the noise."""
+
+FEWEST = 4
+"""Fewest samples of a side: nearly every line goes through fewer."""
+
+SMOOTH = 0.01
+"""Largest error of a bridge beside the noise, over the range of the channel [1]."""
+
+
+ONLY = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap"
+"""Which gaps are bridged, in words."""
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A gap of ``channel``: its last sample before it, ``start`` [s], and its ``length`` [s]."""
+
+    channel: str
+    start: float
+    length: float
+
+
+@dataclass(frozen=True)
+class Filled:
+    """``values`` at the wanted times; gaps of more than `STEPS` that were bridged, or left open."""
+
+    values: Array
+    bridged: tuple[Gap, ...] = ()
+    left_open: tuple[Gap, ...] = ()
+
+
+def step_of(time: Array) -> float:
+    """The median step of ascending times, shape (n,) [s]."""
+    return float(np.median(np.diff(time)))
+
+
+def fill(channel: str, t: Array, x: Array, at: Array) -> Filled:
+    """Values of a channel at other times, in straight lines between its samples.
+
+    Parameters
+    ----------
+    channel : its name.
+    t, x : ascending times [s] and values of its samples, both (n,), without NaN.
+    at : ascending times [s] at which values are wanted, shape (m,).
+
+    Returns
+    -------
+    The values, shape (m,), and the gaps. NaN before the first sample, after the last, and in a gap
+    that is longer than `BRIDGE` or where the channel is not smooth. A bridge shows nothing that
+    begins and ends within its gap.
+    """
+    values: Array = np.interp(at, t, x)
+    values[(at < t[0]) | (at > t[-1])] = np.nan
+    if t.size < 2:
+        return Filled(values)
+    step, steps, allowed = step_of(t), np.diff(t), SMOOTH * float(np.ptp(x))
+    bridged, left_open = [], []
+    for i in np.flatnonzero(steps > STEPS * step):
+        inside = slice(np.searchsorted(at, t[i], side="right"), np.searchsorted(at, t[i + 1]))
+        if inside.start == inside.stop:
+            continue  # no value is wanted there
+        gap = Gap(channel, float(t[i]), float(steps[i]))
+        if gap.length <= BRIDGE * (1.0 + 1e-6) and _smooth(t, x, int(i), step, allowed):
+            bridged.append(gap)
+        else:
+            left_open.append(gap)
+            values[inside] = np.nan
+    return Filled(values, tuple(bridged), tuple(left_open))
+
+
+def fill_rows(
+    channels: Mapping[str, Array], time: Array
+) -> tuple[dict[str, Array], list[str], list[Gap]]:
+    """Fill the rows of a table in which a channel has no value, as `fill` does.
+
+    Parameters
+    ----------
+    channels : by name, each (n,), NaN where it has no value.
+    time : of the rows [s], shape (n,).
+
+    Returns
+    -------
+    The channels, notes, and the bridged gaps. A channel with infinite values or fewer than two
+    values stays as it is; all do if the times do not increase.
+    """
+    values, notes, bridged = dict(channels), [], list[Gap]()
+    if not (np.isfinite(time).all() and np.all(np.diff(time) > 0)):
+        return values, [], []
+    for name, x in channels.items():
+        empty = np.isnan(x)
+        if not empty.any() or np.count_nonzero(~empty) < 2 or np.isinf(x).any():
+            continue
+        filled = fill(name, time[~empty], x[~empty], time)
+        values[name] = filled.values
+        bridged += filled.bridged
+        if count := np.count_nonzero(empty & ~np.isnan(filled.values)):
+            notes.append(
+                f"{name}: {count} of {time.size} rows have no value and were interpolated, "
+                f"the first at {time[int(np.argmax(empty))]:.3f} s"
+            )
+        notes += in_words(filled)
+    return values, notes, bridged
+
+
+def in_words(filled: Filled) -> tuple[str, ...]:
+    """How many gaps of a channel were bridged and left open, with the place; empty if none."""
+    notes = []
+    if filled.bridged:
+        longest = max(filled.bridged, key=lambda gap: gap.length)
+        notes.append(
+            f"{_many(filled.bridged)} bridged with a straight line, "
+            f"the longest of {longest.length:.3f} s at {longest.start:.3f} s"
+        )
+    if filled.left_open:
+        first = filled.left_open[0]
+        notes.append(
+            f"{_many(filled.left_open)} not bridged, the first of {first.length:.3f} s at "
+            f"{first.start:.3f} s: {ONLY}"
+        )
+    return tuple(notes)
+
+
+def _many(gaps: Sequence[Gap]) -> str:
+    plural = "gaps were" if len(gaps) > 1 else "gap was"
+    return f"{gaps[0].channel}: {len(gaps)} {plural}"
+
+
+def _smooth(t: Array, x: Array, i: int, step: float, allowed: float) -> bool:
+    """Whether both sides of gap ``i`` are straight, and lead to the middle of its bridge."""
+    reach = max(SIDE, float(t[i + 1] - t[i]), (FEWEST + 0.5) * step)
+    first, end = np.searchsorted(t, [t[i] - reach, t[i + 1] + reach])
+    sides = slice(first, i + 1), slice(i + 1, end)
+    if min(side.stop - side.start for side in sides) < FEWEST:
+        return False
+    wide = slice(*np.searchsorted(t, [t[i] - NEAR, t[i + 1] + NEAR]))
+    noise = _noise(t[wide], x[wide])
+    centre, middle = 0.5 * (t[i] + t[i + 1]), 0.5 * (x[i] + x[i + 1])
+    return all(_leads_to(t[s] - centre, x[s] - middle, noise, allowed) for s in sides)
+
+
+def _noise(t: Array, x: Array) -> float:
+    """Standard deviation of a sample, from its distance to the line of its neighbours.
+
+    Not of the median, which is 0 for a noise that is cut off at zero; a few bends do not count.
+    """
+    weight = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    off = x[1:-1] - (1.0 - weight) * x[:-2] - weight * x[2:]
+    return float(np.quantile(np.abs(off), 0.8) / 1.2816 / np.sqrt(1.5))
+
+
+def _leads_to(t: Array, x: Array, noise: float, allowed: float) -> bool:
+    """Whether the samples of a side lie on a line that goes through the origin."""
+    n, centre = t.size, float(t.mean())
+    spread = float(np.sum((t - centre) ** 2))
+    slope = float(np.sum((t - centre) * x)) / spread
+    line = x.mean() + slope * (t - centre)
+    at_origin = float(x.mean()) - slope * centre
+    sigma = noise * np.sqrt(1.0 / n + centre**2 / spread + 0.5)  # 0.5 of the ends of the bridge
+    straight = float(np.abs(x - line).max()) <= allowed + 4.0 * noise
+    return straight and abs(at_origin) <= allowed + 3.0 * float(sigma)
