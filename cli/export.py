@@ -8,7 +8,7 @@ import typer
 import calib
 from cli.console import emit, emit_json, say
 from cli.options import STORE, Json, Store, TableVersion, example, grouped, out_file
-from cli.outputs import refuse_folder, writing
+from cli.outputs import refuse_folder, refuse_overwriting, writing
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
@@ -123,6 +123,7 @@ def _check_usage(form: str, out: Path, bits: int | None, elf: Path | None) -> No
     if elf is not None and form not in ADDRESSED:
         raise typer.BadParameter(f"only with {', '.join(ADDRESSED)}", param_hint="--elf")
     refuse_folder(out)
+    refuse_overwriting([out], [], [elf])
 
 
 def _quality(path: Path | None, stored: "Stored") -> "Quality":

@@ -33,15 +33,16 @@ BOM = b"\xef\xbb\xbf"
 def write_a2l(data: Dataset, bits: int | None, addresses: Addresses) -> bytes:
     """A2L file of ``data`` in double, or in signed integers of ``bits``; UTF-8.
 
-    Raises ExchangeError where a rounded axis is not strictly increasing or a text is too long.
+    Raises ExchangeError for a width that C does not have, where a rounded axis is not strictly
+    increasing, or where a text is too long.
     """
-    origin = f"table {data.id}, digest {data.digest}"
+    described, origin = list(items(data, bits)), f"table {data.id}, digest {data.digest}"
     lines = ["ASAP2_VERSION 1 71", *_comment(data, bits, addresses)]
     lines += [f"/begin PROJECT {data.prefix} {_text(data.id)}"]
     lines += [f"  /begin HEADER {_text(origin)}", f'    VERSION "{data.version}"', "  /end HEADER"]
     lines += [f"  /begin MODULE {data.prefix} {_text(origin)}"]
     body = [*_common(data, addresses), *_layouts(data, bits)]
-    for item in items(data, bits):
+    for item in described:
         body += ["", *_method(item, data), *_object(item, data, bits, addresses)]
     lines += [f"    {line}".rstrip() for line in [*body, "", *_function(data, origin)]]
     lines += ["  /end MODULE", "/end PROJECT"]

@@ -26,7 +26,8 @@ LARGEST_ADDRESS = 0xFFFF_FFFF
 """A2L holds addresses of 32 bits."""
 
 NONE_GIVEN = (
-    "all addresses are 0 and little endian is assumed: no ELF or map file was given (--elf)"
+    "all addresses are 0 and little endian is assumed: `tables export --elf FILE` takes them from "
+    "the linked program or its map file"
 )
 
 

@@ -160,9 +160,8 @@ def _symbol(file: _File, sections: list[_Section], entry: _Entry) -> Symbol:
     content = None
     if entry.section < len(sections) and entry.size <= MOST_CONTENT:
         home = sections[entry.section]
-        inside = (
-            home.address <= entry.value and entry.value + entry.size <= home.address + home.size
-        )
-        if home.kind == PROGBITS and inside:
+        if not 0 <= entry.value - home.address <= home.size - entry.size:
+            raise ProgramError("is damaged: a symbol lies outside its section", where=file.path)
+        if home.kind == PROGBITS:
             content = file.part(home.offset + entry.value - home.address, entry.size)
     return Symbol(entry.value, entry.size, content)

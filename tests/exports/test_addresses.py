@@ -133,13 +133,13 @@ def test_no_file_a_folder_and_a_file_too_large(data, tmp_path):
 @pytest.mark.parametrize("wide", [False, True])
 @pytest.mark.parametrize("order", ["<", ">"])
 def test_a_damaged_program_is_read_rightly_or_refused(data, program, order, wide):
-    """Every cut, and 1,000 changes of one byte of the header, symbols and sections."""
+    """Many cuts, and 300 changes of one byte of the header, symbols and sections."""
     whole = made_elf(held(data, order), order, wide)
     right = find_addresses(program(whole), data, None).by_label
-    for end in range(4, len(whole), 13):
+    for end in range(4, len(whole), 41):
         refusal(find_addresses, program(whole[:end]), data, None, kind=ProgramError)
     draw, refused = random.Random(1), 0
-    for _ in range(1000):
+    for _ in range(300):
         at = draw.choice([*range(4, 64), *range(len(whole) - 1500, len(whole))])
         broken = whole[:at] + bytes([draw.randrange(256)]) + whole[at + 1 :]
         try:
@@ -148,4 +148,4 @@ def test_a_damaged_program_is_read_rightly_or_refused(data, program, order, wide
             refused += 1
         else:
             assert found.keys() == right.keys()
-    assert refused > 100
+    assert refused > 30
