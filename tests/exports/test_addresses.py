@@ -106,6 +106,12 @@ def test_an_address_of_more_than_32_bits_is_refused(data, program):
     assert "32 bits" in refusal(find_addresses, program(elf), data, None, names="0x100000000")
 
 
+@pytest.mark.parametrize("home", [0x0FF8, 0x1008])
+def test_a_symbol_outside_its_section_is_refused(data, program, home):
+    elf = program(made_elf(held(data, "<"), "<", True, base=0x1000, home=home))
+    assert "outside its section" in refusal(find_addresses, elf, data, None, kind=ProgramError)
+
+
 @pytest.mark.parametrize(
     ("content", "says"),
     [

@@ -41,10 +41,10 @@ def memory_of(elf):
     return lambda at, size: bytes(held[at + i] for i in range(size))
 
 
-def made_elf(objects, order, wide, base=0x1000, kind=2):
+def made_elf(objects, order, wide, base=0x1000, home=None):
     """ELF of one section of data at ``base`` that holds ``objects``, bytes by name.
 
-    ``order`` < or >; ``wide`` 64 bits; ``kind`` e_type, 2 is a linked program.
+    ``order`` < or >; ``wide`` 64 bits; ``home`` address of the section if it is another one.
     """
     word = "Q" if wide else "I"
     head = 64 if wide else 52
@@ -65,7 +65,7 @@ def made_elf(objects, order, wide, base=0x1000, kind=2):
     where = [head, head + len(data), head + len(data) + len(symbols)]
     sections = [
         (0, 0, 0, 0, 0, 0, 0, 0, 0, 0),
-        (0, 1, 2, base, where[0], len(data), 0, 0, 1, 0),
+        (0, 1, 2, base if home is None else home, where[0], len(data), 0, 0, 1, 0),
         (0, 2, 0, 0, where[1], len(symbols), 3, 1, 8, 24 if wide else 16),
         (0, 3, 0, 0, where[2], len(names), 0, 0, 1, 0),
     ]
@@ -74,7 +74,7 @@ def made_elf(objects, order, wide, base=0x1000, kind=2):
     table = where[2] + len(names)
     return (
         ident
-        + struct.pack(f"{order}HHI{3 * word}IHHHHHH", kind, 0, 1, 0, 0, table, 0, head, 0, 0,
+        + struct.pack(f"{order}HHI{3 * word}IHHHHHH", 2, 0, 1, 0, 0, table, 0, head, 0, 0,
                       64 if wide else 40, len(sections), 0)
         + data + symbols + names + rows
     )  # fmt: skip
