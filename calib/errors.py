@@ -9,6 +9,7 @@
     │   ├── ModelError        a model file
     │   ├── SettingsError     the settings of a project
     │   ├── ExchangeError     a calibration file (DCM, CDF) or its validation summary
+    │   ├── ProgramError      a linked program (ELF) or the map file of its linker
     │   └── KeyFileError      a key file, its password, or what keys need
     ├── BatchError            exit code 2: the folder or the workers of a batch
     ├── RevisionError         exit code 2: tables that cannot be merged, a value that cannot be set
@@ -75,6 +76,10 @@ class SettingsError(InputError):
 
 class ExchangeError(InputError):
     """A calibration file (DCM, CDF) or a validation summary cannot be used."""
+
+
+class ProgramError(InputError):
+    """A linked program or its map file is unreadable, or does not hold the exported table."""
 
 
 class KeyFileError(InputError):

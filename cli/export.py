@@ -8,7 +8,7 @@ import typer
 import calib
 from cli.console import emit, emit_json, say
 from cli.options import STORE, Json, Store, TableVersion, example, grouped, out_file
-from cli.outputs import refuse_folder, writing
+from cli.outputs import refuse_folder, refuse_overwriting, writing
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 EPILOG = example(
     "brake-cal tables export sedan-2up --format dcm --out sedan.dcm",
     "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
+    "brake-cal tables export sedan-2up --format a2l --elf ecu.elf --out sedan.a2l",
 )
 
 
@@ -30,7 +31,9 @@ def export_table(
     form: Annotated[
         str,
         typer.Option(
-            "--format", metavar="F", help="json, csv, parquet, dcm, cdfx, c-header or inca-csv."
+            "--format",
+            metavar="F",
+            help="json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv.",
         ),
     ],
     out: Annotated[Path, out_file("File to write.")],
@@ -40,7 +43,13 @@ def export_table(
     ] = None,
     bits: Annotated[
         int | None,
-        typer.Option("--fixed-point", metavar="BITS", help="8, 16 or 32; for c-header."),
+        typer.Option("--fixed-point", metavar="BITS", help="8, 16 or 32; for c-header, a2l."),
+    ] = None,
+    elf: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Linked program (ELF) or its GNU ld map, for addresses of an a2l."
+        ),
     ] = None,
     validation: Annotated[
         Path | None,
@@ -65,7 +74,7 @@ def export_table(
     digest and state, the checksum of its numbers, and which value holds beyond the ends of an axis.
     """
     form = _known(form)
-    _check_usage(form, out, bits)
+    _check_usage(form, out, bits, elf)
     public = signing.public()
     from calib.errors import ExchangeError
 
@@ -78,8 +87,9 @@ def export_table(
     try:
         with writing(out):
             written = calib.export(
-                stored, out, form, points=points, bits=bits, quality=quality, unreleased=unreleased
-            )
+                stored, out, form,
+                points=points, bits=bits, elf=elf, quality=quality, unreleased=unreleased,
+            )  # fmt: skip
     except ExchangeError as error:
         option = "--points" if bits is None else "--points, --fixed-point"
         raise typer.BadParameter(str(error), param_hint=option) from None
@@ -105,12 +115,15 @@ def _refuse_foreign(out: Path, stored: "Stored") -> None:
         )
 
 
-def _check_usage(form: str, out: Path, bits: int | None) -> None:
-    from calib.exports.formats import FIXED_POINT
+def _check_usage(form: str, out: Path, bits: int | None, elf: Path | None) -> None:
+    from calib.exports.formats import ADDRESSED, FIXED_POINT
 
     if bits is not None and form not in FIXED_POINT:
         raise typer.BadParameter(f"only with {', '.join(FIXED_POINT)}", param_hint="--fixed-point")
+    if elf is not None and form not in ADDRESSED:
+        raise typer.BadParameter(f"only with {', '.join(ADDRESSED)}", param_hint="--elf")
     refuse_folder(out)
+    refuse_overwriting([out], [], [elf])
 
 
 def _quality(path: Path | None, stored: "Stored") -> "Quality":
@@ -133,6 +146,7 @@ def _report(written: "Exported", bits: int | None, json: bool) -> None:
                 "bytes": len(written.content),
                 "sha256": written.sha256,
                 "axes": [_axis(data, a.label) for a in data.axes],
+                "remarks": list(written.remarks),
                 "fixed_point": {"bits": bits, "objects": rounding} if rounding else None,
             }
         )
@@ -144,6 +158,8 @@ def _report(written: "Exported", bits: int | None, json: bool) -> None:
     for row in rounding:
         if row["read_error"] is not None:
             say(f"{row['label']}: rounding {row['error']:.3g}, as read {row['read_error']:.3g}")
+    for remark in written.remarks:
+        say(remark)
     emit(repr(written))
 
 

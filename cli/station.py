@@ -218,6 +218,7 @@ def station(
         stored, document = store_and_write(found, calib.Store(store), forms, ecu.date or "", work)
         paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
+    _tell_addresses(stored, forms)
     tell_kin(store, stored)
     warn(found.warnings)
     if json:
@@ -238,6 +239,16 @@ def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
     ready_folder(out)
     exports = [export_name(form) for form in forms]
     return [out / name for name in (*FIXED, *exports, *(f"{stem}.parquet" for stem in stems))]
+
+
+def _tell_addresses(stored: "Stored", forms: list[str]) -> None:
+    """Say that the exports with addresses have none: the station knows no linked program."""
+    from calib.exports.formats import ADDRESSED, NOWHERE
+    from calib.station.folder import export_name
+
+    for form in forms:
+        if form in ADDRESSED and stored.state.released:
+            say(f"{export_name(form)}: {'; '.join(NOWHERE.remarks)}")
 
 
 def _report(found: "StationOutcome", stored: "Stored", forms: list[str]) -> None:

@@ -6,9 +6,18 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from calib.errors import ExchangeError, StoreError
+from calib.exports.addresses import find_addresses
 from calib.exports.build import build
 from calib.exports.dataset import Dataset
-from calib.exports.formats import FIXED_POINT, FORMATS, Order, format_named, format_of
+from calib.exports.formats import (
+    ADDRESSED,
+    FIXED_POINT,
+    FORMATS,
+    NOWHERE,
+    Order,
+    format_named,
+    format_of,
+)
 from calib.files import write_whole
 from calib.store.quality import UNPROVED, Quality
 from calib.store.version import Stored
@@ -16,12 +25,16 @@ from calib.store.version import Stored
 
 @dataclass(frozen=True)
 class Exported:
-    """A file that was written: ``data`` in the format ``form``, as ``content``."""
+    """A file that was written: ``data`` in the format ``form``, as ``content``.
+
+    ``remarks`` say what the file assumes of the ECU's memory, in sentences.
+    """
 
     path: Path
     form: str
     data: Dataset
     content: bytes = field(repr=False)
+    remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"{self.path}: {self.data.id} as {self.form}, {len(self.content)} bytes"
@@ -39,6 +52,7 @@ def export(
     *,
     points: int | None = None,
     bits: int | None = None,
+    elf: Path | str | None = None,
     quality: Quality = UNPROVED,
     date: str | None = None,
     unreleased: bool = False,
@@ -49,15 +63,17 @@ def export(
     ----------
     stored : the version, of `Store.save` or `Store.load`.
     path : the file; its ending names the format if ``form`` is not given.
-    form : json, csv, parquet, dcm, cdfx, c-header or inca-csv.
+    form : json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv.
     points : breakpoints on each axis, at the rows with the least error; all rows if not given.
-    bits : of the fixed point, 8, 16 or 32; for c-header.
+    bits : of the fixed point, 8, 16 or 32; for c-header and a2l.
+    elf : linked program with the C header (ELF), or its map of GNU ld; for the addresses of an a2l.
     quality : result of a validation, see `calib.store.quality.read_quality`.
     date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
     unreleased : write a version that is not released, too; the file then says so.
 
     Raises StoreError for a version that is not released, ExchangeError where the format is not
-    known or cannot hold the numbers, OSError if the file cannot be written.
+    known or cannot hold the numbers, ProgramError where ``elf`` does not hold the table, OSError
+    if the file cannot be written.
 
     >>> import tempfile
     >>> from pathlib import Path
@@ -78,11 +94,15 @@ def export(
     form = format_of(path.name) if form is None else format_named(form)
     if bits is not None and form not in FIXED_POINT:
         raise ExchangeError(f"{form} has no fixed point", expected=", ".join(FIXED_POINT))
+    if elf is not None and form not in ADDRESSED:
+        raise ExchangeError(f"{form} has no addresses", expected=", ".join(ADDRESSED))
     data = build(stored, points, quality)
-    order = Order(data, stored, date or datetime.now(UTC).date().isoformat(), bits)
+    addresses = NOWHERE if elf is None else find_addresses(Path(elf), data, bits)
+    today = date or datetime.now(UTC).date().isoformat()
+    order = Order(data, stored, today, bits, addresses)
     content = FORMATS[form](order)
     write_whole(path, content)
-    return Exported(path, form, data, content)
+    return Exported(path, form, data, content, addresses.remarks if form in ADDRESSED else ())
 
 
 def _not_released(stored: Stored) -> StoreError:

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from calib.errors import ExchangeError
+from calib.exports.a2l import write_a2l
+from calib.exports.addresses import Addresses
 from calib.exports.c_header import write_c_header
 from calib.exports.cdfx import write_cdfx
 from calib.exports.csv import write_csv
@@ -15,15 +17,22 @@ from calib.exports.parquet import write_parquet
 from calib.store.version import Stored
 from calib.toml import did_you_mean
 
+NOWHERE = Addresses()
+"""No program was given."""
+
 
 @dataclass(frozen=True)
 class Order:
-    """Input of a format: ``data`` of ``stored``, ``date``; integers if ``bits`` is set."""
+    """Input of a format: ``data`` of ``stored``, ``date``; integers if ``bits`` is set.
+
+    ``addresses`` of the objects in the linked program.
+    """
 
     data: Dataset
     stored: Stored
     date: str
     bits: int | None = None
+    addresses: Addresses = NOWHERE
 
 
 FORMATS: dict[str, Callable[[Order], bytes]] = {
@@ -32,6 +41,7 @@ FORMATS: dict[str, Callable[[Order], bytes]] = {
     "parquet": lambda o: write_parquet(o.data),
     "dcm": lambda o: write_dcm(o.data),
     "cdfx": lambda o: write_cdfx(o.data, o.date),
+    "a2l": lambda o: write_a2l(o.data, o.bits, o.addresses),
     "c-header": lambda o: write_c_header(o.data, o.bits),
     "inca-csv": lambda o: write_inca_csv(o.data),
 }
@@ -43,16 +53,20 @@ ENDINGS = {
     "parquet": "parquet",
     "dcm": "dcm",
     "cdfx": "cdfx",
+    "a2l": "a2l",
     "c-header": "h",
     "inca-csv": "inca.csv",
 }
 """Ending of the file name by format."""
 
-SPOKEN = {"c": "c-header", "h": "c-header", "cdf": "cdfx", "inca": "inca-csv"}
+SPOKEN = {"c": "c-header", "h": "c-header", "cdf": "cdfx", "inca": "inca-csv", "asap2": "a2l"}
 """Other accepted names of the formats."""
 
-FIXED_POINT = ("c-header",)
+FIXED_POINT = ("c-header", "a2l")
 """Formats that can be in fixed point."""
+
+ADDRESSED = ("a2l",)
+"""Formats that hold addresses."""
 
 
 def format_named(written: str) -> str:

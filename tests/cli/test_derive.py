@@ -67,7 +67,9 @@ def test_show_and_diff_say_what_was_set(derived, document):
     assert [one["key"] for one in told["b"]] == ["pad_friction_f", "D[1.0025]"]
 
 
-@pytest.mark.parametrize("form", ["json", "csv", "parquet", "dcm", "cdfx", "c-header", "inca-csv"])
+@pytest.mark.parametrize(
+    "form", ["json", "csv", "parquet", "dcm", "cdfx", "a2l", "c-header", "inca-csv"]
+)
 def test_every_export_marks_what_was_set(derived, tmp_path, form):
     before, after = (tmp_path / f"{n}.{form}" for n in (1, 2))
     for n, out in ((1, before), (2, after)):

@@ -1,9 +1,13 @@
 import hashlib
 import json
+import re
+import subprocess
 
 import pytest
 
-FORMATS = ("json", "csv", "parquet", "dcm", "cdfx", "c-header", "inca-csv")
+from tests.support.programs import linked, needs_gcc
+
+FORMATS = ("json", "csv", "parquet", "dcm", "cdfx", "a2l", "c-header", "inca-csv")
 
 
 @pytest.mark.parametrize("form", FORMATS)
@@ -52,6 +56,9 @@ def test_errors_are_told_on_stderr(tables, tmp_path):
         (("--format", "dcm", "--out", "."), "is a directory"),
         (("--format", "dcm", "--out", "a", "--fixed-point", "16"), "only with c-header"),
         (("--format", "c-header", "--out", "a", "--fixed-point", "12"), "one of 8, 16, 32"),
+        (("--format", "a2l", "--out", "a", "--fixed-point", "12"), "one of 8, 16, 32"),
+        (("--format", "c-header", "--out", "a", "--elf", "ecu.elf"), "only with a2l"),
+        (("--format", "a2l", "--out", "a", "--elf", "a"), "would overwrite a"),
         (("--format", "dcm", "--out", "a", "--points", "1"), "expected 2 to 21"),
         (("--format", "dcm", "--out", "a", "--points", "22"), "expected 2 to 21"),
         (("--format", "dcm"), "Missing option '--out'"),
@@ -100,7 +107,8 @@ def test_a_verdict_becomes_the_state(tables, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("said", "form"), [("C", "c-header"), ("cdf", "cdfx"), ("inca_csv", "inca-csv")]
+    ("said", "form"),
+    [("C", "c-header"), ("cdf", "cdfx"), ("ASAP2", "a2l"), ("inca_csv", "inca-csv")],
 )
 def test_formats_go_by_other_names_too_and_a_version_may_be_written_again(
     tables, tmp_path, said, form
@@ -108,3 +116,38 @@ def test_formats_go_by_other_names_too_and_a_version_may_be_written_again(
     out = tmp_path / "a"
     for name in (form, said):
         assert tables("export", "sedan", "--format", name, "--out", out).code == 0
+
+
+def test_an_a2l_without_a_program_has_no_addresses_and_says_so(tables, tmp_path):
+    out = tmp_path / "a.a2l"
+    ran = tables("export", "sedan", "--format", "a2l", "--out", out)
+    assert (ran.code, "all addresses are 0" in ran.err) == (0, True)
+    assert "all addresses are 0" in out.read_text()
+    assert re.findall(r"VALUE 0x(?!00000000)", out.read_text()) == []
+    ran = tables("export", "sedan", "--format", "a2l", "--out", out, "--json")
+    assert "all addresses are 0" in json.loads(ran.out)["remarks"][0]
+
+
+@needs_gcc
+def test_an_a2l_takes_its_addresses_from_the_program_of_the_header(tables, tmp_path):
+    out, header = tmp_path / "a.a2l", tmp_path / "a.h"
+    way = ("--points", "8", "--fixed-point", "16", "--out")
+    assert tables("export", "sedan", "--format", "c-header", *way, header).code == 0
+    elf, chart = linked(tmp_path, header.read_bytes(), "sedan")
+    ran = tables("export", "sedan", "--format", "a2l", "--elf", elf, *way, out)
+    assert (ran.code, "address" in ran.err) == (0, False)
+    printed = subprocess.run(["nm", elf], capture_output=True, text=True, check=True).stdout
+    address = re.search(r"^0*([0-9a-f]+) R sedan_f1$", printed, re.MULTILINE)[1]
+    assert f"CURVE 0x{int(address, 16):08X} " in out.read_text()
+    ran = tables("export", "sedan", "--format", "a2l", "--elf", chart, *way, out)
+    assert (ran.code, "little endian is assumed" in ran.err) == (0, True)
+
+
+def test_a_program_that_does_not_fit_ends_with_3_and_writes_nothing(tables, tmp_path):
+    (tmp_path / "ecu.map").write_text(" 0x00001000    _start\n")
+    ran = tables("export", "sedan", "--format", "a2l", "--elf", tmp_path / "ecu.map", "--out",
+                 tmp_path / "a")  # fmt: skip
+    assert (ran.code, ran.out) == (3, "")
+    assert "has no symbol sedan_eta" in ran.err
+    assert "SEDAN_DEFINE" in ran.err
+    assert not (tmp_path / "a").exists()

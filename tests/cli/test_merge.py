@@ -73,7 +73,7 @@ def test_every_look_at_a_table_works_with_a_mean(line, tmp_path, brake_cal, stor
     assert line("diff", "golden", "sedan@1").code == 0
     assert "3 cars" in line("show", "golden").out
     assert line("verify").code == 0
-    for form in ("json", "csv", "parquet", "dcm", "cdfx", "c-header", "inca-csv"):
+    for form in ("json", "csv", "parquet", "dcm", "cdfx", "a2l", "c-header", "inca-csv"):
         out = tmp_path / f"golden.{form}"
         assert line("export", "golden@1", "--unreleased", "--format", form, "--out", out).code == 0
         assert b"sedan@1, sedan@2, sedan@3" in out.read_bytes()

@@ -78,6 +78,13 @@ def test_the_document_holds_together(station, tmp_path):
     assert int(suite.get("tests")) == len(document["checks"])
 
 
+def test_an_a2l_of_the_station_has_no_addresses_and_that_is_told(station, tmp_path):
+    ran = station("--export", "a2l")
+    assert ran.code == 0
+    assert "table.a2l: all addresses are 0" in ran.err
+    assert "all addresses are 0" in (tmp_path / "car" / "table.a2l").read_text()
+
+
 def test_a_car_that_fails_loses_its_exports(station, tmp_path):
     assert station("--export", "dcm").code == 0
     assert (tmp_path / "car" / "table.dcm").exists()

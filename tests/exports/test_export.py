@@ -12,6 +12,7 @@ from calib.exports.export import export
     [
         ("car.dcm", "dcm", b'* encoding="UTF-8"'),
         ("car.h", "c-header", b"/*"),
+        ("car.a2l", "a2l", b"ASAP2_VERSION 1 71"),
         ("car.inca.csv", "inca-csv", b"CALIBRATION VALUES"),
         ("car.JSON", "json", b"{"),
         ("car.parquet", "parquet", b"PAR1"),
@@ -45,6 +46,7 @@ def test_a_cdfx_has_the_date_that_is_given_or_today(stored, tmp_path):
         ("car.txt", {}, r"car\.txt: its ending names no format; expected one of \.json"),
         ("car.dcm", {"form": "dmc"}, "unknown format 'dmc'; did you mean 'dcm'"),
         ("car.dcm", {"bits": 16}, "dcm has no fixed point; expected c-header"),
+        ("car.h", {"elf": "ecu.elf"}, "c-header has no addresses; expected a2l"),
         ("car.dcm", {"points": 99}, "99 breakpoints; expected"),
     ],
 )

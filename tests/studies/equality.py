@@ -19,7 +19,7 @@ that are a number with its unit, and so must keys, columns, rows, units and file
 keys is free, that of columns, rows and lists is not.
 
     json toml csv parquet              by key or column
-    dcm cdfx h xml inca.csv txt        by the numbers, and by the text between them
+    dcm cdfx a2l h xml inca.csv txt    by the numbers, and by the text between them
     html                               the same, of the text that a reader sees, no pictures
     svg                                the same, with the texts of the figure, but no letter shapes
     png                                by bytes; a picture that differs is told, and is no failure
@@ -119,6 +119,7 @@ FORMATS = {
     "parquet": "table.parquet",
     "dcm": "table.dcm",
     "cdfx": "table.cdfx",
+    "a2l": "table.a2l",
     "c-header": "table.h",
     "inca-csv": "table.inca.csv",
 }
