@@ -54,7 +54,7 @@ def one_error(
         at = ": ".join(str(part) for part in (where, only.place) if part)
         return only.as_error(error, at or None)
     lines = [str(mistake.as_error(error, mistake.place or None)) for mistake in mistakes]
-    return error("\n  ".join([f"{len(lines)} errors", *lines]), where=where)
+    return error(f"{len(lines)} errors", where=where, lines=tuple(lines))
 
 
 class _Mistake(NamedTuple):
