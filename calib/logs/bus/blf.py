@@ -20,6 +20,8 @@ from calib.logs.recording import Recording
 _HEADER = struct.Struct("<4sL8xQQL")
 _OBJECT = struct.Struct("<4sHHLL")
 _CONTAINER, _CONTAINER_HEADER, _DEFLATE = 10, 16, 2
+_MOST_UNPACKED = 64_000_000
+"""Bytes of one container; those of Vector have 128 kB."""
 _FRAMES = frozenset((1, 86, 73, 100, 101))
 """Types of objects that are frames: classic, classic 2, error, FD, FD 64."""
 
@@ -124,12 +126,20 @@ def _inflated(content: bytes, path: Path) -> bytes:
     method = int.from_bytes(content[:2], "little")
     if method != _DEFLATE:
         return content[_CONTAINER_HEADER:]
+    stream = zlib.decompressobj()
     try:
-        return zlib.decompressobj().decompress(content[_CONTAINER_HEADER:])
+        unpacked = stream.decompress(content[_CONTAINER_HEADER:], _MOST_UNPACKED)
     except zlib.error as cause:
         raise LogError(
             f"a container cannot be unpacked: {cause}", where=path, do="copy the log again"
         ) from cause
+    if stream.unconsumed_tail:
+        raise LogError(
+            f"a container unpacks to more than {_MOST_UNPACKED} bytes",
+            where=path,
+            expected="containers of some 128 kB",
+        )
+    return unpacked
 
 
 def _inner(data: bytes) -> tuple[list[int], bytes]:

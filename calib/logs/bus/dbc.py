@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.bounded import DBC, bytes_of
 from calib.errors import ChannelMapError
 from calib.logs.bus.bits import last_byte, number, raw
 from calib.logs.bus.frames import Frames, Key
@@ -61,9 +62,7 @@ def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
     messages: dict[Key, Message] = {}
     notes = []
     for path in paths:
-        if not path.is_file():
-            raise ChannelMapError("no such file", where=path, expected="a DBC", do="check the path")
-        content = path.read_bytes()
+        content = bytes_of(path, DBC, ChannelMapError, "a DBC")
         try:
             text = content.decode("cp1252", errors="replace")
             database = cantools.database.load_string(text, database_format="dbc", strict=True)
