@@ -17,6 +17,9 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 
+LONGEST_WORD = 60
+"""Characters of a misspelt word for which a known one is looked for."""
+
 MOST_PARTS = 100
 """Parts of a dotted key; tomllib takes seconds and gigabytes for thousands of them."""
 
@@ -73,6 +76,8 @@ def toml_bytes(document: Mapping[str, Any]) -> bytes:
 
 def nearest(word: str, known: Collection[str]) -> str | None:
     """Return the known word that is most like ``word``; None if none is similar."""
+    if len(word) > LONGEST_WORD:  # the comparison takes time with the square of its length
+        return None
     close = difflib.get_close_matches(word, known, n=1)
     return close[0] if close else None
 
