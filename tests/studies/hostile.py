@@ -74,7 +74,7 @@ def faults(
         f"exit code, not {case.code}": code != case.code,
         "time": took > SECONDS,
         "memory": not used <= MEGABYTES,
-        f"{len(errors)} lines": code in (3, 4) and len(errors) != 1 and "Traceback" not in text,
+        f"{len(errors)} lines": code == 3 and len(errors) != 1 and "Traceback" not in text,
         "terminal": RAW.search(both) is not None,
         f"left {sorted(left)}": bool(left),
     }
