@@ -22,14 +22,24 @@ The command line catches only the root. A message says what was wrong, which val
 was expected and where to look. Several errors of one file are one message of several lines.
 """
 
+from calib.printable import one_line, printable
+
 
 class BrakeCalError(Exception):
     """Root of every error that a user can cause and correct."""
 
     exit_code = 1
 
-    def __init__(self, what: str, *, where: object = None, expected: str = "", do: str = ""):
-        """Build the message.
+    def __init__(
+        self,
+        what: str,
+        *,
+        where: object = None,
+        expected: str = "",
+        do: str = "",
+        lines: tuple[str, ...] = (),
+    ):
+        """Build the message: one line, whatever libraries and files put into its parts.
 
         Parameters
         ----------
@@ -37,11 +47,14 @@ class BrakeCalError(Exception):
         where : the file, channel or key.
         expected : what would have been valid.
         do : the next step for the user.
+        lines : further mistakes in the same file, a line each.
         """
-        self.what, self.where, self.expected, self.do = what, where, expected, do
-        head = f"{where}: {what}" if where is not None else what
-        parts = [head, f"expected {expected}" if expected else "", do]
-        super().__init__("; ".join(part for part in parts if part))
+        self.what, self.expected, self.do = one_line(what), one_line(expected), one_line(do)
+        self.where = where
+        head = self.what if where is None else f"{printable(str(where))}: {self.what}"
+        parts = [head, f"expected {self.expected}" if expected else "", self.do]
+        whole = "; ".join(part for part in parts if part)
+        super().__init__("\n  ".join([whole, *map(one_line, lines)]))
 
 
 class InputError(BrakeCalError):

@@ -1,8 +1,7 @@
-"""Write files completely or not at all; print their names safely."""
+"""Write files completely or not at all."""
 
 import fcntl
 import os
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -63,15 +62,3 @@ def sync(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
-
-
-def printable(text: str) -> str:
-    r"""Text in one line; control characters and bytes that are not UTF-8 are escaped.
-
-    >>> print(printable(os.fsdecode(b"r\xfcck.csv")))
-    r\udcfcck.csv
-    >>> print(printable("two\nlines.csv"))
-    two\x0alines.csv
-    """
-    whole = text.encode("utf-8", "backslashreplace").decode()
-    return re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda sign: f"\\x{ord(sign[0]):02x}", whole)

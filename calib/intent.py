@@ -14,6 +14,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
 
+from calib.bounded import VALIDATION, read_bounded
 from calib.files import sync, write_whole
 
 INTENT = ".publishing.json"
@@ -48,14 +49,14 @@ def read_intent(out: Path) -> Intent | None:
     Raises OSError if it cannot be read or is damaged: its names could lead out of the folder.
     """
     try:
-        read = json.loads((out / INTENT).read_bytes())
+        read = json.loads(read_bounded(out / INTENT, VALIDATION))
         intent = Intent(str(read["work"]), tuple(read["remove"]), tuple(read["move"]))
         inside = all(is_inside(name) for name in (intent.work, *intent.remove, *intent.move))
         if read["schema"] == 1 and inside and intent.work.startswith(WORK) and intent.move:
             return intent
     except FileNotFoundError:
         return None
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         pass
     raise OSError(errno.EINVAL, f"{INTENT} in it is damaged; delete it", str(out / INTENT))
 

@@ -13,6 +13,9 @@ from calib.toml import did_you_mean, nearest
 SHOWN = 60
 """Characters of a wrong value that a message shows."""
 
+LISTED = 100
+"""Mistakes of a file that a message lists."""
+
 _EXPECTED = {
     "string_type": "text in quotes",
     "bool_type": "true or false",
@@ -40,7 +43,8 @@ def one_error(
     cause: ValidationError, schema: type[BaseModel], where: object, error: type[BrakeCalError]
 ) -> BrakeCalError:
     """Return one error that lists all mistakes in the file ``where``."""
-    details = cause.errors(include_url=False)
+    every = cause.errors(include_url=False)
+    details, more = every[:LISTED], len(every) - LISTED
     version = [d for d in details if _is_version(schema, d["loc"])]
     meant = {_meant(schema, d["loc"]) for d in details if d["type"] in _UNKNOWN}
     mistakes = [
@@ -54,7 +58,9 @@ def one_error(
         at = ": ".join(str(part) for part in (where, only.place) if part)
         return only.as_error(error, at or None)
     lines = [str(mistake.as_error(error, mistake.place or None)) for mistake in mistakes]
-    return error("\n  ".join([f"{len(lines)} errors", *lines]), where=where)
+    if more > 0:
+        lines.append(f"and {more} more")
+    return error(f"{len(mistakes) + max(more, 0)} errors", where=where, lines=tuple(lines))
 
 
 class _Mistake(NamedTuple):
@@ -88,7 +94,7 @@ def _mistake(detail: ErrorDetails, schema: type[BaseModel]) -> _Mistake:
         known = _keys(schema, loc[:-1])
         hint = did_you_mean(str(loc[-1]), known)
         expected = "" if hint else f"one of {', '.join(known)}"
-        return _Mistake(above, f"unknown key {loc[-1]!r}", expected, hint)
+        return _Mistake(above, f"unknown key {shown(loc[-1])}", expected, hint)
     wanted = _kind_at(schema, loc)
     if kind in _NO_TABLE:
         written_as = getattr(wanted, "written_as", "") or (here and f"[{here}]")

@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
+from calib.bounded import TOML, bytes_of
 from calib.errors import InputError
 from calib.units import UnknownUnit, si_of, to_si
 
@@ -16,19 +17,43 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 
+LONGEST_WORD = 60
+"""Characters of a misspelt word for which a known one is looked for."""
+
+MOST_PARTS = 100
+"""Parts of a dotted key; tomllib takes seconds and gigabytes for thousands of them."""
+
+_LONG_KEY = re.compile(
+    r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)""" + f"{{{MOST_PARTS}}}"
+)
+
 
 def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
     """Read a TOML file without any check of its content.
 
-    Raises ``error`` if there is no such file or if it is not TOML.
+    Raises ``error`` if there is no such file, if it cannot be read, or if it is not TOML.
     """
-    if not path.is_file():
-        what = "a directory" if path.is_dir() else "no such file"
-        raise error(what, where=path, expected="a TOML file", do="check the path")
+    data = bytes_of(path, TOML, error, "a TOML file")
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as cause:
+        return parse_toml(data.decode("utf-8-sig"))
+    except ValueError as cause:
         raise error(f"not TOML: {cause}", where=path, expected="a TOML file") from cause
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """A TOML document. Raises ValueError, with words for people."""
+    long = _LONG_KEY.search(text)
+    if long:
+        line = text.count("\n", 0, long.start()) + 1
+        raise ValueError(f"a key of more than {MOST_PARTS} parts in line {line}")
+    try:
+        return tomllib.loads(text.replace("\r\n", "\n"))
+    except tomllib.TOMLDecodeError:
+        raise
+    except RecursionError as cause:
+        raise ValueError("it is nested too deep") from cause
+    except ValueError as cause:  # of Python's int
+        raise ValueError("an integer of thousands of digits") from cause
 
 
 def toml_bytes(document: Mapping[str, Any]) -> bytes:
@@ -51,6 +76,8 @@ def toml_bytes(document: Mapping[str, Any]) -> bytes:
 
 def nearest(word: str, known: Collection[str]) -> str | None:
     """Return the known word that is most like ``word``; None if none is similar."""
+    if len(word) > LONGEST_WORD:  # the comparison takes time with the square of its length
+        return None
     close = difflib.get_close_matches(word, known, n=1)
     return close[0] if close else None
 
@@ -73,15 +100,15 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
     """
     dimensionless = si in ("1", None)
     if isinstance(value, int | float) and not isinstance(value, bool):
-        number, unit = float(value), ""
+        number, unit = _float(value), ""
     else:
         match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
         if match is None:
             wanted = "a number" if dimensionless else f'a quantity such as "1.5 {si}"'
-            raise error(f"{value!r} is not a quantity", where=where, expected=wanted)
+            raise error(f"{_short(value)} is not a quantity", where=where, expected=wanted)
         number, unit = float(match[1]), match[2]
     if not math.isfinite(number):
-        raise error(f"{value!r} is not finite", where=where, expected="a finite number")
+        raise error(f"{_short(value)} is not finite", where=where, expected="a finite number")
     if not unit and not dimensionless:
         raise error(
             f"{value!r} has no unit", where=where, expected=f'a unit, such as "{number:g} {si}"'
@@ -90,6 +117,20 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
         return to_si(number, unit or "1", si or si_of(unit or "1"))
     except UnknownUnit as cause:
         raise error(str(cause), where=where) from cause
+
+
+def _short(value: object) -> str:
+    """What was written, with at most 60 characters."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:60]}..."
+
+
+def _float(value: float) -> float:
+    """A number as float; infinite where it is an integer of too many digits."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def written_quantity(value: float, si: str) -> str | float:

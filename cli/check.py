@@ -74,19 +74,19 @@ def _look(
 
 def _panel(findings: "Findings") -> "Panel":
     from rich.panel import Panel
-    from rich.text import Text
 
     from calib.checks.check import facts
+    from cli.terminal import safe_text
 
     grid = facts_grid()
     for label, text in facts(findings):
-        grid.add_row(label, Text(text))
+        grid.add_row(label, text)
     for text in findings.notes:
-        grid.add_row("read", Text(text))
+        grid.add_row("read", text)
     for warning in findings.warnings:
-        grid.add_row(Text("warning", style="yellow"), Text(warning.text))
+        grid.add_row(safe_text("warning", "yellow"), warning.text)
     for verdict in findings.verdicts:
         word, colour = ("usable", "green") if verdict.usable else ("not usable", "red")
         lines = [word, *(f"- {reason}" for reason in verdict.reasons)]
-        grid.add_row(verdict.purpose, Text("\n".join(lines), style=colour))
-    return Panel(grid, title=Text(findings.source), title_align="left")
+        grid.add_row(verdict.purpose, safe_text("\n".join(lines), colour))
+    return Panel(grid, title=safe_text(findings.source), title_align="left")

@@ -1,6 +1,7 @@
 """Output of the commands: results on stdout, everything else on stderr.
 
-rich is imported only where something is drawn, so that `--help` does not wait for it.
+rich is imported only where something is drawn, so that `--help` does not wait for it. Whatever is
+printed for people is made safe for a terminal on its way, see `cli.terminal`.
 """
 
 import json
@@ -12,6 +13,8 @@ from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from pathlib import PurePath
 from typing import IO, TYPE_CHECKING, Any
+
+from calib.printable import printable
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -58,7 +61,7 @@ def emit_json(document: object) -> None:
 
 def emit_line(text: str) -> None:
     """Print a line on stdout at once, without markup."""
-    print(text, flush=True)  # noqa: T201
+    print(printable(text), flush=True)  # noqa: T201
 
 
 def json_text(document: object) -> str:
@@ -121,7 +124,7 @@ def stages() -> Iterator[Callable[[str, int, int], None]]:
     with progress_bar("", None, time_left=False) as bar:
         (task,) = bar.task_ids
         yield lambda stage, done, total: bar.update(
-            task, description=stage, completed=done, total=total
+            task, description=printable(stage), completed=done, total=total
         )
 
 
@@ -141,13 +144,13 @@ def progress_bar(task: str, total: int | None, time_left: bool = True) -> "Progr
     _, drawn, percent, left = Progress.get_default_columns()
     columns = (text, drawn, percent, *[left] * time_left)
     bar = Progress(*columns, console=console(), transient=True)
-    bar.add_task(task, total=total)
+    bar.add_task(printable(task), total=total)
     return bar
 
 
 def _console(stream: IO[str]) -> "Console":
-    from rich.console import Console
+    from cli.terminal import SafeConsole
 
     width = None if stream.isatty() or "COLUMNS" in os.environ else PIPED_WIDTH
     # Names and remarks of users may hold brackets and colons, so no string is taken as markup.
-    return Console(file=stream, width=width, highlight=False, markup=False, emoji=False)
+    return SafeConsole(file=stream, width=width, highlight=False, markup=False, emoji=False)

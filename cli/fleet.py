@@ -68,8 +68,9 @@ def report(
 
 def _write(found: "Summary", results: Path, out: Path) -> None:
     """Draw all files first, then write them."""
-    from calib.files import printable, write_whole
+    from calib.files import write_whole
     from calib.plots.fleet import picture_name
+    from calib.printable import printable
     from calib.publish import publish, workshop
     from calib.reports.fleet import document, report_html
 

@@ -114,11 +114,9 @@ def _tell(found: "Suggestion") -> None:
 
 
 def _grid(found: "Suggestion") -> "Grid":
-    from rich.text import Text
-
     from calib.suggest.written import to_lines
 
     grid = facts_grid()
     for label, text in to_lines(found):
-        grid.add_row(label, Text(text))
+        grid.add_row(label, text)
     return grid

@@ -1,5 +1,6 @@
 """Checks of ``--out`` before the work, so that its files can be written after it."""
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -37,9 +38,9 @@ def refuse_overwriting(
     outputs: Iterable[Path], logs: Sequence[Path], others: Iterable[Path | None] = ()
 ) -> None:
     """Refuse an output that is one of the inputs: a log, or one of the other files."""
-    written = {path.resolve() for path in outputs}
+    written = {os.path.realpath(path) for path in outputs}
     for path in (*logs, *others):
-        if path is not None and path.resolve() in written:
+        if path is not None and os.path.realpath(path) in written:
             what = "the log " if path in logs else ""
             raise typer.BadParameter(f"would overwrite {what}{path}", param_hint=OUT)
 

@@ -11,7 +11,8 @@ import pytest
 CALIB = Path(__file__).parents[1] / "calib"
 
 ROOMS = """
-    errors names units toml schema schema_errors files intent publish digest warning settings
+    errors names units toml schema schema_errors bounded printable files intent publish digest \
+    warning settings
     settings_file
     signing
     statistics

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import Field
 
-from calib.errors import LimitsError
+from calib.errors import LimitsError, SettingsError
 from calib.schema import (
     FileSchema,
     OneOf,
@@ -21,6 +21,7 @@ from calib.schema import (
     validated,
     validated_json,
 )
+from calib.settings_file import read_settings
 from calib.toml import quantity, written_quantity
 from calib.units import spellings
 
@@ -134,3 +135,14 @@ def test_what_may_be_left_out_is_not_null_in_the_json_schema():
     properties = json_schema(CarFile)["properties"]
     assert properties["seats"] == {"title": "Seats", "type": "integer"}
     assert properties["spare"] == {"$ref": "#/$defs/Wheel"}
+
+
+def test_a_message_lists_a_hundred_mistakes_and_counts_the_rest(tmp_path):
+    path = tmp_path / "brake-cal.toml"
+    path.write_text("schema = 1\n" + "".join(f"key_{i} = 1\n" for i in range(300)))
+    with pytest.raises(SettingsError) as error:
+        read_settings(path)
+    first, *lines = str(error.value).splitlines()
+    assert first == f"{path}: 300 errors"
+    assert len(lines) == 101
+    assert lines[-1] == "  and 200 more"

@@ -137,6 +137,6 @@ def test_a_file_that_cannot_be_read(written, monkeypatch):
     def refused(*_, **__):
         raise PermissionError(13, os.strerror(13))
 
-    monkeypatch.setattr(Path, "read_text", refused)
+    monkeypatch.setattr(os, "open", refused)
     with pytest.raises(SettingsError, match="Permission denied"):
         read_settings(path)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 from xml.etree import ElementTree as ET
+from xml.parsers import expat
 
 from calib.errors import ExchangeError
 from calib.exports.cdfx import FACTS
@@ -14,12 +15,7 @@ NUMBERS = "SW-VALUE-CONT/SW-VALUES-PHYS"
 
 def read_cdfx(path: Path, text: bytes) -> Returned:
     """Numbers and facts of a CDF 2.0 file. Raises ExchangeError naming what is missing."""
-    try:
-        root = ET.fromstring(text)
-    except ET.ParseError as error:
-        raise ExchangeError(
-            f"cut off or damaged: {error}", where=path, expected="XML that ends with </MSRSW>"
-        ) from error
+    root = _root(path, text)
     tree = root.find(TREE)
     if root.tag != "MSRSW" or root.findtext("CATEGORY") != "CDF20" or tree is None:
         raise ExchangeError(
@@ -32,6 +28,21 @@ def read_cdfx(path: Path, text: bytes) -> Returned:
     unit = "SW-VALUE-CONT/UNIT-DISPLAY-NAME"
     units = {name: i.findtext(unit, "") for name, i in instances.items()}
     return returned(path, "CDF", facts, units, _content(path, instances))
+
+
+def _root(path: Path, text: bytes) -> ET.Element:
+    def refuse(*_: object) -> None:
+        raise ExchangeError("declares an entity", where=path, expected="XML without entities")
+
+    try:
+        first = expat.ParserCreate()
+        first.EntityDeclHandler = refuse  # a few bytes of entities can stand for gigabytes
+        first.Parse(text, True)
+        return ET.fromstring(text)
+    except (expat.ExpatError, ET.ParseError, LookupError, ValueError) as error:
+        raise ExchangeError(
+            f"cut off or damaged: {error}", where=path, expected="XML that ends with </MSRSW>"
+        ) from error
 
 
 def _instances(path: Path, tree: ET.Element) -> dict[str, ET.Element]:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from calib.bounded import CALIBRATION, read_bounded
 from calib.errors import DamagedTable, ExchangeError, TableNotFound
 from calib.exports.build import build
 from calib.exports.cdfx_reader import read_cdfx
@@ -19,7 +20,7 @@ def read_back(path: Path) -> Returned:
     program.
     """
     try:
-        data = path.read_bytes()
+        data = read_bounded(path, CALIBRATION)
     except OSError as error:
         raise ExchangeError(f"cannot be read ({error.strerror})", where=path) from error
     if data.lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<"):

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.bounded import RESULT, open_bounded
 from calib.errors import InputError
 from calib.fleet.columns import COLUMNS, HEAD, Kind, ResultColumn, Status
 from calib.fleet.command import Command
@@ -151,12 +152,17 @@ def _opened(path: Path) -> Iterator[Any]:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    if not path.is_file():
-        what = "a directory" if path.is_dir() else "no such file"
-        raise InputError(what, where=path, expected=EXPECTED)
+    try:
+        opened = open_bounded(path, RESULT)
+    except FileNotFoundError as cause:
+        raise InputError("no such file", where=path, expected=EXPECTED) from cause
+    except OSError as cause:
+        raise InputError(
+            f"cannot be read ({cause.strerror})", where=path, expected=EXPECTED
+        ) from cause
     try:
         # pyarrow cannot open paths that are not UTF-8
-        with path.open("rb") as opened, pq.ParquetFile(opened) as file:
+        with opened, pq.ParquetFile(opened) as file:
             yield file
     except (pa.ArrowInvalid, OSError) as cause:
         raise InputError("not a Parquet file, or cut off", where=path) from cause

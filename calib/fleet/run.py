@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import BrakeCalError
-from calib.files import printable
 from calib.fleet.columns import Status
 from calib.fleet.command import Command
 from calib.fleet.find import find_logs
@@ -24,6 +23,7 @@ from calib.fleet.pool import Executor, Rows
 from calib.fleet.results import write_results
 from calib.fleet.row import Row
 from calib.fleet.work import Item
+from calib.printable import printable
 
 CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
 """Most logs in a chunk: so many that the transfer is negligible compared to 10 ms for each log."""

@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from threading import Event
 
-from calib.files import printable
 from calib.fleet.columns import Status
 from calib.fleet.command import Command
 from calib.fleet.find import logs_below
@@ -25,6 +24,7 @@ from calib.fleet.results import NAME as RESULTS
 from calib.fleet.results import write_results
 from calib.fleet.row import Row
 from calib.fleet.run import Sweep
+from calib.printable import printable
 
 RETRY = 60.0
 """Time after which a log that could not be read, or killed its worker, is tried again [s]."""

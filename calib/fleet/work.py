@@ -9,7 +9,6 @@ from pathlib import Path
 
 from calib import __version__
 from calib.errors import BatchError, BrakeCalError
-from calib.files import printable
 from calib.fleet.columns import FIT, Status
 from calib.fleet.command import Command
 from calib.fleet.job import Job
@@ -17,6 +16,7 @@ from calib.fleet.row import Cell, Row, number
 from calib.logs.log import Log
 from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
 from calib.logs.tables import ending_of
+from calib.printable import printable
 from calib.warning import PlausibilityWarning
 
 VEHICLE = "vehicle.toml"

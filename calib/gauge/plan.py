@@ -11,6 +11,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from calib.bounded import PLAN, bytes_of
 from calib.errors import InputError
 from calib.toml import did_you_mean
 
@@ -34,15 +35,19 @@ def read_plan(path: Path) -> tuple[Place, ...]:
 
     Raises InputError if the file is not readable, or if a log or column occurs twice.
     """
-    if not path.is_file():
-        raise InputError("no such file", where=path, expected="a CSV file with log,car,station")
+    data = bytes_of(path, PLAN, InputError, "a CSV file with log,car,station")
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = data.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as cause:
         raise InputError(f"not text: {cause}", where=path, expected="a CSV file") from cause
+    if b"\0" in data:
+        raise InputError("not text: it has a nul", where=path, expected="a CSV file")
     separator = ";" if lines and ";" in lines[0] and "," not in lines[0] else ","
     table = csv.reader((line if line.strip() else "" for line in lines), delimiter=separator)
-    rows = [(table.line_num, row) for row in table if row]
+    try:
+        rows = [(table.line_num, row) for row in table if row]
+    except csv.Error as cause:
+        raise InputError(f"not a table: {cause}", where=path, expected="a CSV file") from cause
     heads = [head.strip() for head in rows[0][1]] if rows else []
     _check_heads(path, heads)
     places = tuple(_place(path, line, heads, row) for line, row in rows[1:])
@@ -82,20 +87,25 @@ def _place(path: Path, line: int, heads: list[str], row: list[str]) -> Place:
 
 
 def _check_once(where: Path, places: tuple[Place, ...]) -> None:
-    seen: set[Path] = set()
+    seen: set[str] = set()
     for place in places:
-        if place.log.resolve() in seen:
+        if _whole(place.log) in seen:
             raise InputError(f"{place.log} occurs twice", where=where)
-        seen.add(place.log.resolve())
+        seen.add(_whole(place.log))
+
+
+def _whole(path: Path) -> str:
+    """A path without links; one that leads in a ring is left as it is."""
+    return os.path.realpath(path)
 
 
 def chosen(places: tuple[Place, ...], logs: list[Path], plan: Path) -> tuple[Place, ...]:
     """The places of ``logs``, or all if it is empty. Raises InputError for an unknown log."""
-    known = {place.log.resolve(): place for place in places}
+    known = {_whole(place.log): place for place in places}
     for log in logs:
-        if log.resolve() not in known:
+        if _whole(log) not in known:
             raise InputError(f"{log} is not in the plan", where=plan, do="add a row for it")
-    return tuple(known[log.resolve()] for log in logs) if logs else places
+    return tuple(known[_whole(log)] for log in logs) if logs else places
 
 
 def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:

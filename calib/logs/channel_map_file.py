@@ -40,7 +40,7 @@ from calib.logs.channel_map import METHODS, ChannelMap, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 from calib.names import CHANNELS
 from calib.schema import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
-from calib.schema_errors import wrong
+from calib.schema_errors import shown, wrong
 from calib.units import UnknownUnit, spellings, unit_of
 
 
@@ -101,11 +101,21 @@ ChannelsSection = by_name(
 )
 
 
+SAMPLE = "time [s],p_mc [bar]\n0.005,-1.5e3\n"
+_NOT_OF_FILES = ("punycode", "idna", "unicode-escape", "raw-unicode-escape", "utf-7")
+"""Codecs of names and of source code; some take quadratic time."""
+
+
 def _encoding(name: str) -> str:
+    known = 'an encoding such as "utf-8" or "latin-1"'
     try:
-        codecs.lookup(name)
-    except LookupError as cause:
-        raise wrong(str(cause), 'an encoding such as "utf-8" or "latin-1"') from cause
+        # Only what is one character for each: hex and zlib are codecs, too, but not of text.
+        plain = SAMPLE.encode(name).decode(name) == SAMPLE
+        found = codecs.lookup(name).name
+    except (LookupError, ValueError, TypeError) as cause:
+        raise wrong(f"unknown encoding {shown(name)}", known) from cause
+    if not plain or found in _NOT_OF_FILES:
+        raise wrong(f"{shown(name)} is no encoding of text files", known)
     return name
 
 

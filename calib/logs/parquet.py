@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from calib.bounded import LOG
 from calib.errors import LogError
 from calib.logs.source import Array, Column, ColumnSource
+from calib.logs.text.compressed import too_large
 from calib.logs.text.header import column_from_cell
 
 if TYPE_CHECKING:
@@ -38,23 +40,28 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
         raise LogError("the file is empty", where=where, expected="a Parquet file")
     try:
         file = pq.ParquetFile(pa.BufferReader(data), page_checksum_verification=True)
-    except (pa.ArrowInvalid, OSError) as cause:
+        schema = file.schema_arrow
+        fields = list(schema)  # names that are not UTF-8 are decoded here
+    except (pa.ArrowException, OSError, ValueError) as cause:
         raise LogError(
             f"not Parquet, or cut off: {cause}",
             where=where,
             expected="a complete Parquet file",
             do="copy the log again",
         ) from cause
-    schema = file.schema_arrow
     pandas = _pandas(schema.metadata)
-    columns = tuple(_column(field, pandas) for field in schema)
+    columns = tuple(_column(field, pandas) for field in fields)
     if file.metadata.num_rows == 0:
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
+    groups = (file.metadata.row_group(i) for i in range(file.metadata.num_row_groups))
+    unpacked = sum(group.total_byte_size for group in groups)
+    if max(unpacked, 8 * file.metadata.num_rows * len(columns)) > LOG.most:
+        raise too_large(where)
 
     def read(indices: Sequence[int]) -> list[Array]:
         try:
             table = file.read(use_threads=False)
-        except (pa.ArrowInvalid, OSError) as cause:
+        except (pa.ArrowException, OSError, ValueError) as cause:
             raise LogError(f"damaged: {cause}", where=where, do="copy the log again") from cause
         return [_numbers(table.column(i), f"{where}: {columns[i].name}") for i in indices]
 
@@ -87,7 +94,7 @@ def _numbers(column: "pyarrow.ChunkedArray", where: str) -> Array:
 
     try:
         values: Array = column.cast(pa.float64()).to_numpy().astype(np.float64, copy=False)
-    except (pa.ArrowInvalid, pa.ArrowNotImplementedError) as cause:
+    except (pa.ArrowException, ValueError) as cause:
         raise LogError(
             f"holds {column.type}, not numbers", where=where, expected="a numeric column"
         ) from cause

@@ -1,9 +1,11 @@
 """Read a log of any known format as a `Log` in SI."""
 
 import hashlib
+import stat
 from dataclasses import dataclass
 from pathlib import Path
 
+from calib.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.errors import ChannelMapError, LogError
 from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.bus.databases import Databases
@@ -69,7 +71,7 @@ def _refuse_other_kind(file: Path, where: object) -> None:
 
 def _digest(path: Path) -> str:
     try:
-        with path.open("rb") as file:
+        with open_bounded(path, RECORDING) as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as cause:
         raise _unreadable(path, cause) from cause
@@ -269,7 +271,7 @@ def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> 
     where = path if where is None else where
     refuse_no_log(path, where, any_format=any_format)
     try:
-        return path.read_bytes()
+        return read_bounded(path, LOG if ending_of(path) in TABLES else RECORDING)
     except OSError as cause:
         raise _unreadable(where, cause) from cause
 
@@ -277,11 +279,17 @@ def log_bytes(path: Path, where: object = None, *, any_format: bool = False) -> 
 def refuse_no_log(path: Path, where: object = None, *, any_format: bool = False) -> None:
     """Raise LogError if ``path`` is not a file of a known format."""
     where = path if where is None else where
-    if path.is_dir():
+    try:
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError, ValueError) as cause:
+        raise LogError(
+            "no such file", where=where, expected="a log", do="check the path"
+        ) from cause
+    except OSError as cause:
+        raise _unreadable(where, cause) from cause
+    if stat.S_ISDIR(mode):
         raise LogError("a directory", where=where, expected="a log file", do="name the files in it")
-    if not path.exists():
-        raise LogError("no such file", where=where, expected="a log", do="check the path")
-    if not path.is_file():
+    if not stat.S_ISREG(mode):
         raise LogError("a device, socket or pipe", where=where, expected="a log file")
     if ending_of(path) not in FORMATS and not any_format:
         raise LogError(

@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from calib.files import printable
 from calib.logs.parquet import open_parquet
 from calib.logs.source import ColumnSource
 from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat
 from calib.logs.text.vbo import open_vbo
+from calib.printable import printable
 
 TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {
     ".csv": open_csv,

@@ -11,8 +11,10 @@ from calib.names import CHANNELS
 MIN_SAMPLES = 50
 """Fewest samples of a log: a quarter of a second at 200 Hz, too short to filter."""
 
-ABSURD = 1e12
-"""Above all values of all channels in SI, also above seconds since 1970."""
+ABSURD = {"Pa": 1e9, "m/s^2": 1e4, "rad/s": 1e5, "m/s": 1e4, "rad": 1e4, "N*m": 1e7, "degC": 1e5}
+"""By SI unit: far above all values that a car can have, and that a wrong unit can make of them."""
+ABSURD_ELSE = 1e12
+"""Above seconds since 1970, too."""
 
 
 def complete_channels(
@@ -53,7 +55,8 @@ def complete_channels(
 
 
 def _refuse_absurd(name: str, values: Array, where: str) -> None:
-    absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > ABSURD))
+    most = ABSURD.get(CHANNELS[name].si, ABSURD_ELSE) if name in CHANNELS else ABSURD_ELSE
+    absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > most))
     if absurd.size:
         row = int(absurd[0])
         raise LogError(

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.bounded import RESULT, read_bounded
 from calib.errors import InputError
 
 Array = NDArray[np.float64]
@@ -56,7 +57,7 @@ def is_result(path: Path) -> bool:
         return False
     try:
         names = set(read_schema(path).names)
-    except (OSError, ArrowException):
+    except (OSError, ArrowException, ValueError):
         return False  # it is then read as a log, which reports the cause
     return {"valid", "pad_friction_f", "pad_friction_r"} <= names
 
@@ -67,20 +68,26 @@ def read_result(path: Path) -> StoredResult:
     from pyarrow.parquet import read_table
 
     try:
-        data = path.read_bytes()
+        data = read_bounded(path, RESULT)
         found = read_table(io.BytesIO(data))
-    except (OSError, ArrowException) as cause:
+        names = found.column_names
+    except (OSError, ArrowException, ValueError) as cause:
         raise InputError(f"cannot be read ({cause})", where=path) from cause
-    missing = [name for name in (*COLUMNS, "valid") if name not in found.column_names]
+    missing = [name for name in (*COLUMNS, "valid") if name not in names]
     if missing or found.num_rows < 2:
         raise InputError(
             f"no column {', '.join(missing)}" if missing else "fewer than two samples",
             where=path,
             expected="a result of `brake-cal validate --out`",
         )
+    try:
+        values = {name: np.asarray(found[name].to_numpy(), dtype=float) for name in COLUMNS}
+        valid = np.asarray(found["valid"].to_numpy(zero_copy_only=False), dtype=bool)
+    except (ArrowException, TypeError, ValueError) as cause:
+        raise InputError(f"holds more than numbers ({cause})", where=path) from cause
     return StoredResult(
         name=path.stem,
         digest=hashlib.sha256(data).hexdigest(),
-        values={name: np.asarray(found[name].to_numpy(), dtype=float) for name in COLUMNS},
-        valid=np.asarray(found["valid"].to_numpy(zero_copy_only=False), dtype=bool),
+        values=values,
+        valid=valid,
     )

@@ -8,16 +8,14 @@ from base64 import b64decode, b64encode
 from collections.abc import Callable
 from pathlib import Path
 
+from calib.bounded import KEY, read_bounded
 from calib.errors import BrakeCalError
-from calib.files import printable
+from calib.printable import printable
 
 UNTRUSTED = "untrusted comment: "
 TRUSTED = "trusted comment: "
 LONGEST = {UNTRUSTED: 1023, TRUSTED: 8191}
 """Bytes of a comment line with its prefix and its line end that minisign reads."""
-
-MOST_BYTES = 16384
-"""No file of minisign is longer."""
 
 Refuse = Callable[..., BrakeCalError]
 """Makes the error of a file: the class of the error, with ``where`` filled in."""
@@ -29,12 +27,9 @@ def read_small(path: Path, refuse: Refuse) -> bytes:
     Raises the error of ``refuse`` if the file cannot be read or is longer.
     """
     try:
-        with path.open("rb") as file:
-            content = file.read(MOST_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise refuse(f"cannot be read ({reason})", do="check the path") from None
-    return content
+        return read_bounded(path, KEY)
+    except OSError as error:
+        raise refuse(f"cannot be read ({error.strerror})", do="check the path") from None
 
 
 def split_lines(content: bytes, count: int, refuse: Refuse) -> list[bytes]:
@@ -43,8 +38,8 @@ def split_lines(content: bytes, count: int, refuse: Refuse) -> list[bytes]:
     Raises the error of ``refuse`` if there are not ``count`` lines, all with an end.
     """
     expected = f"a file of minisign with {count} lines"
-    if len(content) > MOST_BYTES:
-        raise refuse(f"is longer than {MOST_BYTES} bytes", expected=expected)
+    if len(content) > KEY.most:
+        raise refuse(f"is longer than {KEY.most} bytes", expected=expected)
     if not content:
         raise refuse("is empty", expected=expected)
     if not content.endswith(b"\n"):

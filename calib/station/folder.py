@@ -9,6 +9,7 @@ import json
 from contextlib import suppress
 from pathlib import Path
 
+from calib.bounded import VALIDATION, read_bounded
 from calib.exports.formats import ENDINGS
 from calib.publish import publish
 
@@ -41,7 +42,7 @@ def _stale(out: Path) -> set[str]:
 
 def _listed(out: Path) -> set[str]:
     """File names that the verdict in ``out`` lists; none where it cannot be read."""
-    with suppress(OSError, ValueError, KeyError, TypeError):
-        names = json.loads((out / DOCUMENT).read_text(encoding="utf-8"))["files"]
+    with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
+        names = json.loads(read_bounded(out / DOCUMENT, VALIDATION))["files"]
         return {n for n in names if isinstance(n, str) and n == Path(n).name and n not in FIXED}
     return set()

@@ -10,6 +10,8 @@ import shutil
 from contextlib import suppress
 from pathlib import Path
 
+from calib.bounded import JOURNAL as JOURNAL_FILE
+from calib.bounded import read_bounded
 from calib.files import sync, write_whole
 from calib.store.folders import NEW, SIGNATURE, folder_of, unplaced
 from calib.store.journal import HEAD, JOURNAL, Journal, damaged, parse
@@ -111,6 +113,6 @@ def discard(work: Path) -> None:
 
 def _bytes(path: Path) -> bytes | None:
     try:
-        return path.read_bytes()
+        return read_bounded(path, JOURNAL_FILE)
     except FileNotFoundError:
         return None

@@ -36,7 +36,7 @@ def read_curve(data: bytes) -> dict[str, Array]:
     try:
         # Without threads: a pool that still runs when a short program ends aborts it (code 134).
         table = pq.ParquetFile(pa.BufferReader(data)).read(use_threads=False)
-    except OSError as error:
+    except (pa.ArrowException, OSError) as error:
         raise ValueError(str(error)) from error
     return {
         name: np.asarray(table.column(name).to_numpy(), dtype=np.float64)

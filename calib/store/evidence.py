@@ -3,6 +3,7 @@
 import hashlib
 from pathlib import Path
 
+from calib.bounded import VALIDATION, read_bounded
 from calib.errors import ExchangeError
 from calib.store.quality import read_quality
 from calib.store.state import Evidence
@@ -16,7 +17,7 @@ def read_evidence(path: Path, stored: Stored) -> tuple[Evidence, str]:
     it is neither, is of another table, or has no hold-out.
     """
     try:
-        data = path.read_bytes()
+        data = read_bounded(path, VALIDATION)
     except OSError as error:
         raise ExchangeError(f"cannot be read ({error.strerror})", where=path) from error
     evidence = Evidence(path.name, hashlib.sha256(data).hexdigest())

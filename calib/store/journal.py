@@ -11,6 +11,7 @@ head (see `calib.store.signature`) is what shows that.
 
 import hashlib
 import json
+import re
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields, replace
 from datetime import UTC, datetime
@@ -229,7 +230,7 @@ def _check_head(entries: list[Entry], head: bytes | None, where: object) -> None
             raise damaged(f"{HEAD} beside it is missing", where)
         return
     digest, _, count = head.decode(errors="replace").strip().partition(" ")
-    number = int(count) if count.isascii() and count.isdecimal() else -1
+    number = int(count) if re.fullmatch(r"[0-9]{1,18}", count) else -1
     hashes = [START, *(entry.hash for entry in entries)]
     if number >= len(hashes):
         raise damaged(f"has {len(entries)} lines, its head names {number}: lines are lost", where)

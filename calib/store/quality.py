@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from calib.bounded import VALIDATION, read_bounded
 from calib.errors import ExchangeError
-from calib.files import printable
+from calib.printable import printable
 
 if TYPE_CHECKING:
     from calib.store.summary_file import SummaryFile
@@ -61,7 +62,7 @@ def _summary(path: Path) -> "SummaryFile":
     from calib.store.summary_file import SummaryFile
 
     try:
-        data = path.read_bytes()
+        data = read_bounded(path, VALIDATION)
     except OSError as error:
         raise ExchangeError(f"cannot be read ({error.strerror})", where=path) from error
     try:

@@ -12,6 +12,7 @@ import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from calib.bounded import TABLE, read_bounded
 from calib.errors import SignatureRefused
 from calib.files import write_whole
 from calib.store.journal import Journal
@@ -96,7 +97,7 @@ def recall() -> Memory:
     """
     try:
         path = _path()
-        data = path.read_bytes()
+        data = read_bounded(path, TABLE)
     except FileNotFoundError:
         return Memory(path)
     except RuntimeError:

@@ -15,6 +15,7 @@ from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
+from calib.bounded import TABLE, read_bounded
 from calib.errors import DamagedTable, SignatureRefused
 from calib.signing.lines import read_small
 from calib.signing.public_key import PublicKey
@@ -101,7 +102,7 @@ def anchored(now: Snapshot, public: PublicKey) -> None:
         if not signature:
             continue
         try:
-            comment = verify(public, record.read_bytes(), signature, path)
+            comment = verify(public, read_bounded(record, TABLE), signature, path)
             statement = parse_statement(comment, path)
         except (SignatureRefused, OSError):
             continue
@@ -188,7 +189,7 @@ def _path(stored: Stored, public: PublicKey) -> Path:
 
 def _record(stored: Stored) -> bytes:
     """The bytes of the record file, which are those that were loaded."""
-    data = (stored.path / RECORD).read_bytes()
+    data = read_bounded(stored.path / RECORD, TABLE)
     if hashlib.sha256(data).hexdigest() != stored.record:
         raise DamagedTable(f"{RECORD}: was changed just now", where=stored.id, do=NEWEST)
     return data

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from calib.bounded import TABLE, read_bounded
 from calib.digest import content_digest
 from calib.errors import DamagedTable, StoreError
 from calib.files import sync
@@ -153,7 +154,7 @@ def _checked(data: bytes, schema: "type[S]", path: Path) -> "S":
 def _single_keys(data: bytes, path: Path) -> dict[str, Any]:
     try:
         document: dict[str, Any] = json.loads(data, object_pairs_hook=without_duplicates)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise _damaged(path, f"{RECORD}: {error}") from error
     return document
 
@@ -168,7 +169,7 @@ def _curve_file(path: Path, digests: dict[str, str]) -> dict[str, Array]:
 
 def _bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return read_bounded(path, TABLE)
     except FileNotFoundError as error:
         raise _damaged(path.parent, f"{path.name}: missing") from error
     except OSError as error:

@@ -15,6 +15,8 @@ from calib.errors import LogError
 
 _OBJECT = struct.Struct("<4sHHLL")
 _CONTAINER, _DEFLATE = 10, 2
+_MOST_UNPACKED = 64_000_000
+"""Bytes of one container; those of Vector have 128 kB."""
 _CONTENT = struct.Struct("<H6xL4x")
 """Begin of a container: its method of compression, and the size of what it contains."""
 _FRAMES = frozenset((1, 86, 73, 100, 101))
@@ -87,9 +89,11 @@ def _inflated(content: bytes, path: Path) -> bytes:
     if method == _DEFLATE:
         stream = zlib.decompressobj()
         try:
-            packed = stream.decompress(packed)
+            packed = stream.decompress(packed, _MOST_UNPACKED)
         except zlib.error as cause:
             raise _container(path, str(cause)) from cause
+        if stream.unconsumed_tail:
+            raise _container(path, f"it unpacks to more than {_MOST_UNPACKED} bytes")
         if not stream.eof:
             raise _container(path, f"it ends after {len(packed)} of {size} bytes")
     if len(packed) < size:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from calib.bounded import LOG, bytes_of
 from calib.errors import LogError
 from calib.logs.bus.databases import Databases
 from calib.logs.recording import Recording
@@ -21,7 +22,7 @@ def packed(open_log: Open) -> Open:
     """
 
     def opened(path: Path, dbc: Databases) -> Recording:
-        content = gunzip(path.read_bytes(), str(path))
+        content = gunzip(bytes_of(path, LOG, LogError, "a packed log"), str(path))
         with TemporaryDirectory() as folder:
             plain = Path(folder) / "log"
             plain.write_bytes(content)

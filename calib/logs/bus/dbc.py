@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.bounded import DBC, bytes_of
 from calib.errors import ChannelMapError
 from calib.logs.bus.bits import last_byte, number, raw
 from calib.logs.bus.databases import Databases
@@ -135,11 +136,9 @@ def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
     messages: dict[Key, Message] = {}
     notes = []
     for path in paths:
-        if not path.is_file():
-            raise ChannelMapError("no such file", where=path, expected="a DBC", do="check the path")
-        content = path.read_bytes()
         kind = path.suffix[1:].lower() if path.suffix[1:].lower() in ENCODINGS else "dbc"
         name = kind.upper()
+        content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
         try:
             text = content.decode(ENCODINGS[kind], errors="replace")
             database = cantools.database.load_string(text, database_format=kind, strict=True)

@@ -8,6 +8,7 @@ import struct
 from pathlib import Path
 from typing import BinaryIO
 
+from calib.bounded import RECORDING
 from calib.errors import LogError
 
 _BLOCK = struct.Struct("<4s4xQQ")
@@ -23,13 +24,30 @@ def check_records(path: Path) -> None:
     The file must have all its blocks (`calib.logs.mdf.size`). Data that is not a list of blocks is
     not checked here; the reader compares the number of its samples with the count.
     """
+    try:
+        _check(path)
+    except (struct.error, IndexError, ValueError, OverflowError) as cause:
+        raise LogError(
+            "its groups are not as MDF 4 has them", where=path, do="copy the log again"
+        ) from cause
+
+
+def _check(path: Path) -> None:
     with path.open("rb") as file:
         (place, *_), _ = _block(file, 64)
-        number = 0
+        number, most = 0, RECORDING.most
+        seen = set[int]()
         while place:
+            _once(place, seen)
             (place, group, data, *_), content = _block(file, place)
-            needed = _needed(file, group, content[0])
+            needed = _needed(file, group, content[0], seen)
             there = _there(file, data) if data else 0
+            if max(needed, there or 0) > most:
+                raise LogError(
+                    RECORDING.excess(max(needed, there or 0), f"data group {number} unpacks to"),
+                    where=path,
+                    do=RECORDING.advice,
+                )
             if there is not None and there < needed:
                 raise LogError(
                     f"data group {number} holds {there} of {needed} bytes of samples: "
@@ -41,6 +59,13 @@ def check_records(path: Path) -> None:
             number += 1
 
 
+def _once(place: int, seen: set[int]) -> None:
+    """Raise ValueError for a block that was met before: links in a ring have no end."""
+    if place in seen:
+        raise ValueError(f"a ring of links at byte {place}")
+    seen.add(place)
+
+
 def _block(file: BinaryIO, place: int) -> tuple[tuple[int, ...], bytes]:
     """Links of a block, and the first bytes of its content."""
     file.seek(place)
@@ -49,9 +74,10 @@ def _block(file: BinaryIO, place: int) -> tuple[tuple[int, ...], bytes]:
     return struct.unpack_from(f"<{links}Q", read), read[8 * links :]
 
 
-def _needed(file: BinaryIO, place: int, id_size: int) -> int:
+def _needed(file: BinaryIO, place: int, id_size: int, seen: set[int]) -> int:
     total = 0
     while place:
+        _once(place, seen)
         (place, *_), content = _block(file, place)
         count, flags, _, _, size, invalid = _COUNT.unpack_from(content)
         if not flags & _VARIABLE:
@@ -62,10 +88,12 @@ def _needed(file: BinaryIO, place: int, id_size: int) -> int:
 def _there(file: BinaryIO, place: int) -> int | None:
     """Bytes of data at a link; None if it is not a list of data blocks."""
     total, todo = 0, [place]
+    seen = set[int]()
     while todo:
         place = todo.pop()
         if not place:
             continue
+        _once(place, seen)
         file.seek(place)
         kind, length, _ = _BLOCK.unpack(file.read(_BLOCK.size))
         if kind in (b"##HL", b"##DL"):

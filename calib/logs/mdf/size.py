@@ -29,6 +29,8 @@ def check_size(path: Path) -> str:
         identification = file.read(_ID_SIZE)
         _check_identification(identification, size, path)
         version = identification[8:12].strip(b" \0")
+        if not version.isascii():
+            raise LogError(f"MDF version {version!r}", where=path, expected="3.x or 4.x")
         if version.startswith(b"4"):
             _walk_v4(file, size, path)
         elif version.startswith((b"2", b"3")):
@@ -98,14 +100,24 @@ def _walk_v3(file: BinaryIO, order: str, size: int, path: Path) -> None:
         return tuple(rest)
 
     ranges: list[tuple[int, int]] = []
+
+    def refuse_again(place: int) -> None:
+        if place in seen:
+            raise _no_block("block that was not met before", place, path)
+        seen.add(place)
+
+    seen = set[int]()
     (group,) = block(_HEAD, b"HD", "I")
     while group:
+        refuse_again(group)
         group, channels, _, data, _, ids = block(group, b"DG", "IIIIHH")
         needed = 0
         while channels:
+            refuse_again(channels)
             channels, channel, _, _, _, width, count = block(channels, b"CG", "IIIHHHI")
             needed += count * (width + ids)
             while channel:
+                refuse_again(channel)
                 channel, *others = block(channel, b"CN", "IIIII")
                 end = max([end, *(o + 4 for o in others)])
         ranges += [(data, data + needed)] if data and needed else []

@@ -11,6 +11,7 @@ from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
 
+from calib.bounded import EFFECT, bytes_of
 from calib.errors import ModelError
 from calib.physics.effects.effect import Effect
 from calib.physics.own_effects.card import check_card
@@ -51,10 +52,7 @@ def read_own_effect(path: Path) -> OwnEffect:
 
 
 def _source(path: Path) -> bytes:
-    if not path.is_file():
-        what = "a directory" if path.is_dir() else "no such file"
-        raise ModelError(what, where=path, expected="a Python file", do="check the path")
-    return path.read_bytes()
+    return bytes_of(path, EFFECT, ModelError, "a Python file")
 
 
 def _executed(source: bytes, path: str) -> ModuleType:
@@ -67,6 +65,8 @@ def _executed(source: bytes, path: str) -> ModuleType:
         raise ModelError(f"not Python: {cause.msg}", where=at(path, cause.lineno)) from cause
     except ValueError as cause:  # null bytes
         raise ModelError(f"not Python: {cause}", where=path) from cause
+    except (RecursionError, MemoryError) as cause:
+        raise ModelError("not Python: it is nested too deep", where=path) from cause
     try:
         with redirect_stdout(sys.stderr):
             exec(code, vars(module))

@@ -1,0 +1,393 @@
+"""Every reader of bytes, with good files to start from, and a mutator of files.
+
+A reader may return or raise a BrakeCalError; whatever else it raises is a finding.
+"""
+
+import gzip
+import io
+import random
+import struct
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from calib.errors import BrakeCalError
+
+ROOT = Path(__file__).parents[2]
+SEDAN = ROOT / "sample_logs" / "sedan"
+VERSION = ROOT / "tables" / "sedan-2up" / "v0002"
+NAME_OF_TABLE = "sedan-2up@2"
+
+Seeds = Callable[[], list[bytes]]
+
+
+@dataclass(frozen=True)
+class Reader:
+    """``read`` opens a file of the name ``file``; ``seeds`` makes good files."""
+
+    file: str
+    read: Callable[[Path], object]
+    seeds: Seeds
+
+
+def of_file(*paths: Path) -> Seeds:
+    return lambda: [path.read_bytes() for path in paths]
+
+
+def short_csv(rows: int = 60) -> bytes:
+    lines = (SEDAN / "ramp_wet_asphalt.csv").read_bytes().splitlines(keepends=True)
+    return b"".join(lines[: rows + 1])
+
+
+def csvs() -> list[bytes]:
+    text = short_csv().decode()
+    german = text.replace(",", ";").replace(".", ",")
+    units = text.replace(" [", "_").replace("]", "")
+    return [text.encode(), german.encode("latin-1"), text.encode("utf-16"), units.encode()]
+
+
+def vbos() -> list[bytes]:
+    rows = (f"8 1622{35 + i / 100:05.2f} {50 - i / 10:.3f} {i / 8:+.6E}\r\n" for i in range(60))
+    head = "[header]\r\nsatellites\r\ntime\r\nvelocity kmh\r\nBrake Pressure\r\n\r\n"
+    names = "[column names]\r\nsats time velocity Brake_Pressure\r\n\r\n[data]\r\n"
+    return [f"File created on 31/07/2006\r\n\r\n{head}{names}{''.join(rows)}".encode()]
+
+
+def parquets() -> list[bytes]:
+    import pyarrow.csv as pc
+    import pyarrow.parquet as pq
+
+    sink = io.BytesIO()
+    pq.write_table(pc.read_csv(io.BytesIO(short_csv())), sink)
+    return [sink.getvalue(), (VERSION / "tyre.parquet").read_bytes()]
+
+
+def read_a_log(path: Path) -> object:
+    from calib.logs.read import read_log
+
+    return read_log(path, require=())
+
+
+def on_bus(path: Path) -> object:
+    from calib.logs.channel_map import ChannelMap, Mapping
+    from calib.logs.read import read_log
+    from tests.support.recordings import CHANNELS
+
+    dbc = path.with_name("chassis.dbc")
+    if not dbc.exists():
+        dbc.write_text(_dbc())
+    mapped = {ours: Mapping(theirs) for ours, theirs in CHANNELS.items()}
+    return read_log(path, ChannelMap("map.toml", mapped, dbc=(dbc,)), require=())
+
+
+def _dbc() -> str:
+    from tests.support.recordings import DBC
+
+    return DBC
+
+
+def recorded(ending: str) -> Seeds:
+    """The first frames of the run on a bus, by python-can."""
+
+    def make() -> list[bytes]:
+        import can
+
+        from tests.support.recordings import messages
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"a{ending}"
+            with can.Logger(path) as log:
+                for message in messages()[:200]:
+                    log.on_message_received(message)  # type: ignore[arg-type]
+            return [path.read_bytes()]
+
+    return make
+
+
+def mdfs() -> list[bytes]:
+    import numpy as np
+    from asammdf import MDF, Signal
+
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        for version, compression in (("4.10", 0), ("4.10", 2), ("3.30", 0)):
+            time = np.arange(60) / 200.0
+            with MDF(version=version) as mdf:
+                mdf.append([Signal(time * 3, time, name="v", unit="m/s")])
+                mdf.append([Signal(time * 2, time, name="p_mc", unit="bar")])
+                saved = mdf.save(Path(folder) / "a.mf4", overwrite=True, compression=compression)
+            found.append(Path(saved).read_bytes())
+    return found
+
+
+def read_a_dbc(path: Path) -> object:
+    from calib.logs.bus.dbc import read_dbc
+
+    return read_dbc([path], "can", "a.blf")
+
+
+def read_a_map(path: Path) -> object:
+    from calib.logs.channel_map_file import read_channel_map
+
+    return read_channel_map(path)
+
+
+def maps() -> list[bytes]:
+    text = 'schema = 1\nignore = ["a"]\n[text]\nseparator = ";"\nencoding = "latin-1"\n'
+    return [f'{text}[channels.p_mc]\nsource = "P"\nunit = "kPa"\nsign = -1\nscale = 2.0\n'.encode()]
+
+
+def read_a_vehicle(path: Path) -> object:
+    from calib.physics.vehicle_file import read_vehicle
+
+    return read_vehicle(path)
+
+
+def read_some_limits(path: Path) -> object:
+    from calib.validation.limits_file import read_limits
+    from calib.validation.metrics import METRICS
+
+    return read_limits(path, set(METRICS))
+
+
+def read_a_model(path: Path) -> object:
+    from calib.physics.model_file import read_model
+    from calib.physics.vehicle_file import read_vehicle
+
+    return read_model(path, read_vehicle(SEDAN / "vehicle.toml"))
+
+
+def models() -> list[bytes]:
+    from calib.physics.model import default_model
+    from calib.physics.model_file import write_model
+    from calib.physics.vehicle_file import read_vehicle
+
+    with tempfile.TemporaryDirectory() as folder:
+        write_model(default_model(read_vehicle(SEDAN / "vehicle.toml")), Path(folder) / "m.toml")
+        return [(Path(folder) / "m.toml").read_bytes()]
+
+
+def read_some_settings(path: Path) -> object:
+    from calib.settings_file import read_settings
+
+    return read_settings(path)
+
+
+def settings() -> list[bytes]:
+    return [b'schema = 1\nstore = "t"\nby = "A"\n[station]\nname = "e"\nexport = ["dcm"]\n']
+
+
+def read_an_export(path: Path) -> object:
+    from calib.exports.read import read_back
+
+    return read_back(path)
+
+
+@cache
+def _exports() -> tuple[bytes, bytes]:
+    from calib.exports.export import export
+    from calib.store.store import Store
+
+    stored = Store(ROOT / "tables").load(NAME_OF_TABLE)
+    made = []
+    with tempfile.TemporaryDirectory() as folder:
+        for form in ("dcm", "cdfx"):
+            path = Path(folder) / form
+            export(stored, path, form, points=8, unreleased=True)
+            made.append(path.read_bytes())
+    return made[0], made[1]
+
+
+def read_a_record(path: Path) -> object:
+    from calib.store.version import read_version
+
+    for name in ("difference", "paper", "tyre"):
+        link = path.with_name(f"{name}.parquet")
+        if not link.exists():
+            link.symlink_to(VERSION / link.name)
+    return read_version(path.parent)
+
+
+def read_the_journal(path: Path) -> object:
+    from calib.store.store import Store
+
+    head = path.with_name("journal.head")
+    if not head.exists():
+        head.symlink_to(ROOT / "tables" / "journal.head")
+    return Store(path.parent).now()
+
+
+def read_the_head(path: Path) -> object:
+    from calib.store.store import Store
+
+    journal = path.with_name("journal.jsonl")
+    if not journal.exists():
+        journal.symlink_to(ROOT / "tables" / "journal.jsonl")
+    return Store(path.parent).now()
+
+
+def read_a_summary(path: Path) -> object:
+    from calib.store.evidence import read_evidence
+
+    return read_evidence(path, _stored())
+
+
+@cache
+def _stored():  # type: ignore[no-untyped-def]
+    from calib.store.store import Store
+
+    return Store(ROOT / "tables").load(NAME_OF_TABLE)
+
+
+def summaries() -> list[bytes]:
+    logs = '[{"log": "a", "role": "hold-out", "verdict": "passed"}]'
+    text = f'{{"schema": 1, "table": "{NAME_OF_TABLE}", "verdict": "passed", "logs": {logs}}}'
+    return [text.encode()]
+
+
+def read_a_plan(path: Path) -> object:
+    from calib.gauge.plan import read_plan
+
+    return read_plan(path)
+
+
+def read_a_result(path: Path) -> object:
+    from calib.plots.result import read_result
+
+    return read_result(path)
+
+
+def read_a_key(path: Path) -> object:
+    from calib.signing.public_key import read_public_key
+
+    return read_public_key(path)
+
+
+def read_a_secret(path: Path) -> object:
+    from calib.signing.secret_key import read_secret_key
+
+    return read_secret_key(path, lambda: "")
+
+
+def read_a_signature(path: Path) -> object:
+    from functools import partial
+
+    from calib.errors import SignatureRefused
+    from calib.signing.lines import read_small
+    from calib.signing.signature import parse_signature
+
+    return parse_signature(read_small(path, partial(SignatureRefused, where=path)), path)
+
+
+def public() -> list[bytes]:
+    from tests.support.signing import ADA
+
+    return [ADA.public.file]
+
+
+def secrets() -> list[bytes]:
+    from calib.signing.secret_key import secret_file
+
+    return [secret_file(b"adasline", bytes(range(32)))]
+
+
+def signatures() -> list[bytes]:
+    from calib.signing.sign import sign
+    from tests.support.signing import ADA
+
+    return [sign(ADA, b"content", "table sedan")]
+
+
+READERS = {
+    "csv": Reader("a.csv", read_a_log, csvs),
+    "csv.gz": Reader("a.csv.gz", read_a_log, lambda: [gzip.compress(short_csv(), mtime=0)]),
+    "vbo": Reader("a.vbo", read_a_log, vbos),
+    "parquet": Reader("a.parquet", read_a_log, parquets),
+    "mdf": Reader("a.mf4", read_a_log, mdfs),
+    "blf": Reader("a.blf", on_bus, recorded(".blf")),
+    "asc": Reader("a.asc", on_bus, recorded(".asc")),
+    "candump": Reader("a.log", on_bus, recorded(".log")),
+    "dbc": Reader("a.dbc", read_a_dbc, lambda: [_dbc().encode()]),
+    "map": Reader("a.toml", read_a_map, maps),
+    "vehicle": Reader("a.toml", read_a_vehicle, of_file(SEDAN / "vehicle.toml")),
+    "limits": Reader("a.toml", read_some_limits, of_file(ROOT / "sample_logs" / "limits.toml")),
+    "model": Reader("a.toml", read_a_model, models),
+    "settings": Reader("a.toml", read_some_settings, settings),
+    "dcm": Reader("a.dcm", read_an_export, lambda: [_exports()[0]]),
+    "cdfx": Reader("a.cdfx", read_an_export, lambda: [_exports()[1]]),
+    "record": Reader("record.json", read_a_record, of_file(VERSION / "record.json")),
+    "journal": Reader(
+        "journal.jsonl", read_the_journal, of_file(ROOT / "tables" / "journal.jsonl")
+    ),
+    "head": Reader("journal.head", read_the_head, of_file(ROOT / "tables" / "journal.head")),
+    "summary": Reader("summary.json", read_a_summary, summaries),
+    "plan": Reader("plan.csv", read_a_plan, lambda: [b"log,car,station\na.csv,1,x\nb.csv,2,x\n"]),
+    "result": Reader("a.parquet", read_a_result, parquets),
+    "public key": Reader("a.pub", read_a_key, public),
+    "secret key": Reader("a.key", read_a_secret, secrets),
+    "signature": Reader("a.minisig", read_a_signature, signatures),
+}
+
+
+def finding(reader: Reader, folder: Path, data: bytes) -> Exception | None:
+    """What a reader raises on these bytes beside the errors of the program; None if nothing."""
+    path = folder / reader.file
+    path.write_bytes(data)
+    try:
+        reader.read(path)
+    except BrakeCalError:
+        return None
+    except (Exception, RecursionError) as error:
+        return error
+    return None
+
+
+WORDS = (
+    b"\0", b"\xff" * 4, b"\n", b'"', b"nan", b"inf", b"-1", b"1e999", b"9" * 400, b"[" * 400,
+    b"{", b"\x1b[2J", b"\xe2\x80\xae", b"\xef\xbb\xbf", b";", b",", b"=", b"&a;", b"\\u0000",
+)  # fmt: skip
+NUMBERS = (0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0xFFFFFFFF, 0x7FFFFFFFFFFFFFFF, 2**64 - 1)
+
+
+def mutated(seeds: list[bytes], chance: random.Random) -> bytes:
+    """A seed with one to six changes: bits, bytes, words, numbers, parts cut, moved, doubled."""
+    data = bytearray(chance.choice(seeds))
+    for _ in range(chance.randint(1, 6)):
+        at = chance.randrange(len(data) + 1)
+        end = min(len(data), at + int(chance.paretovariate(0.7)))
+        match chance.randrange(8):
+            case 0 if at < len(data):
+                data[at] ^= 1 << chance.randrange(8)
+            case 1 if at < len(data):
+                data[at] = chance.randrange(256)
+            case 2:
+                del data[at:end]
+            case 3:
+                data[at:at] = data[at:end]
+            case 4:
+                data[at:at] = chance.choice(WORDS)
+            case 5:
+                word = chance.choice(WORDS)
+                data[at : at + len(word)] = word
+            case 6:
+                kind = chance.choice("BHIQ")
+                size = struct.calcsize(kind)
+                number = chance.choice(NUMBERS) % 256**size
+                data[at : at + size] = struct.pack(f"<{kind}", number)
+            case 7 if chance.random() < 0.3:
+                del data[at:]
+    return bytes(data)
+
+
+def runs(reader: Reader, seed: int, count: int | None = None) -> Iterator[tuple[bytes, Exception]]:
+    """Run a reader on the seeds and on ``count`` mutated files; yields what it finds."""
+    chance, seeds, done = random.Random(seed), reader.seeds(), 0
+    with tempfile.TemporaryDirectory() as folder:
+        while count is None or done < count:
+            data = seeds[done] if done < len(seeds) else mutated(seeds, chance)
+            error = finding(reader, Path(folder), data)
+            done += 1
+            if error is not None:
+                yield data, error
