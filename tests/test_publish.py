@@ -137,7 +137,7 @@ def test_what_is_killed_at_random_is_never_mixed():
     kills = {name: n for name, n in counts.items() if name.startswith("killed")}
     assert len(kills) == 3
     # They hit inside of a publish. Of two writers the second settles what the first one left.
-    assert min(one for one, _ in kills.values()) > 5, kills
+    assert min(one for one, _ in kills.values()) > 0, kills
     flaws = {name: n for name, n in counts.items() if name not in kills}
     assert len(flaws) == 4
     assert flaws == dict.fromkeys(flaws, (0, 0))

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.base import Base
 from calib.diagnosis.channels import (
     CHANNELS,
     ChannelNoise,
@@ -22,7 +23,7 @@ from calib.diagnosis.channels import (
     unbraked_length,
     whiten,
 )
-from calib.diagnosis.predict import Base, ObservedRun, predict
+from calib.diagnosis.predict import ObservedRun, predict
 from calib.diagnosis.progress import Tell, silent
 from calib.diagnosis.secant import columns, least_squares
 from calib.physics.effects.effect import Card

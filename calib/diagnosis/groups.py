@@ -17,8 +17,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.base import REFERENCE, Ground
 from calib.diagnosis.candidate import Candidate, Problem
-from calib.diagnosis.ground import REFERENCE, Ground
 from calib.diagnosis.predict import ObservedRun
 from calib.diagnosis.secant import columns, least_squares
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.base import Base
 from calib.diagnosis.candidate import (
     BASE,
     Candidate,
@@ -16,7 +17,7 @@ from calib.diagnosis.candidate import (
     unpack,
 )
 from calib.diagnosis.groups import placed
-from calib.diagnosis.predict import Base, ObservedRun, run_of, wheel_angles
+from calib.diagnosis.predict import ObservedRun, run_of, wheel_angles
 from calib.diagnosis.remainder import Remainder, remainder_of
 from calib.errors import ModelError
 from calib.logs.log import Log

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.ground import REFERENCE, Ground
+from calib.diagnosis.base import REFERENCE, Base, Ground
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
@@ -36,7 +36,6 @@ from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads, tyre_force
 from calib.physics.history import Motion, RunHistory
 from calib.physics.lag import integral
-from calib.physics.magic_formula import MagicFormula
 from calib.physics.vehicle import Vehicle
 from calib.signals.filters import block_mean, centred_mean
 from calib.signals.pedal import as_pressed
@@ -48,26 +47,6 @@ GRID = 0.01
 
 EDGE = 0.985
 """Share of the peak up to which the rising branch is inverted; forces past it are held there."""
-
-
-@dataclass(frozen=True)
-class Base:
-    """Parameters that are always re-identified [1]: pad friction by axle, and the tyre.
-
-    ``stiffness``, ``peak``, ``shape`` and ``load_exponent`` as in `MagicFormula`.
-    """
-
-    pad_friction_f: float
-    pad_friction_r: float
-    stiffness: float
-    peak: float
-    shape: float = 1.65
-    load_exponent: float = 0.0
-
-    @property
-    def tyre(self) -> MagicFormula:
-        """The tyre of both axles."""
-        return MagicFormula(self.stiffness, self.peak, self.shape, self.load_exponent)
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.base import REFERENCE, Ground
 from calib.diagnosis.candidate import BASE, Candidate, Problem, bounds, fit, prior_rows, unpack
 from calib.diagnosis.decide import FLOOR, Decision, decide, quiet
-from calib.diagnosis.ground import REFERENCE, Ground
 from calib.diagnosis.groups import HIGH, LOW, PARAMETERS, SPREAD, grouped
 from calib.diagnosis.secant import least_squares
 

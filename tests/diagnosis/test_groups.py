@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.diagnosis.base import REFERENCE, Ground
 from calib.diagnosis.candidate import BASE, fit, problem_of
 from calib.diagnosis.decide import decide
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.ground import REFERENCE, Ground
 from calib.diagnosis.groups import grouped, groups_of, placed
 from calib.diagnosis.predict import run_of
 from calib.diagnosis.regroup import regrouped

@@ -145,7 +145,7 @@ CHANNEL_FAULTS: dict[str, Callable[[Text, int], Text]] = {
     "empty": put("", slice(None)),
     "truncated": put("", slice(-300, None)),
     "wrong type": put("high", slice(40, 41)),
-    "NaN": put("NaN", slice(40, 41)),
+    "NaN": put("NaN", slice(40, 140)),
     "infinite": put("inf", slice(40, 41)),
     "out of range": put("1e9", slice(40, 41)),
     "wrong unit": claimed,

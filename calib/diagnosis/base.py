@@ -1,19 +1,39 @@
-"""What a log was driven on and with: pads and road may differ from one log to the next.
+"""The parameters that are always identified, and the ground of a log.
 
-That is a state of a log and no effect. Parameters of the base stay those of the reference logs;
-the `Ground` of any other log holds the factors by which its pads and its road differ from theirs.
+Pads and road may differ from one log to the next. That is a state of a log and no effect. The
+`Base` holds the parameters of the reference logs; the `Ground` of any other log has the factors by
+which its pads and its road differ from theirs.
 """
 
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from calib.diagnosis.predict import Base
+from calib.physics.magic_formula import MagicFormula
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Base:
+    """Parameters that are always re-identified [1]: pad friction by axle, and the tyre.
+
+    ``stiffness``, ``peak``, ``shape`` and ``load_exponent`` as in `MagicFormula`.
+    """
+
+    pad_friction_f: float
+    pad_friction_r: float
+    stiffness: float
+    peak: float
+    shape: float = 1.65
+    load_exponent: float = 0.0
+
+    @property
+    def tyre(self) -> MagicFormula:
+        """The tyre of both axles."""
+        return MagicFormula(self.stiffness, self.peak, self.shape, self.load_exponent)
 
 
 @dataclass(frozen=True)
@@ -35,7 +55,7 @@ class Ground:
         """Logarithms of the factors (4,)."""
         return np.log([getattr(self, f.name) for f in fields(self)])
 
-    def applied(self, base: "Base") -> "Base":
+    def applied(self, base: Base) -> Base:
         """The base parameters on this ground."""
         if self == REFERENCE:
             return base
