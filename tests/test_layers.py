@@ -34,6 +34,7 @@ ROOMS = """
     reports
     station
     demo
+    qualification
 """
 """The house, from the ground floor up: a file imports from its own room or from a lower floor."""
 
