@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Malfunction:
-    """what may go wrong, its effect, the measure in use, the checks made here."""
+    """``what`` may go wrong, its ``effect``, the ``measure`` in use, the ``checks`` made here."""
 
     what: str
     effect: str
@@ -34,8 +34,8 @@ USE_CASES = (
             Malfunction(
                 "A unit, a separator or a decimal sign is misread.",
                 "All pads are wrong by one factor.",
-                "The command check prints source, unit and factor of each channel; pads outside 0.05 to 1 "
-                "are refused.",
+                "The command check prints source, unit and factor of each channel; pads outside "
+                "0.05 to 1 are refused.",
                 ("unit_psi", "read_units", "read_dialect"),
             ),
             Malfunction(
