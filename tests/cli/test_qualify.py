@@ -14,6 +14,7 @@ def short(monkeypatch):
     monkeypatch.setattr(suite, "qualify", lambda: REAL(closed_forms.CHECKS))
 
 
+@pytest.mark.smoke
 def test_it_writes_a_page_and_a_document(brake_cal, tmp_path):
     out = tmp_path / "qualification"
     ran = brake_cal("qualify", "--out", out)

@@ -16,6 +16,7 @@ def read(content):
     return text.astype(dict.fromkeys(NUMBERS, float))
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize("points", [None, 16])
 def test_pandas_sees_the_table_to_the_last_bit(real, truth, points):
     data = build(real, points)

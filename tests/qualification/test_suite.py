@@ -36,6 +36,7 @@ def found():
     return qualify()
 
 
+@pytest.mark.smoke
 def test_every_check_holds(found):
     assert {o.check.name: (o.value, o.error) for o in found.outcomes if not o.held} == {}
     assert [o.check.name for o in found.outcomes] == NAMES
