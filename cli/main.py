@@ -20,6 +20,7 @@ from cli import (
     limits,
     maps,
     plot,
+    qualify,
     repeatability,
     schema,
     settings,
@@ -76,6 +77,7 @@ app.command(epilog=repeatability.EPILOG)(repeatability.repeatability)
 app.command(epilog=batch.EPILOG)(batch.batch)
 app.command(epilog=watch.EPILOG)(watch.watch)
 app.command(epilog=demo.EPILOG)(demo.demo)
+app.command(epilog=qualify.EPILOG)(qualify.qualify)
 app.add_typer(maps.app, name="map")
 app.add_typer(tables.app, name="tables")
 app.add_typer(fleet.app, name="fleet")

@@ -69,9 +69,18 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
 
 
 def _pandas(metadata: dict[bytes, bytes] | None) -> dict[str, Any]:
-    """The metadata of pandas; empty if another program wrote the file."""
+    """The metadata of pandas; empty if another program wrote the file.
+
+    pandas 2 writes ``frame.attrs`` beside it, pandas 3 with a new pyarrow into it.
+    """
+    found = _object(metadata, b"pandas")
+    attributes = found.get("attributes") or _object(metadata, b"PANDAS_ATTRS")
+    return {**found, "attributes": attributes}
+
+
+def _object(metadata: dict[bytes, bytes] | None, key: bytes) -> dict[str, Any]:
     try:
-        found = json.loads((metadata or {}).get(b"pandas", b"{}"))
+        found = json.loads((metadata or {}).get(key, b"{}"))
     except ValueError:
         return {}
     return found if isinstance(found, dict) else {}

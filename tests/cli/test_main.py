@@ -37,6 +37,7 @@ def test_version(brake_cal):
     assert brake_cal("--version").out == f"brake-cal {__version__}\n"
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize("path", [(), *COMMANDS], ids=" ".join)
 def test_help_says_what_it_does_and_ends_with_an_example(brake_cal, path):
     ran = brake_cal(*path, "--help")

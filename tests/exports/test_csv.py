@@ -12,13 +12,16 @@ from calib.exports.parquet import TEXTS
 from tests.exports.conftest import bits
 
 README = Path(__file__).parents[2] / "README.md"
+NUMBERS = ("x", "value", "lower", "upper", "count", "flag")
 
 
 def read(content):
-    # The Python engine reads numbers to the last bit in every version of pandas.
-    return pd.read_csv(io.BytesIO(content), comment="#", engine="python")
+    # As text first: pandas 2 reads some numbers one bit off, and pandas 3 has no option for it.
+    text = pd.read_csv(io.BytesIO(content), comment="#", dtype=dict.fromkeys(NUMBERS, str))
+    return text.astype(dict.fromkeys(NUMBERS, float))
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize("points", [None, 16])
 def test_pandas_sees_the_table_to_the_last_bit(real, truth, points):
     data = build(real, points)

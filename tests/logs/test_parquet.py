@@ -77,10 +77,19 @@ def test_units_under_other_names(key):
     assert open_parquet(data, "run.parquet").columns == (Column("p_mc", "kPa"),)
 
 
+@pytest.mark.smoke
 def test_units_that_pandas_was_given(tmp_path):
     frame = pd.DataFrame({"time": [0.0, 0.1], "p_mc": [1.0, 2.0]})
     frame.attrs["units"] = {"time": "s", "p_mc": "MPa"}
     frame.to_parquet(tmp_path / "run.parquet")
+    columns = open_parquet((tmp_path / "run.parquet").read_bytes(), "run.parquet").columns
+    assert columns == (Column("time", "s"), Column("p_mc", "MPa"))
+
+
+def test_units_as_pandas_2_writes_them(tmp_path):
+    table = pa.table({"time": [0.0, 0.1], "p_mc": [1.0, 2.0]})
+    attrs = {b"PANDAS_ATTRS": b'{"units": {"time": "s", "p_mc": "MPa"}}', b"pandas": b"{}"}
+    pq.write_table(table.replace_schema_metadata(attrs), tmp_path / "run.parquet")
     columns = open_parquet((tmp_path / "run.parquet").read_bytes(), "run.parquet").columns
     assert columns == (Column("time", "s"), Column("p_mc", "MPa"))
 

@@ -59,6 +59,7 @@ def write(folder: Path, name: str) -> tuple[Path, Path]:
     return write_mdf(path, version, 2 if "packed" in name else 0), write_map(folder)
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize(
     "name",
     ["run.mf4", "packed.mf4", "run.mdf", "run.dat", "bus.mf4", "bus.blf", "bus.asc", "bus.log"],

@@ -107,6 +107,7 @@ def test_midnight_is_passed():
     np.testing.assert_allclose(time, 86399.8 + np.arange(60) / 100, rtol=0, atol=1e-6)
 
 
+@pytest.mark.smoke
 def test_as_a_log_through_a_map(tmp_path):
     path = tmp_path / "stop.VBO"
     path.write_bytes(vbo())

@@ -1,0 +1,1 @@
+"""Qualification of the program on the user's own machine, against truths known beforehand."""

@@ -1,0 +1,65 @@
+"""What a result was computed with: interpreter, operating system, processor and packages."""
+
+import platform
+import re
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
+
+PROGRAM = "brake-cal"
+FOR_USERS = ("mdf", "can", "sign", "dist")
+"""Extras that change what the program does; the others are for work on its code."""
+
+
+def environment() -> dict[str, str]:
+    """Names and values of what the program runs on; a value may be empty where it is not told."""
+    return {
+        "interpreter": f"{platform.python_implementation()} {platform.python_version()}",
+        "compiler": platform.python_compiler(),
+        "operating system": platform.platform(),
+        "machine": platform.machine(),
+        "processor": _processor(),
+    }
+
+
+def packages() -> dict[str, str]:
+    """Version of every installed package that the program may load, by name.
+
+    Those that it declares, with those that they declare in turn. Empty where the program runs from
+    a folder without being installed.
+    """
+    found: dict[str, str] = {}
+    waiting = list(_declared(PROGRAM, FOR_USERS))
+    while waiting:
+        name = waiting.pop()
+        if name in found:
+            continue
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:  # an extra that is not installed, or for another system
+            continue
+        waiting += _declared(name, ())
+    return dict(sorted(found.items()))
+
+
+def _declared(name: str, extras: tuple[str, ...]) -> Iterator[str]:
+    """Normalised names of what a package declares, with that of its ``extras``."""
+    try:
+        lines = requires(name) or []
+    except PackageNotFoundError:
+        return
+    for line in lines:
+        extra = re.search(r"extra\s*==\s*['\"]([^'\"]+)", line)
+        word = re.match(r"[\w.-]+", line)
+        if word and (extra is None or extra[1] in extras):
+            yield re.sub(r"[-_.]+", "-", word[0]).lower()
+
+
+def _processor() -> str:
+    """Name of the processor, as Linux tells it; elsewhere what Python knows."""
+    try:
+        text = Path("/proc/cpuinfo").read_text()
+    except OSError:
+        return platform.processor()
+    named = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return named[1] if named else platform.processor()

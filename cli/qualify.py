@@ -1,0 +1,55 @@
+"""`brake-cal qualify`: the program tried on this machine, with evidence for an assessor."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from cli.console import emit, emit_json, json_text, say
+from cli.options import Json, example, out_folder
+from cli.outputs import ready_folder, writing
+
+EPILOG = example("brake-cal qualify --out qualification")
+DOCUMENT, REPORT = "qualification.json", "qualification.html"
+FAILED = 1
+
+
+def qualify(
+    out: Annotated[Path, out_folder(f"Write {DOCUMENT} and {REPORT} here.")],
+    json: Json = False,
+) -> None:
+    """Try the program on this machine against truths that are known beforehand.
+
+    Writes what ISO 26262-8 clause 11 asks of a tool: environment, use cases, possible malfunctions,
+    checks with their results. Exit code 0 if all checks hold. Takes about half a minute.
+    """
+    from calib.qualification.document import surroundings, to_dict
+    from calib.qualification.report import headline, report_html
+    from calib.qualification.suite import SUITE
+    from calib.qualification.suite import qualify as made
+
+    ready_folder(out)
+    say(f"making {len(SUITE)} checks on the sample logs")
+    found = made()
+    at = surroundings(datetime.now(UTC).isoformat(timespec="seconds"))
+    document = to_dict(found, at)
+    _write(out, document, report_html(found, at))
+    if json:
+        emit_json(document)
+    else:
+        emit(headline(found))
+        emit(f"results, SHA-256: {document['digest']}")
+    if not found.passed:
+        raise typer.Exit(FAILED)
+
+
+def _write(out: Path, document: dict[str, Any], page: str) -> None:
+    from calib.files import write_whole
+    from calib.publish import publish, workshop
+
+    with writing(out), workshop(out) as work:
+        write_whole(work / REPORT, page.encode())
+        write_whole(work / DOCUMENT, json_text(document).encode())
+        publish(work, out, DOCUMENT)
+    say(f"wrote {out}: {DOCUMENT}, {REPORT}")
