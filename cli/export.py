@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 EPILOG = example(
     "brake-cal tables export sedan-2up --format dcm --out sedan.dcm",
     "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
-    "brake-cal tables export sedan-2up --format a2l --elf ecu.elf --out sedan.a2l",
+    "brake-cal tables export sedan-2up --format a2l --out sedan.a2l",
 )
 
 

@@ -26,7 +26,7 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
     help="Channel maps: which column of a foreign log is which channel.",
-    epilog=example("brake-cal map suggest sample_logs/real/toyota_brake.csv"),
+    epilog=example("brake-cal map suggest sample_logs/sedan/ramp_wet_asphalt.csv"),
 )
 
 
@@ -36,7 +36,7 @@ def group() -> None:
 
 
 @app.command(
-    epilog=example("brake-cal map suggest sample_logs/real/toyota_brake.csv --out map.toml")
+    epilog=example("brake-cal map suggest sample_logs/sedan/ramp_wet_asphalt.csv --out map.toml")
 )
 def suggest(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="log of foreign names")],

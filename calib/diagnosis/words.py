@@ -232,7 +232,7 @@ def drives(found: Diagnosis) -> list[str]:
     for drive in found.drives:
         if drive.clear:
             by_drive.setdefault(drive.name, []).append(drive.effect)
-    return [f"{drive}: {listed(names)}" for drive, names in by_drive.items()]
+    return [f"Would show {listed(names)}: {drive}." for drive, names in by_drive.items()]
 
 
 def early_ends(found: Diagnosis) -> list[str]:

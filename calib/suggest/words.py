@@ -57,7 +57,10 @@ NO_LONG = {
 }
 DERIVED = {"est", "estimate", "estimated", "filt", "filtered", "model", "req", "requested", "raw"}
 """Words for a second, computed channel of the same quantity."""
-SPEED = {"v", "vx", "speed", "velocity", "vehicle", "geschwindigkeit", "gps", "gnss", "ground"}
+SPEED = {
+    *("v", "vx", "speed", "spd", "velocity", "vehicle", "veh", "geschwindigkeit", "gps", "gnss"),
+    "ground",
+}
 NO_SPEED = {
     *("engine", "wheel", "rad", "motor", "wind", "fan", "turbine", "vertical", "vert", "target"),
     *("set", "lateral", "lat", "limit", "cruise", "vy", "vz"),
