@@ -5,8 +5,12 @@
 
 import struct
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from mmap import mmap
+from pathlib import Path
+
+from calib.errors import LogError
 
 Bytes = bytes | bytearray | mmap
 """The content of a file."""
@@ -23,6 +27,20 @@ class Block:
     length: int
     links: tuple[int, ...]
     content: int
+
+
+@contextmanager
+def whole_blocks(path: Path) -> Iterator[None]:
+    """Raise LogError where a block of the file turns out to be shorter than its kind."""
+    try:
+        yield
+    except (struct.error, IndexError) as cause:
+        raise LogError(
+            f"a block is shorter than its kind: {cause}",
+            where=path,
+            expected="an undamaged file",
+            do="copy the log again",
+        ) from cause
 
 
 def block_at(data: Bytes, place: int) -> Block:

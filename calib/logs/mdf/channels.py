@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from calib.errors import LogError
-from calib.logs.mdf.blocks import Bytes, block_at, chain
+from calib.logs.mdf.blocks import Bytes, block_at, chain, whole_blocks
 
 _FIRST = 64
 _GROUP = struct.Struct("<24xLL")
@@ -21,16 +21,12 @@ def check_channels(path: Path) -> None:
 
     `calib.logs.mdf.size.check_size` must have accepted the file.
     """
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-        try:
-            _check(data, path)
-        except (struct.error, IndexError) as cause:
-            raise LogError(
-                f"a block is shorter than its kind: {cause}",
-                where=path,
-                expected="an undamaged file",
-                do="copy the log again",
-            ) from cause
+    with (
+        path.open("rb") as file,
+        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data,
+        whole_blocks(path),
+    ):
+        _check(data, path)
 
 
 def _check(data: Bytes, path: Path) -> None:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import LogError
-from calib.logs.mdf.blocks import Block, block_at, chain, places
+from calib.logs.mdf.blocks import Block, block_at, chain, places, whole_blocks
 
 _FLAGS = struct.Struct("<H")
 _FLAGS_AT, _FINISHED = 60, b"MDF     "
@@ -63,15 +63,8 @@ def finished(path: Path) -> tuple[io.BytesIO, str]:
     records than a group counts, and for damage.
     """
     data = bytearray(path.read_bytes())
-    try:
+    with whole_blocks(path):
         records, left = _finish(data, path)
-    except (struct.error, IndexError) as cause:
-        raise LogError(
-            f"a block is shorter than its kind: {cause}",
-            where=path,
-            expected="an undamaged file",
-            do="copy the log again",
-        ) from cause
     part = f"; {left} bytes of a last record that is not whole were left out" if left else ""
     return io.BytesIO(data), (
         f"the recorder did not finish the file: its {records} records were counted here{part}; "
