@@ -27,8 +27,8 @@ class Base:
     pad_friction_r: float
     stiffness: float
     peak: float
-    shape: float = 1.65
-    load_exponent: float = 0.0
+    shape: float = MagicFormula.shape
+    load_exponent: float = MagicFormula.load_exponent
 
     @property
     def tyre(self) -> MagicFormula:

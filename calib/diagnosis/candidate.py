@@ -75,7 +75,17 @@ class Problem:
 
     def flat(self, base: Base, effects: Effects) -> Array:
         """All innovations as one array (n,)."""
-        return np.concatenate([c for run in self.whitened(base, effects) for c in run])
+        return joined(self.whitened(base, effects))
+
+    def chi2(self, base: Base, effects: Effects) -> float:
+        """Sum of squared innovations."""
+        innovations = self.flat(base, effects)
+        return float(innovations @ innovations)
+
+
+def joined(whitened: list[list[Array]]) -> Array:
+    """Innovations by run and channel as one array (n,)."""
+    return np.concatenate([c for run in whitened for c in run])
 
 
 @dataclass(frozen=True)
@@ -115,6 +125,16 @@ class Candidate:
         x = self.x[: own.size]
         J = columns(rows, x, rows(x), own)
         return np.asarray(np.linalg.pinv(J.T @ J))
+
+
+def derivatives(problem: Problem, at: Candidate, innovations: Array) -> Array:
+    """Derivatives (n, k) of the ``innovations`` (n,) of a candidate by its vector."""
+    return columns(
+        lambda x: problem.flat(*unpack(problem.vehicle, at.names, x)),
+        at.x,
+        innovations,
+        np.full(at.x.size, np.inf),
+    )
 
 
 def problem_of(vehicle: Vehicle, runs: list[ObservedRun], tell: Tell = silent) -> Problem:

@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import BASE, Candidate, Problem, unpack
-from calib.diagnosis.search import STARTS, base_directions, trials
+from calib.diagnosis.candidate import Candidate, Problem, joined
+from calib.diagnosis.search import STARTS, base_directions, free, trials, tried_at
 from calib.physics.effects.effect import Card
 from calib.physics.own_effects.own_effect import every_effect
 
@@ -32,7 +32,6 @@ REPLICAS = 400
 
 FALSE_ALARMS = 0.01
 """Share of cars without an effect in which the best effect of the catalogue gains more."""
-
 
 LEAST = 1e-6
 """Change in squared sigma below which these runs do not show an effect at all."""
@@ -87,11 +86,10 @@ class _Draws:
     @classmethod
     def of(cls, problem: Problem, at: Candidate, best: Candidate) -> "_Draws":
         """The same replicas for the same problem."""
-        blocks = _blocks(problem.whitened(at.base, at.effects))
-        innovations = problem.flat(at.base, at.effects)
+        whitened = problem.whitened(at.base, at.effects)
+        blocks, innovations = _blocks(whitened), joined(whitened)
         directions = base_directions(problem, at, innovations)
-        noise = problem.flat(best.base, best.effects)
-        rest = noise - directions @ (directions.T @ noise)
+        rest = free(problem.flat(best.base, best.effects), directions)
         rng = np.random.default_rng(0)
         signs = rng.choice(np.array([-1.0, 1.0]), (REPLICAS, blocks.start.size))
         return cls(problem, at, blocks, rest, innovations, directions, signs)
@@ -119,18 +117,13 @@ class _Draws:
 
     def _free(self, problem: Problem, name: str, trial: Array) -> Array:
         """Change of the innovations by an effect that base and present effects cannot make (n,)."""
-        _, one = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(BASE), trial]))
-        effects = self.at.effects.with_(one)
-        change = problem.flat(self.at.base, effects) - self.innovations
-        return np.asarray(change - self.directions @ (self.directions.T @ change))
+        effects = self.at.effects.with_(tried_at(problem, name, trial))
+        return free(problem.flat(self.at.base, effects) - self.innovations, self.directions)
 
     def _turns(self, name: str, card: Card) -> bool:
         """Whether an effect goes with the angle of the wheels."""
         first = replace(self.problem, runs=self.problem.runs[:1])
-        _, trial = unpack(
-            first.vehicle, (name,), np.concatenate([np.zeros(BASE), trials(card)[-1]])
-        )
-        effects = self.at.effects.with_(trial)
+        effects = self.at.effects.with_(tried_at(first, name, trials(card)[-1]))
         one, other = (p.flat(self.at.base, effects) for p in (first, _quarter_turned(first)))
         return not np.allclose(one, other, atol=1e-9)
 

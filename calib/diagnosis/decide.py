@@ -102,8 +102,8 @@ def decide(problem: Problem, base: Candidate) -> Decision:
     candidates' problem, `Candidate.problem`, then is another than the one that was given.
     """
     decision = _searched(problem, base)
-    best = decision.best if decision.best.names else (*decision.rivals, decision.best)[0]
-    quieter = without_its_noise(problem, best) if best.names else None
+    named = [c for c in (decision.best, *decision.rivals) if c.names]
+    quieter = without_its_noise(problem, named[0]) if named else None
     if quieter is None:
         return decision
     return _searched(quieter, fit(quieter, (), base.x))

@@ -25,7 +25,6 @@ from calib.diagnosis.prove import Step, Withdrawn, prove
 from calib.diagnosis.regroup import regrouped
 from calib.diagnosis.remainder import Remainder, range_of
 from calib.diagnosis.search import unresolved
-from calib.diagnosis.separate import separate_by
 from calib.diagnosis.unexplained import UnexplainedTerm, locate
 from calib.errors import LogError, ModelError
 from calib.logs.log import Log
@@ -184,6 +183,7 @@ def diagnose(
     tell("asking what these logs could not show", 0, 1)
     not_resolved = unresolved(problem, decision.best, decision.least_shown)
     like = confusable(decision.best, decision.rivals) if stands else []
+    confusion = confusion_of(problem, decision.best, like)
     before = model_of(vehicle, decision.base)
     after, last = model_of(vehicle, left_of), proved.after
     if unexplained is not None and not stands:
@@ -191,7 +191,7 @@ def diagnose(
     at = unexplained.at if unexplained and not stands else decision.best
     return Diagnosis(
         verdict=decision.verdict,
-        effects=named(problem, held.problem, decision) if stands else (),
+        effects=named(problem, held.problem, decision, confusion) if stands else (),
         unexplained=unexplained,
         base=base_estimates(left_of),
         gap=gap_of(proved.before, last, holdout),
@@ -204,7 +204,7 @@ def diagnose(
         groups=groups_of((*problem.runs, *held.problem.runs)),
         not_resolved=not_resolved,
         drives=drives(problem, decision.best, not_resolved),
-        confusion=confusion_of(problem, decision.best, like),
+        confusion=confusion,
         reduced_after=at.reduced,
         left=proved.left,
         withdrawn=proved.withdrawn,
@@ -252,9 +252,13 @@ def check_logs(calibration: list[Log], holdout: list[Log]) -> None:
         )
 
 
-def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, ...]:
-    """Every effect of the best explanation, with evidence."""
+def named(
+    problem: Problem, held: Problem, decision: Decision, confusion: Confusion | None
+) -> tuple[Named, ...]:
+    """Every effect of the best explanation, with evidence; ``confusion`` with those like it."""
     best, sigma = decision.best, standard_errors(decision.best)
+    nearest = None if confusion is None else confusion.pair(0, 1)
+    separate = "" if nearest is None else f"{nearest.drive} ({nearest.sigma:.0f} sigma apart)"
     like = confusable(best, decision.rivals)
     held_gain = chi2_by_run(held, decision.base).sum() - chi2_by_run(held, best).sum()
     out, i = [], BASE
@@ -278,7 +282,7 @@ def named(problem: Problem, held: Problem, decision: Decision) -> tuple[Named, .
                 if runner is None
                 else (" + ".join(runner.names), gain(decision.base, runner)),
                 indistinguishable_from=tuple(others),
-                separate_by=separate_by(problem, best, like[0]) if like else "",
+                separate_by=separate,
             )
         )
     return tuple(out)
@@ -292,8 +296,7 @@ def standard_errors(candidate: Candidate) -> Array:
 
 def gain_without(problem: Problem, best: Candidate, name: str) -> float:
     """Rise of the mean squared innovation when the effect is removed."""
-    innovations = problem.flat(best.base, best.effects.without(name))
-    return float(innovations @ innovations) / best.count - best.reduced
+    return problem.chi2(best.base, best.effects.without(name)) / best.count - best.reduced
 
 
 def where_of(problem: Problem, best: Candidate, name: str) -> Where:

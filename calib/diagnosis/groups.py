@@ -62,11 +62,15 @@ def grouped(problem: Problem, at: Candidate) -> Problem | None:
     shown = [i for i, one in enumerate(own) if np.max(np.diag(one.information)) > SHOWN]
     groups = [np.array(shown)]
     while groups[0].size and len(groups) < MOST_GROUPS:
-        splits = [(_cost(own, g) - sum(_cost(own, p) for p in _split(own, g)), g) for g in groups]
-        gain, best = max(splits, key=lambda pair: pair[0])
+        splits = []
+        for group in groups:
+            parts = _split(own, group)
+            gain = _cost(own, group) - sum(_cost(own, part) for part in parts)
+            splits.append((gain, group, parts))
+        gain, best, parts = max(splits, key=lambda split: split[0])
         if gain < PRICE:
             break
-        groups = [g for g in groups if g is not best] + _split(own, best)
+        groups = [g for g in groups if g is not best] + parts
     if len(groups) == 1:
         return None
     groups.sort(key=lambda g: -g.size)
@@ -82,7 +86,7 @@ def placed(problem: Problem, runs: Sequence[ObservedRun], at: Candidate) -> tupl
     return tuple(
         min(
             (replace(run, ground=ground) for ground in grounds),
-            key=lambda run: _chi2(replace(problem, runs=(run,)), at),
+            key=lambda run: replace(problem, runs=(run,)).chi2(at.base, at.effects),
         )
         for run in runs
     )
@@ -97,11 +101,6 @@ def groups_of(runs: Sequence[ObservedRun]) -> tuple[LogGroup, ...]:
         return ()
     order = sorted(names, key=lambda ground: ground != REFERENCE)
     return tuple(LogGroup(tuple(names[ground]), ground) for ground in order)
-
-
-def _chi2(problem: Problem, at: Candidate) -> float:
-    innovations = problem.flat(at.base, at.effects)
-    return float(innovations @ innovations)
 
 
 def _own(problem: Problem, at: Candidate, run: ObservedRun) -> _Own:

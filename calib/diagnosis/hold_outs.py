@@ -82,8 +82,8 @@ def angles_of(log: Log, run: ObservedRun) -> dict[str, NDArray[np.float64]]:
     helped by it.
     """
     angle = wheel_angles(log)
-    shift = run.angle_f[0] - run_of(log).angle_f[0]
-    return {"f": angle["f"] + shift, "r": angle["r"]}
+    first = np.mean(angle["f"][: round(run.step / log.sample_time)])  # as `run_of` averages it
+    return {"f": angle["f"] + (run.angle_f[0] - first), "r": angle["r"]}
 
 
 def model_of(vehicle: Vehicle, candidate: Candidate) -> Model:

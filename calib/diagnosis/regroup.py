@@ -40,12 +40,11 @@ def regrouped(decision: Decision) -> Decision:
     """
     if _explains(decision):
         return decision
-    known = [decision.base, decision.best, *decision.rivals]
-    starts = {candidate.names: candidate for candidate in reversed(known)}
-    ranked = sorted(starts.values(), key=lambda candidate: candidate.chi2)[: BESIDE - 1]
-    tried = [_in_groups(start) for start in {c.names: c for c in (*ranked, decision.base)}.values()]
-    best = min(tried, key=lambda candidate: candidate.reduced)
-    if not _has_groups(best) or _excess(best) > (1.0 - SHARE) * _excess(min(ranked, key=_excess)):
+    found = {c.names: c for c in reversed((decision.best, *decision.rivals)) if c.names}
+    ranked = sorted(found.values(), key=lambda candidate: candidate.chi2)
+    starts = [*ranked[: BESIDE - 1], decision.base]
+    best = min(map(_in_groups, starts), key=lambda candidate: candidate.reduced)
+    if not _has_groups(best) or _excess(best) > (1.0 - SHARE) * min(map(_excess, starts)):
         return decision
     other = decide(best.problem, fit(best.problem, (), best.x[:BASE]))
     return other if _explains(other) else decision

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, unpack
+from calib.diagnosis.candidate import BASE, Candidate, Problem, derivatives, fit, unpack
 from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects
 from calib.physics.own_effects.own_effect import every_effect
@@ -39,25 +39,27 @@ class Hint:
 
 def base_directions(problem: Problem, at: Candidate, innovations: Array) -> Array:
     """Orthonormal directions (n, k) in which base and present effects move the innovations."""
-    columns = []
-    for i in range(at.x.size):
-        step = 1e-3
-        x = at.x.copy()
-        x[i] += step
-        base, effects = unpack(problem.vehicle, at.names, x)
-        columns.append((problem.flat(base, effects) - innovations) / step)
-    q, _ = np.linalg.qr(np.stack(columns, axis=1))
+    q, _ = np.linalg.qr(derivatives(problem, at, innovations))
     return np.asarray(q)
+
+
+def free(x: Array, directions: Array) -> Array:
+    """The part of ``x`` (n,) that does not lie along orthonormal ``directions`` (n, k)."""
+    return np.asarray(x - directions @ (directions.T @ x))
+
+
+def tried_at(problem: Problem, name: str, trial: Array) -> Effects:
+    """One effect alone, at a point of `trials`."""
+    return unpack(problem.vehicle, (name,), np.concatenate([np.zeros(BASE), trial]))[1]
 
 
 def along(innovations: Array, directions: Array, change: Array) -> tuple[float, float]:
     """Gain in chi-square along a change of the innovations, and the best factor on that change."""
-    free = change - directions @ (directions.T @ change)
-    length = float(free @ free)
+    own = free(change, directions)
+    length = float(own @ own)
     if length < 1e-9 * max(float(change @ change), 1e-30):
         return 0.0, 0.0
-    rest = innovations - directions @ (directions.T @ innovations)
-    amount = -float(rest @ free) / length
+    amount = -float(innovations @ own) / length
     return amount * amount * length, amount
 
 
@@ -73,8 +75,8 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
             continue
         best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(effect.card.parameters))]))
         for trial in trials(effect.card):
-            _, effects = unpack(problem.vehicle, (name,), np.concatenate([np.zeros(BASE), trial]))
-            change = problem.flat(at.base, at.effects.with_(effects)) - innovations
+            effects = at.effects.with_(tried_at(problem, name, trial))
+            change = problem.flat(at.base, effects) - innovations
             gain, amount = along(innovations, directions, change)
             if amount > 0.0 and gain > best.gain:
                 begin = trial.copy()
@@ -98,8 +100,8 @@ def unresolved(problem: Problem, at: Candidate, least: Mapping[str, float]) -> t
             continue
         usual = Effects({name: effect.card.usual})
         change = problem.flat(at.base, at.effects.with_(usual)) - innovations
-        free = change - directions @ (directions.T @ change)
-        if float(free @ free) < least[name]:
+        own = free(change, directions)
+        if float(own @ own) < least[name]:
             faint.append(name)
     return tuple(faint)
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem, fit, unpack
+from calib.diagnosis.candidate import Candidate, Problem, derivatives, fit
 from calib.diagnosis.hold_outs import model_of
 from calib.diagnosis.predict import ObservedRun, run_of
 from calib.names import G
@@ -24,12 +24,6 @@ Array = NDArray[np.float64]
 
 SIMULATED = 2
 """Manoeuvres that are simulated after the linear step."""
-
-
-def separate_by(problem: Problem, one: Candidate, other: Candidate) -> str:
-    """Name of the best manoeuvre with the distance in it, in words."""
-    drive, sigma = best_drive(problem, one, other)
-    return f"{drive} ({sigma:.0f} sigma apart)"
 
 
 def best_drive(problem: Problem, one: Candidate, other: Candidate) -> tuple[str, float]:
@@ -60,8 +54,8 @@ def _refitted(problem: Problem, one: Candidate, other: Candidate, run: ObservedR
         },
     )
     more = replace(problem, runs=(*problem.runs, run_of(driven)))
-    own = more.flat(one.base, one.effects)
-    return float(np.sqrt(max(fit(more, other.names, other.x).chi2 - float(own @ own), 0.0)))
+    worse = fit(more, other.names, other.x).chi2 - more.chi2(one.base, one.effects)
+    return float(np.sqrt(max(worse, 0.0)))
 
 
 def _products(problem: Problem, one: Candidate, other: Candidate) -> Array:
@@ -72,14 +66,8 @@ def _products(problem: Problem, one: Candidate, other: Candidate) -> Array:
 def inner_products(problem: Problem, at: Candidate, changes: Sequence[Array]) -> Array:
     """Inner products (k + m, k + m) of the changes by k parameters, and of m ``changes`` (n,)."""
     innovations = problem.flat(at.base, at.effects)
-    columns = []
-    for i in range(at.x.size):
-        step = 1e-3
-        x = at.x.copy()
-        x[i] += step
-        columns.append((problem.flat(*unpack(problem.vehicle, at.names, x)) - innovations) / step)
-    M = np.stack([*columns, *changes])
-    return np.asarray(M @ M.T)
+    M = np.column_stack([derivatives(problem, at, innovations), *changes])
+    return np.asarray(M.T @ M)
 
 
 def free_lengths(products: Array, k: int) -> Array:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.candidate import Candidate, Problem, fit
 from calib.diagnosis.channels import CHANNELS, thinned
 from calib.diagnosis.predict import ObservedRun, history_of
-from calib.diagnosis.search import base_directions
+from calib.diagnosis.search import base_directions, free
 from calib.physics.braking import BITE
 from calib.physics.effects.effects import EmpiricalTerm
 from calib.physics.effects.empirical import DISCS, DRIVERS, PLACES, drivers_of
@@ -69,7 +69,7 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
     """
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
-    rest = innovations - directions @ (directions.T @ innovations)
+    rest = free(innovations, directions)
     excess = max(at.chi2 - at.count, 1e-9)
     found: list[Found] = []
     for driver in DRIVERS:
@@ -202,7 +202,7 @@ def _explain(
         hat[k] = size
         effects = replace(at.effects, terms=(_term(*where, knots, hat),))
         change = (problem.flat(at.base, effects) - innovations) / size
-        columns.append(change - directions @ (directions.T @ change))
+        columns.append(free(change, directions))
     A = np.stack(columns, axis=1)
     ridge = 1e-9 * float(np.trace(A.T @ A)) * np.eye(knots.size)
     values = np.asarray(-np.linalg.solve(A.T @ A + ridge, A.T @ rest), dtype=float)
