@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cli.inputs import channel_map_of, tables_of, vehicle_of
-from cli.options import STORE, Json, Map, Store, example, out_file, vehicle_file
+from cli.inputs import channel_map_of, limits_of_stops, tables_of, vehicle_of
+from cli.options import STORE, Json, Map, Store, example, limits_file, out_file, vehicle_file
 from cli.outputs import refuse_folder, writing
+from cli.project import from_settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,23 +43,35 @@ def plot(
         str | None,
         typer.Option(metavar="NAME", help="One figure of the page; 'all': each on its own."),
     ] = None,
+    limits: Annotated[
+        Path | None,
+        limits_file("Limits that decide the verdict on a stop.", callback=from_settings("limits")),
+    ] = None,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="Draw other methods beside the estimate of a stop.")
+    ] = False,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
     """Draw tables, logs and results.
 
     A table: its curves, and with the ramps it was made of, their measured points. Two tables: one
-    against the other. A table and another log: the stop with the estimate, or the simulation if the
-    log has the truth. A log or a result: its channels.
+    against the other. A table and another log: the stop with the estimate and the verdict, or the
+    simulation if the log has the truth; a log of another car is refused. A log or a result: its
+    channels.
 
     One page for each; a PDF holds all pages, of PNG and SVG there is one file per page. Without
     --out they are PNG files in this directory, named after their content.
     """
     _check_out(out)
+    from dataclasses import replace
+
     from calib.plots.save import save
     from cli.console import emit, emit_json, progress, say
 
-    given = _read(what, store, vehicle, channel_map)
+    given = replace(
+        _read(what, store, vehicle, channel_map), limits=limits_of_stops(limits), compare=compare
+    )
     drawn = _draw(given, figure)
     files = _files(drawn, out, figure)
     pages = sum(map(len, files.values()))
@@ -178,6 +191,7 @@ def _document(sheet: "Sheet") -> dict[str, object]:
         "kind": sheet.kind,
         "name": sheet.name,
         "title": sheet.title,
+        "result": sheet.result,
         "note": sheet.note,
         "figures": sheet.names,
     }

@@ -55,7 +55,7 @@ def repeatability(
         float, typer.Option(metavar="PERCENT", help="eta - 1 where D, f1 and f2 are compared [%].")
     ] = 0.15,
     limits: Annotated[
-        Path | None, limits_file("Limits of grr and ndc; never the settings'.")
+        Path | None, limits_file("Limits of grr and ndc, and tolerances; never the settings'.")
     ] = None,
     out: Annotated[Path | None, out_folder("Write repeatability.json and .png here.")] = None,
     channel_map: Map = None,
@@ -65,6 +65,7 @@ def repeatability(
 
     Every ramp is fitted alone; analysis of variance then splits the scatter of each metric into
     repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
+    A range of a metric itself in the limits file is its tolerance: %GRR is then given of that too.
     """
     from calib.gauge.study import DEFAULTS, METRICS, known_limits, study
     from calib.validation.limits_file import read_limits
@@ -179,7 +180,9 @@ def _document(found: "GaugeStudy") -> dict[str, object]:
 def _entry(result: "GaugeResult") -> dict[str, object]:
     entry: dict[str, object] = {"unit": "1", "verdict": result.verdict, "limits": result.judgements}
     if result.analysis is None or result.gauge is None:
-        return entry | {"components": None, "grr": None, "ndc": None}
+        return entry | dict.fromkeys(
+            ("components", "grr", "ndc", "grr_of_tolerance", "cars_differ")
+        )
     g = result.gauge
     return entry | {
         "mean": float(result.values.mean()),
@@ -194,6 +197,10 @@ def _entry(result: "GaugeResult") -> dict[str, object]:
         "negative": g.negative,
         "grr": {"value": g.grr, "ci95": g.grr95},
         "ndc": {"value": g.categories, "uncut": g.ndc, "ci95": g.ndc95},
+        "grr_of_tolerance": None
+        if g.tolerance is None
+        else {"value": g.tolerance, "ci95": g.tolerance95},
+        "cars_differ": g.cars_differ,
     }
 
 
@@ -228,7 +235,7 @@ def _report(found: "GaugeStudy") -> None:
 
 
 def _grid(found: "GaugeStudy") -> "Grid":
-    numbers = ("repeatability", "reproducibility", "cars", "%GRR", "95 %", "ndc")
+    numbers = ("repeatability", "reproducibility", "cars", "%GRR", "95 %", "ndc", "of tolerance")
     table = grid("figure", *numbers, "verdict", right=numbers)
     for result in found.results:
         table.add_row(result.name, *_cells(result), result.verdict)
@@ -237,11 +244,15 @@ def _grid(found: "GaugeStudy") -> "Grid":
 
 def _cells(result: "GaugeResult") -> tuple[str, ...]:
     if result.gauge is None:
-        return ("none",) * 6
+        return ("none",) * 7
     g = result.gauge
     sds = [
         f"{g.components[name].sd:.3g}" if name in g.components else "none"
         for name in ("repeatability", "reproducibility", "car")
     ]
+    of_tolerance = "none" if g.tolerance is None else f"{100.0 * g.tolerance:.1f}"
+    if not g.cars_differ:
+        return *sds, "none", "none", "none", of_tolerance
     low, high = (100.0 * end for end in g.grr95)
-    return *sds, f"{100.0 * g.grr:.1f}", f"{low:.0f} to {high:.0f}", str(g.categories)
+    share = (f"{100.0 * g.grr:.1f}", f"{low:.0f} to {high:.0f}", str(g.categories))
+    return *sds, *share, of_tolerance

@@ -46,9 +46,22 @@ def path(vehicle: Vehicle, parameters: RampParameters[float], z: Array) -> Path:
     The tyres carry W z; the brakes also stop the wheels themselves, J d omega/dt with
     d omega/dt = -g z/R. One master-cylinder pressure for both axles.
     """
-    load_f, load_r = axle_loads(vehicle, z)
     B_f, B_r = brake_forces(vehicle, np.ones(()), np.ones(()), parameters.log_pad_ratio)
-    share = B_f / (B_f + B_r)
+    return _shared(vehicle, parameters, z, B_f / (B_f + B_r))
+
+
+def path_of(vehicle: Vehicle, parameters: RampParameters[float], B_f: Array, B_r: Array) -> Path:
+    """The same for brake forces at the road [N] of front and rear axle, (n,), not both zero."""
+    inertia = sum(
+        2.0 * a.wheel_inertia * G / a.rolling_radius**2 for a in (vehicle.front, vehicle.rear)
+    )
+    brakes = B_f + B_r
+    return _shared(vehicle, parameters, brakes / (vehicle.weight + inertia), B_f / brakes)
+
+
+def _shared(vehicle: Vehicle, parameters: RampParameters[float], z: Array, share: Array) -> Path:
+    """The path whose front brakes give ``share`` of the brake force [1]."""
+    load_f, load_r = axle_loads(vehicle, z)
     inertia_f, inertia_r = (
         2.0 * a.wheel_inertia * G * z / a.rolling_radius**2 for a in (vehicle.front, vehicle.rear)
     )

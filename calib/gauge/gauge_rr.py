@@ -3,6 +3,10 @@
     GRR^2 = EV^2 + AV^2          scatter of the measurement: repeatability and reproducibility
     TV^2 = GRR^2 + PV^2          PV: the cars themselves
     %GRR = GRR/TV                ndc = 1.41 PV/GRR, rounded down (AIAG MSA, 4th ed.)
+    %GRR of the tolerance = 6 GRR/(USL - LSL)                    (the same, ch. III, section B)
+
+%GRR and ndc compare the gauge with the cars of the study. Where the cars do not differ, %GRR is
+near 100 % for any gauge and has no meaning; that of the tolerance still has.
 
 AV is station and car-by-station together. Intervals are generalised confidence intervals (Burdick,
 Borror, Montgomery: Design and Analysis of Gauge R&R Studies, SIAM 2005): draws of
@@ -21,6 +25,8 @@ from calib.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION, Anova
 Array = NDArray[np.float64]
 
 REPRODUCIBILITY, GAUGE, TOTAL = "reproducibility", "gauge", "total"
+SIGMAS = 6.0
+"""Standard deviations across a process, which AIAG compares with the tolerance."""
 NDC = 1.41
 """Factor of ndc: the square root of 2 as rounded by AIAG."""
 
@@ -59,6 +65,8 @@ class GaugeRR:
     ``components`` by name: those of the analysis, ``reproducibility`` if there are stations, then
     ``gauge`` and ``total``. ``grr`` share of the gauge in the total standard deviation [1];
     ``ndc`` number of distinct categories, not rounded [1]; each with its 95 % interval.
+    ``tolerance`` six standard deviations of the gauge over the tolerance's width [1], and
+    its interval; None without a tolerance.
     """
 
     components: dict[str, VarianceComponent]
@@ -66,6 +74,13 @@ class GaugeRR:
     grr95: tuple[float, float]
     ndc: float
     ndc95: tuple[float, float]
+    tolerance: float | None = None
+    tolerance95: tuple[float, float] | None = None
+
+    @property
+    def cars_differ(self) -> bool:
+        """Whether the 95 % interval of the cars' standard deviation is above zero."""
+        return self.components[CAR].low > 0.0
 
     @property
     def categories(self) -> int:
@@ -79,8 +94,12 @@ class GaugeRR:
         return tuple(n for n, c in self.components.items() if c.raw < 0.0 and n not in sums)
 
 
-def gauge_rr(found: Anova) -> GaugeRR:
-    """Components, %GRR and ndc of an analysis. Raises ValueError if repeats do not scatter."""
+def gauge_rr(found: Anova, tolerance: float | None = None) -> GaugeRR:
+    """Components, %GRR and ndc of an analysis, and %GRR of a ``tolerance``.
+
+    ``tolerance`` is the width USL - LSL in the metric's unit. Raises ValueError if repeats do not
+    scatter.
+    """
     if sum(source.ss for source in found.sources) <= 0.0 or found.variances[REPEATABILITY] <= 0.0:
         raise ValueError("nothing scatters between repeats")
     variances = {name: np.asarray(value) for name, value in found.variances.items()}
@@ -90,12 +109,16 @@ def gauge_rr(found: Anova) -> GaugeRR:
         name: VarianceComponent(float(point[name]), float(raw[name]), *_ends(spread[name]))
         for name in point
     }
+    gauge = components[GAUGE]
+    per = None if tolerance is None else SIGMAS / tolerance
     return GaugeRR(
         components,
         float(_grr(point)),
         _ends(_grr(spread)),
         float(_ndc(point)),
         _ends(_ndc(spread)),
+        None if per is None else per * gauge.sd,
+        None if per is None else (per * gauge.sd95[0], per * gauge.sd95[1]),
     )
 
 

@@ -1,6 +1,9 @@
 """Gauge study of the calibration: repeated ramps of several cars, judged metric by metric.
 
 ramps --fit, one table a ramp--> metrics --anova--> components --limits--> verdict
+
+A metric is compared with the differences of the cars (%GRR, ndc) and, where its tolerance is known,
+with that. Where the cars do not differ only the tolerance can judge the gauge.
 """
 
 from dataclasses import dataclass
@@ -9,7 +12,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import InputError
+from calib.errors import InputError, LimitsError
 from calib.gauge.anova import INTERACTION, STATION, Anova, anova, terms_of
 from calib.gauge.gauge_rr import GaugeRR, gauge_rr
 from calib.logs.log import Log
@@ -27,7 +30,14 @@ ten times the uncertainty of the zero of a good ramp."""
 GOOD_GRR = 0.10
 """%GRR up to which AIAG calls a gauge good; between this and the limit it is marginal."""
 
-DEFAULTS = (Limit("grr", None, 0.30), Limit("ndc", 5.0, None))
+FIGURES = ("grr", "ndc", "grr_of_tolerance")
+"""What is judged of each metric."""
+
+DEFAULTS = (
+    Limit("grr", None, 0.30),
+    Limit("ndc", 5.0, None),
+    Limit("grr_of_tolerance", None, 0.30),
+)
 """AIAG, Measurement Systems Analysis, 4th ed."""
 
 METRICS = {
@@ -44,11 +54,15 @@ METRICS = {
 
 
 class GaugeVerdict(StrEnum):
-    """Verdict on a metric as a gauge, by AIAG; NOT_JUDGED if repeats do not scatter."""
+    """Verdict on a metric as a gauge, by AIAG; NOT_JUDGED if repeats do not scatter.
+
+    ALIKE: the cars do not differ and no tolerance is known, so nothing shows that it is good.
+    """
 
     GOOD = "good"
     MARGINAL = "marginal"
     BAD = "bad"
+    ALIKE = "the cars do not differ"
     NOT_JUDGED = "not judged"
 
 
@@ -89,8 +103,9 @@ class GaugeStudy:
 
     @property
     def passed(self) -> bool:
-        """Whether no metric is outside its limits."""
-        return all(result.verdict != GaugeVerdict.BAD for result in self.results)
+        """Whether each judged metric is shown to hold its limits."""
+        refused = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)
+        return all(result.verdict not in refused for result in self.results)
 
     @property
     def cars(self) -> tuple[str, ...]:
@@ -143,8 +158,11 @@ def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str
 
 
 def known_limits() -> set[str]:
-    """Names allowed in a limits file: grr and ndc of all metrics, or of one as ``NAME_grr``."""
-    return {"grr", "ndc"} | {f"{q}_{f}" for q in METRICS for f in ("grr", "ndc")}
+    """Names allowed in a limits file.
+
+    `FIGURES` of all metrics, or of one as ``NAME_grr``; a metric itself: its tolerance.
+    """
+    return {*FIGURES, *METRICS} | {f"{q}_{f}" for q in METRICS for f in FIGURES}
 
 
 def study(
@@ -154,17 +172,54 @@ def study(
 ) -> GaugeStudy:
     """Analyse the readings, each metric by itself. Raises InputError for an insufficient design.
 
-    At least two cars and one repeated ramp are needed; stations are optional.
+    At least two cars and one repeated ramp are needed; stations are optional. A limit of a metric
+    itself is its tolerance and must have both ends, else LimitsError is raised; where there are
+    only such limits the `DEFAULTS` judge.
     """
+    tolerances = _tolerances(limits)
+    held = tuple(limit for limit in limits if limit.figure not in METRICS) or DEFAULTS
     _refuse_twice(readings)
     car, station = (_coded([getattr(r, key) for r in readings]) for key in ("car", "station"))
     _check_design(readings, car, station)
     design = Design(car, station, terms_of(car, station))
     results = tuple(
-        _result(name, np.array([r.metrics[name] for r in readings]), design, limits)
+        _result(
+            name,
+            np.array([r.metrics[name] for r in readings]),
+            design,
+            held,
+            tolerances.get(name),
+        )
         for name in readings[0].metrics
     )
-    return GaugeStudy(readings, results, reference, _notes(design))
+    return GaugeStudy(readings, results, reference, (*_notes(design), *_alike(results)))
+
+
+def _tolerances(limits: tuple[Limit, ...]) -> dict[str, float]:
+    """Width of the tolerance of each metric that has one, in its unit."""
+    out = {}
+    for limit in limits:
+        if limit.figure not in METRICS:
+            continue
+        if limit.low is None or limit.high is None or not limit.low < limit.high:
+            raise LimitsError(
+                "the tolerance of a metric needs two ends that are apart",
+                where=limit.figure,
+                expected="{ min = LOW, max = HIGH }",
+            )
+        out[limit.figure] = limit.high - limit.low
+    return out
+
+
+def _alike(results: tuple[GaugeResult, ...]) -> tuple[str, ...]:
+    """What to do about metrics in which the cars do not differ."""
+    names = [result.name for result in results if result.verdict == GaugeVerdict.ALIKE]
+    if not names:
+        return ()
+    return (
+        f"the cars do not differ in {', '.join(names)}: %GRR would be near 100 % for any gauge; "
+        "take cars that differ, or give the tolerance in --limits",
+    )
 
 
 def _coded(names: list[str]) -> NDArray[np.int64]:
@@ -204,24 +259,42 @@ def _check_design(readings: tuple[GaugeReading, ...], car: Codes, station: Codes
         ) from cause
 
 
-def _result(name: str, values: Array, design: Design, limits: tuple[Limit, ...]) -> GaugeResult:
+def _result(
+    name: str,
+    values: Array,
+    design: Design,
+    limits: tuple[Limit, ...],
+    tolerance: float | None,
+) -> GaugeResult:
     analysis = anova(values, design.car, design.station, design.terms)
     try:
-        judged = gauge_rr(analysis)
+        judged = gauge_rr(analysis, tolerance)
     except ValueError:
         return GaugeResult(name, values, None, None, (), GaugeVerdict.NOT_JUDGED)
-    have: dict[str, float | None] = {"grr": judged.grr, "ndc": float(judged.categories)}
-    judgements = judge(_limits_of(name, limits), have)
-    verdict = GaugeVerdict.GOOD if judged.grr <= GOOD_GRR else GaugeVerdict.MARGINAL
+    judgements = judge(_limits_of(name, limits), _figures(judged))
+    return GaugeResult(name, values, analysis, judged, judgements, _verdict(judged, judgements))
+
+
+def _figures(judged: GaugeRR) -> dict[str, float | None]:
+    """`FIGURES` of a metric; None for what has no meaning or is not known."""
+    of_cars = (judged.grr, float(judged.categories)) if judged.cars_differ else (None, None)
+    return dict(zip(FIGURES, (*of_cars, judged.tolerance), strict=True))
+
+
+def _verdict(judged: GaugeRR, judgements: tuple[Judgement, ...]) -> GaugeVerdict:
+    shares = [judged.grr] if judged.cars_differ else []
+    shares += [] if judged.tolerance is None else [judged.tolerance]
     if any(j.passed is False for j in judgements):
-        verdict = GaugeVerdict.BAD
-    return GaugeResult(name, values, analysis, judged, judgements, verdict)
+        return GaugeVerdict.BAD
+    if not shares:
+        return GaugeVerdict.ALIKE
+    return GaugeVerdict.GOOD if max(shares) <= GOOD_GRR else GaugeVerdict.MARGINAL
 
 
 def _limits_of(name: str, limits: tuple[Limit, ...]) -> tuple[Limit, ...]:
     """The limits of one metric: its own if given, else the common ones."""
     by_name = {limit.figure: limit for limit in limits}
-    both = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in ("grr", "ndc")]
+    both = [(f, by_name.get(f"{name}_{f}", by_name.get(f))) for f in FIGURES]
     return tuple(Limit(f, limit.low, limit.high) for f, limit in both if limit is not None)
 
 

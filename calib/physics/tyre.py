@@ -94,3 +94,18 @@ class AxleTyres:
             shown = np.exp(self.radius_load * (load / rest - 1.0))
             out.append(np.asarray(1.0 - (1.0 - slip) * shown))
         return out[0], out[1]
+
+    def on_the_curve(
+        self, shown: tuple[Array, Array], loads: tuple[Array, Array], at_rest: tuple[float, float]
+    ) -> tuple[Array, Array]:
+        """Slips [1] of the common tyre at half the weight from the ``shown`` ones of the axles.
+
+        The inverse of `slips`: both axles then lie on one curve over the force. Arguments as there.
+        """
+        half = 0.5 * sum(at_rest)
+        out = []
+        for seen, load, rest, sign in zip(shown, loads, at_rest, (0.5, -0.5), strict=True):
+            slip = 1.0 - (1.0 - seen) / np.exp(self.radius_load * (load / rest - 1.0))
+            softer = (load / half) ** self.tyre.load_exponent * np.exp(sign * self.log_ratio)
+            out.append(np.asarray(slip / softer))
+        return out[0], out[1]

@@ -38,5 +38,5 @@ def bars(ax: "Axes", axles: Pair) -> None:
     ax.invert_yaxis()
     ax.grid(visible=False, axis="y")
     ax.axhline(0.5, color="#7A7A7A", linewidth=0.6)
-    ax.set_xlim(right=1.1 * float(values.max()))
-    ax.set(xlabel="standard deviation; squares add up to that of all [%]", ylabel="cause [by name]")
+    ax.set_xlim(right=1.2 * float(values.max()))
+    ax.set(xlabel="standard deviation; squares add up to that of all [%]")

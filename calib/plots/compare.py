@@ -1,4 +1,7 @@
-"""Two tables side by side: their curves with bands, and their differences."""
+"""Two tables side by side: their curves with bands, and their differences.
+
+A colour is a quantity, as on the page of a table; a line style is a table, in the order given.
+"""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -7,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.plots.sheet import Panel, Sheet
-from calib.plots.style import BODY, DASH_DOT, FRONT, REAR, Stroke, band
+from calib.plots.style import BODY, DASHED, FRONT, IDENTIFIED, REAR, Stroke, band
 from calib.plots.table import ETA
+from calib.table.compare import CurveGap, diff
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -17,34 +21,54 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Curve = tuple[Array, Array, Array, Array]
 """Axis, value, and the ends of the 95 % band."""
+Curves = dict[str, tuple[Curve, Curve]]
+"""A curve of both tables, by its name: f1, f2, D or g."""
+Keys = tuple[str, ...]
 
-FIRST: Stroke = {"color": "#0072B2", "linestyle": "-"}
-SECOND: Stroke = {"color": "#D55E00", "linestyle": DASH_DOT}
+FIRST: Stroke = {"linestyle": "-", "linewidth": 1.1}
+SECOND: Stroke = {"linestyle": DASHED, "linewidth": 2.0}
+
+COLOURS = {
+    "f1": FRONT["color"],
+    "f2": REAR["color"],
+    "D": IDENTIFIED["color"],
+    "g": BODY["color"],
+}
+SYMBOLS = {"f1": "$f_1$", "f2": "$f_2$", "D": "$D$", "g": "force"}
 
 
 def sheet(a: Table, b: Table, name_a: str, name_b: str) -> Sheet:
-    """Return the sheet of two tables, ``b`` against ``a``."""
+    """Return the sheet of two tables, ``b`` less ``a``."""
     pair = (name_a, name_b)
-    curves = [_curves(table) for table in (a, b)]
-    both = {key: (curves[0][key], curves[1][key]) for key in curves[0]}
+    first, second = _curves(a), _curves(b)
+    both = {key: (first[key], second[key]) for key in first}
+    found = diff(a, b)
+    gaps = {gap.curve: gap for gap in found.curves}
+    change = f"{name_b} less {name_a}"
+
+    def sides(name: str, title: str, keys: Keys) -> tuple[Panel, Panel]:
+        return (
+            Panel(name, title, lambda ax: curves(ax, both, keys, pair), 2),
+            Panel(f"{name}-gap", change, lambda ax: differences(ax, both, keys, gaps), 1),
+        )
+
+    rows = (
+        sides("f1-f2", "Normalised force curves", ("f1", "f2")),
+        sides("difference", r"Difference $D = F_f - F_r$", ("D",)),
+        sides("tyre", "Common tyre curve", ("g",)),
+    )
     return Sheet(
         kind="comparison",
         name=f"{name_a}_{name_b}",
-        title=f"{name_b} against {name_a}",
+        title=f"{name_a} and {name_b}",
         note=(
             f"{name_a}: digest {a.digest[:16]}. {name_b}: digest {b.digest[:16]}. Bands are 95 %; "
             "that of a difference takes the errors of the two tables as independent."
         ),
-        panels=(
-            Panel("f1-f2", "Normalised force curves", lambda ax: forces(ax, both, pair), 2),
-            Panel("f1-f2-gap", "Change of $f_1$ and $f_2$", lambda ax: force_gaps(ax, both)),
-            Panel("difference", r"Difference $D = F_f - F_r$", lambda ax: one(ax, both["D"], pair)),
-            Panel("difference-gap", "Change of $D$", lambda ax: one_gap(ax, both["D"])),
-            Panel("tyre", "Common tyre curve", lambda ax: tyres(ax, both["g"], pair)),
-            Panel("tyre-gap", "Change of the tyre curve", lambda ax: tyre_gap(ax, both["g"])),
-        ),
-        rows=(("f1-f2", "f1-f2-gap"), ("difference", "difference-gap"), ("tyre", "tyre-gap")),
+        panels=tuple(panel for row in rows for panel in row),
+        rows=tuple((left.name, right.name) for left, right in rows),
         heights=(1.3, 1.0, 1.0),
+        result=found.verdict.capitalize(),
     )
 
 
@@ -59,60 +83,54 @@ def _curves(table: Table) -> dict[str, Curve]:
     }
 
 
-def forces(ax: "Axes", both: dict[str, tuple[Curve, Curve]], names: Sequence[str]) -> None:
-    """f1 above and f2 below the zero line, for both tables."""
+def curves(ax: "Axes", both: Curves, keys: Keys, names: Sequence[str]) -> None:
+    """The curves ``keys`` of both tables."""
+    for key in keys:
+        for curve, stroke, name in zip(both[key], (FIRST, SECOND), names, strict=True):
+            x, y, lower, upper = curve
+            line = {"color": COLOURS[key], **stroke}
+            band(ax, x, lower, upper, line)
+            ax.plot(x, y, label=f"{SYMBOLS[key]} {name}", **line)
     ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
-    for key in ("f1", "f2"):
-        _draw_both(ax, both[key], [f"${key[0]}_{key[1]}$ {name}" for name in names])
-    ax.set(xlabel=ETA, ylabel="$f_1$, $f_2$ [1]")
+    ax.set(xlabel=_axis(keys), ylabel=f"{', '.join(SYMBOLS[key] for key in keys)} [1]")
 
 
-def force_gaps(ax: "Axes", both: dict[str, tuple[Curve, Curve]]) -> None:
-    """Second less first, of f1 and f2."""
-    _draw_gap(ax, both["f1"], FRONT, r"$\Delta f_1$")
-    _draw_gap(ax, both["f2"], REAR, r"$\Delta f_2$")
-    ax.set(xlabel=ETA, ylabel=r"$\Delta f_1$, $\Delta f_2$ [1]")
-
-
-def one(ax: "Axes", both: tuple[Curve, Curve], names: Sequence[str]) -> None:
-    """D of both tables."""
-    _draw_both(ax, both, names)
-    ax.set(xlabel=ETA, ylabel="$D$ [1]")
-
-
-def one_gap(ax: "Axes", both: tuple[Curve, Curve]) -> None:
-    """Second less first, of D."""
-    _draw_gap(ax, both, BODY, r"$\Delta D$")
-    ax.set(xlabel=ETA, ylabel=r"$\Delta D$ [1]")
-
-
-def tyres(ax: "Axes", both: tuple[Curve, Curve], names: Sequence[str]) -> None:
-    """g(slip) of both tables."""
-    _draw_both(ax, both, names)
-    ax.set(xlabel="slip [%]", ylabel="normalised force [1]")
-
-
-def tyre_gap(ax: "Axes", both: tuple[Curve, Curve]) -> None:
-    """Second less first, of g(slip)."""
-    _draw_gap(ax, both, BODY, r"$\Delta g$")
-    ax.set(xlabel="slip [%]", ylabel=r"$\Delta g$ [1]")
-
-
-def _draw_both(ax: "Axes", both: tuple[Curve, Curve], labels: Sequence[str]) -> None:
-    for (x, y, lower, upper), stroke, label in zip(both, (FIRST, SECOND), labels, strict=True):
-        band(ax, x, lower, upper, stroke)
-        ax.plot(x, y, label=label, **stroke)
-
-
-def _draw_gap(ax: "Axes", both: tuple[Curve, Curve], stroke: Stroke, label: str) -> None:
+def differences(ax: "Axes", both: Curves, keys: Keys, gaps: dict[str, CurveGap]) -> None:
+    """Second less first of the curves ``keys``, each with its largest value in the legend."""
     ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
-    x, difference, half = gap(*both)
-    ax.set_xlim(min(c[0][0] for c in both), max(c[0][-1] for c in both))  # as the curves beside it
-    if x.size == 0:
-        ax.text(0.5, 0.5, "no common range", transform=ax.transAxes, ha="center")
-        return
-    band(ax, x, difference - half, difference + half, stroke)
-    ax.plot(x, difference, label=label, **stroke)
+    ends = [curve for key in keys for curve in both[key]]
+    ax.set_xlim(min(c[0][0] for c in ends), max(c[0][-1] for c in ends))  # as beside it
+    for key in keys:
+        x, change, half = gap(*both[key])
+        if x.size == 0:
+            ax.text(0.5, 0.5, "no common range", transform=ax.transAxes, ha="center")
+            continue
+        line: Stroke = {"color": COLOURS[key], "linestyle": "-" if key != "f2" else DASHED}
+        band(ax, x, change - half, change + half, line)
+        ax.plot(x, change, label=_largest(key, gaps[key], both[key][0]), **line)
+        at = 100.0 * _less(key, gaps[key].at)
+        ax.plot(at, gaps[key].largest, "o", color=COLOURS[key], mfc="white", ms=4.5, zorder=4)
+    symbols = ", ".join(rf"$\Delta$ {SYMBOLS[key]}" for key in keys)
+    ax.set(xlabel=_axis(keys), ylabel=f"{symbols} [1]")
+
+
+def _largest(key: str, found: CurveGap, first: Curve) -> str:
+    """`f1: at most -0.0012 (-3.4 %) at 0.54 %, within the bands`."""
+    at = 100.0 * _less(key, found.at)
+    of = float(np.interp(at, first[0], first[1]))
+    relative = f" ({100.0 * found.largest / of:+.1f}\u00a0%)" if of else ""
+    where = f"{at:.2f}\u00a0% {'slip' if key == 'g' else ''}".rstrip()
+    held = "within" if found.in_bands <= 1.0 else "outside"
+    return f"{SYMBOLS[key]}: {found.largest:+.4f}{relative} at {where}, {held} the bands"
+
+
+def _less(key: str, at: float) -> float:
+    """eta - 1 of a curve over eta; slip as it is."""
+    return at if key == "g" else at - 1.0
+
+
+def _axis(keys: Keys) -> str:
+    return "slip [%]" if "g" in keys else ETA
 
 
 def gap(a: Curve, b: Curve) -> tuple[Array, Array, Array]:

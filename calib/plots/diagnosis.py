@@ -36,6 +36,9 @@ CLOCK = 0.02
 PAUSE = 0.6
 """Space between two logs on one axis [s]."""
 
+DECADES = tuple(m * 10.0**k for k in range(-2, 6) for m in (1.0, 3.0))
+"""Ticks of a logarithmic axis over all gaps, two in each decade."""
+
 ROUND = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
 """Ticks of a logarithmic axis that begins at one."""
 
@@ -221,7 +224,11 @@ def gap(ax: "Axes", found: Diagnosis) -> None:
     ax.set_ylim(least, 1.6 * max(highest, 2.0))
     ax.set_xticks(place, [_symbol(name) for name in channels])
     ax.grid(visible=False, axis="x")
-    ax.set(xlabel="channel [name]", ylabel="rms gap over noise [1]")
+    low, high = ax.get_ylim()
+    ticks = [t for t in DECADES if low < t < high]
+    ax.set_yticks(ticks, [f"{t:g}" for t in ticks])
+    ax.minorticks_off()
+    ax.set(ylabel="rms gap over noise [1]")
 
 
 def _symbol(channel: str) -> str:
@@ -253,11 +260,11 @@ def evidence(ax: "Axes", found: Diagnosis) -> None:
         ticks = [t for t in ROUND if t < 1.3 * worst]
         ax.set_xticks(ticks, [f"{t:g}" for t in ticks])
         ax.minorticks_off()
-    ax.set_xlim(0.97, max(1.12 * worst, 1.5))
+    least = min(1.0, *(left for _, left, _ in rows))
+    ax.set_xlim(least * (0.97 if worst < 3.0 else 0.9), max(1.12 * worst, 1.5))
     ax.set_ylim(place[-1] - 0.4, 0.75)
-    ax.set_yticks(place, [""] * len(rows))
-    ax.grid(visible=False, axis="y")
-    ax.set(xlabel="unexplained error, 1 is noise [1]", ylabel="explanation [name]")
+    ax.set_yticks([])
+    ax.set(xlabel="unexplained error, 1 is noise [1]")
 
 
 def explanations(found: Diagnosis) -> list[tuple[str, float, Stroke]]:

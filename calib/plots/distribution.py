@@ -51,6 +51,10 @@ def distribution(ax: "Axes", table: Table) -> None:
     ax.plot(line / 1e3, found * line / 1e3, label=r"$\beta$, pads as identified", **IDENTIFIED)
     ax.plot(line / 1e3, nominal * line / 1e3, label=r"$\beta$, nominal pads", **NOMINAL)
     _constant_decelerations(ax, vehicle, found)
+    end = table.paper.decelerations[1]
+    last = beta_point(vehicle, found, end)
+    entry = f"the table ends, {end:.2f} g"
+    ax.plot(last[0] / 1e3, last[1] / 1e3, "|", color=BODY["color"], ms=12.0, mew=1.4, label=entry)
     biased = front_biased_up_to(vehicle)
     if 0.0 < biased <= DECELERATIONS[-1]:
         entry = f"front-biased up to {biased:.2f} g"
@@ -89,7 +93,9 @@ def _constant_decelerations(ax: "Axes", vehicle: Vehicle, ratio: float) -> None:
         rear = vehicle.weight * z * vehicle.rear.rolling_radius / 1e3
         ax.plot([front, 0.0], [0.0, rear], color=grey, linewidth=0.5, alpha=0.6, zorder=1)
         at_f, at_r = (torque / 1e3 for torque in beta_point(vehicle, ratio, z))
-        ax.plot(at_f, at_r, "o", color=IDENTIFIED["color"], ms=6.0 if z == P else 3.2, zorder=3)
+        label = "deceleration [g]" if z == DECELERATIONS[0] else None
+        size = 6.0 if z == P else 3.2
+        ax.plot(at_f, at_r, "o", color=IDENTIFIED["color"], ms=size, zorder=3, label=label)
         ax.annotate(
             f"P, {z:g} g" if z == P else f"{z:g}",
             (at_f, at_r),

@@ -1,6 +1,10 @@
-"""A log without table or vehicle: speeds, pressure, deceleration, raw eta."""
+"""A log without table or vehicle: speeds, pressure, deceleration, raw eta.
 
-from typing import TYPE_CHECKING, Any
+The lead-in and the braking are shaded as `calib.signals.driving_record` finds them. The reference
+speed is drawn over the rolling radius of the lead-in, so that a wheel below it slips.
+"""
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +15,13 @@ from calib.physics.braking import MOVING
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.stop import WHEEL_STROKES
 from calib.plots.style import BODY, IDENTIFIED, noisy, smooth, view
-from calib.signals.driving_record import NOMINAL_RADIUS
+from calib.signals.driving_record import (
+    NOMINAL_RADIUS,
+    DrivingRecord,
+    brake_events,
+    driving_record,
+)
+from calib.signals.rolling_radius import rolling_radius
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,6 +33,8 @@ DRIVEN = 0.05
 """Acceleration above which the wheels count as driven [g]."""
 WHEEL_PRESSURES = tuple(f"p_{wheel}" for wheel in WHEELS)
 SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
+LEAD_IN, BRAKING = "#EBF6F1", "#EFEFEF"
+"""Colours of the lead-in and of the braking, pale behind lines of all colours."""
 
 
 def sheet(log: Log) -> Sheet:
@@ -36,7 +48,7 @@ def sheet(log: Log) -> Sheet:
         kind="log",
         name=log.name,
         title=f"Log {log.name}",
-        note=note + "Nothing is zeroed or corrected.",
+        note=note + "Nothing is zeroed or corrected. " + _marks(log),
         panels=panels,
         rows=tuple((panel.name,) for panel in panels),
         heights=(0.9,) * len(panels),
@@ -59,20 +71,43 @@ def log_panels(log: Log) -> tuple[Panel, ...]:
     return tuple(panel for there, panel in found if there)
 
 
+def motion_of(log: Log) -> DrivingRecord | None:
+    """Lead-in and braking of a log; None if it lacks the channels that show them."""
+    return driving_record(log) if all(name in log for name in ("a_x", *SPINS)) else None
+
+
+def _marks(log: Log) -> str:
+    """What the shades mean, for the note."""
+    motion = motion_of(log)
+    if motion is None:
+        return ""
+    count = len(brake_events(motion))
+    braked = f"Grey: braking, {count}\u00d7." if count else "There is no braking."
+    return f"Green: the lead-in, unbraked. {braked}" if motion.lead_in.any() else braked
+
+
+def radius_of(log: Log) -> tuple[float, str]:
+    """The radius [m] over which V is drawn, and where it is from."""
+    motion = motion_of(log)
+    found = None if motion is None else rolling_radius(log, motion)
+    if found is None:
+        return NOMINAL_RADIUS, "of a usual wheel"
+    return found, "from the unbraked part"
+
+
 def speeds(ax: "Axes", log: Log) -> None:
     """Wheel speeds on the left, the reference speed on the right where there is one."""
-    wheels = [wheel for wheel in WHEELS if f"omega_{wheel}" in log]
-    for wheel in wheels:
+    radius, source = radius_of(log)
+    if "v" in log:  # first, so that it is drawn below the wheels
+        label = rf"$V/R$, $R$ = {radius:.4g} m {source}"
+        ax.plot(log.time, log["v"] / radius, label=label, linewidth=0.8, **BODY)
+    for wheel in (wheel for wheel in WHEELS if f"omega_{wheel}" in log):
         ax.plot(log.time, log[f"omega_{wheel}"], label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
-    if "v" not in log:
-        _frame(ax, log, "wheel speed [rad/s]")
-        return
-    # at a nominal radius: the car of a log is not known
-    scaled = log["v"] / NOMINAL_RADIUS
-    ax.plot(log.time, scaled, label=f"$V$ / {NOMINAL_RADIUS:g} m", linewidth=0.8, **BODY)
     _frame(ax, log, "wheel speed [rad/s]")
-    right = ax.secondary_yaxis("right", functions=(_to_kmh, _from_kmh))
-    right.set_ylabel("$V$ [km/h]")
+    if "v" in log:
+        kmh = 3.6 * radius
+        both = (lambda omega: np.asarray(omega) * kmh, lambda speed: np.asarray(speed) / kmh)
+        ax.secondary_yaxis("right", functions=both).set_ylabel("$V$ [km/h]")
 
 
 def pressure(ax: "Axes", log: Log) -> None:
@@ -92,7 +127,9 @@ def pressure(ax: "Axes", log: Log) -> None:
 
 def deceleration(ax: "Axes", log: Log) -> None:
     """z = -a_x/g."""
-    noisy(ax, log.time, -log["a_x"] / G, BODY, "$-a_x/g$")
+    z = -log["a_x"] / G
+    noisy(ax, log.time, z, BODY, "$-a_x/g$")
+    view(ax, smooth(log.time, z), zero=True)
     _frame(ax, log, "deceleration [g]")
 
 
@@ -103,7 +140,7 @@ def eta(ax: "Axes", log: Log) -> None:
     shown = smooth(log.time, percent)
     if "a_x" in log:  # driven wheels would set a range in which the braking is too small to read
         shown = shown[smooth(log.time, -log["a_x"] / G) > -DRIVEN]
-    view(ax, shown)
+    view(ax, shown, zero=True)  # what is not zero on the lead-in is read as such
     _frame(ax, log, r"$\eta - 1$ [%]")
 
 
@@ -115,14 +152,15 @@ def raw_eta(log: Log) -> Array:
     return np.where(turning, 100.0 * (rear / np.where(turning, front, 1.0) - 1.0), np.nan)
 
 
-def _to_kmh(omega: Any) -> Any:
-    return np.asarray(omega) * NOMINAL_RADIUS * 3.6
-
-
-def _from_kmh(speed: Any) -> Any:
-    return np.asarray(speed) / 3.6 / NOMINAL_RADIUS
-
-
 def _frame(ax: "Axes", log: Log, ylabel: str) -> None:
+    """Label an axis over time, and shade lead-in and braking."""
     ax.set(xlabel="time [s]", ylabel=ylabel)
     ax.set_xlim(log.time[0], log.time[-1])
+    motion = motion_of(log)
+    if motion is None:
+        return
+    first = log.time[motion.lead_in]
+    if first.size:
+        ax.axvspan(first[0], first[-1], color=LEAD_IN, linewidth=0.0, zorder=0)
+    for event in brake_events(motion):
+        ax.axvspan(event.start, event.end, color=BRAKING, linewidth=0.0, zorder=0)

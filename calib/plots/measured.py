@@ -1,4 +1,11 @@
-"""Measured points of a ramp, block by block, for comparison with the curves of its table."""
+"""Measured points of a ramp, block by block, for comparison with the curves of its table.
+
+The curves of a table over eta are those of a car without air drag, grade and rolling resistance. So
+are the points that are compared with them:
+
+    p --pads--> brake forces --the car without resistance--> z, D, f1, f2, and its eta
+    eta as measured, over that of the identified car on this run, times its eta without resistance
+"""
 
 from dataclasses import dataclass, replace
 
@@ -7,15 +14,18 @@ from numpy.typing import NDArray
 
 from calib.estimation.plan import known_resistance
 from calib.fitting.known_effects import remove_known_effects
-from calib.fitting.parameters import parameters_of
-from calib.fitting.ramp import normalised_forces, predict, prepare
+from calib.fitting.parameters import RampParameters, parameters_of, tyres_of
+from calib.fitting.path import Path, path_of
+from calib.fitting.ramp import RampRun, nominal_forces, normalised_forces, predict, prepare
+from calib.fitting.sensors import of_whole_run, put_right
 from calib.fitting.settings import SETTINGS
 from calib.logs.log import Log
 from calib.names import G
 from calib.physics.braking import BITE
 from calib.physics.forces import paper_curves
+from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
-from calib.signals.blocks import Blocks, blocks
+from calib.signals.blocks import blocks
 from calib.signals.noise import sensor_noise
 from calib.table.table import Table
 
@@ -30,10 +40,13 @@ GROUP = 5
 class MeasuredRamp:
     """A ramp in blocks, shapes (k,), SI.
 
-    ``time`` [s]; ``pressure`` [Pa]; ``z`` as measured and ``carried``, the part of it that the
-    tyres carry [1]; ``eta`` zeroed on the lead-in and ``eta_model``, that of the identified car on
-    this run [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads, ``f1``,
-    ``f2`` from them [1]; ``slip_f``, ``slip_r`` [1] at the load of the tyre curve, None without v;
+    As driven: ``time`` [s]; ``pressure`` [Pa]; ``z`` as measured and ``carried``, the part of it
+    that the tyres carry [1]; ``F_f``, ``F_r`` normalised forces from pressure at the table's pads
+    [1]; ``slip_f``, ``slip_r`` [1] at the load of the tyre curve, None without v.
+
+    As the table has it, without resistance: ``z_free``, ``eta``, ``D``, ``f1``, ``f2`` [1], NaN
+    where nothing brakes.
+
     ``braked`` blocks with enough pressure; ``both`` whether both axles brake.
     """
 
@@ -42,10 +55,11 @@ class MeasuredRamp:
     pressure: Array
     z: Array
     carried: Array
-    eta: Array
-    eta_model: Array
     F_f: Array
     F_r: Array
+    z_free: Array
+    eta: Array
+    D: Array
     f1: Array
     f2: Array
     slip_f: Array | None
@@ -61,27 +75,32 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     """
     ran = remove_known_effects(table.vehicle, log)
     vehicle = ran.vehicle
-    b = blocks(signals(ran.log, vehicle))
+    read = blocks(signals(ran.log, vehicle))
+    noise = sensor_noise(ran.log, read)
+    sensor = of_whole_run(vehicle, read, noise)
+    _, b, _ = put_right((ran.log, read, noise), sensor)
     effects = known_resistance(replace(table, vehicle=vehicle)).effects
-    run = prepare(vehicle, log.name, b, sensor_noise(ran.log, b), effects)
+    run = prepare(vehicle, log.name, b, noise, effects, sensor)
     parameters = parameters_of(table.posterior)
-    F_f, F_r, _ = normalised_forces(vehicle, run, parameters.log_pad_ratio)
-    f1, f2 = paper_curves(vehicle, b.z, F_f - F_r)
+    F_f, F_r, scale = normalised_forces(vehicle, run, parameters.log_pad_ratio)
     eta_model, _ = predict(vehicle, run, parameters, 0.0, 0.0)
     free = b.lead_in
     # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
-    slips = _slips(table, b, run.load_f, run.load_r)
+    table_car = _without_resistance(vehicle, run, parameters, scale)
+    f1, f2 = paper_curves(vehicle, table_car.z, table_car.D)
+    slips = _slips(table, parameters, run, F_f, F_r)
     return MeasuredRamp(
         name=log.name,
         time=b.end,
         pressure=np.maximum(b.p_f, b.p_r),
-        z=b.z,
+        z=read.z,
         carried=(run.brake_sum + run.moment_f + run.moment_r) / vehicle.weight,
-        eta=b.eta / zero,
-        eta_model=eta_model,
         F_f=F_f,
         F_r=F_r,
+        z_free=table_car.z,
+        eta=b.eta / zero / eta_model * table_car.eta,
+        D=table_car.D,
         f1=f1,
         f2=f2,
         slip_f=slips[0] if slips else None,
@@ -91,19 +110,34 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     )
 
 
-def _slips(table: Table, b: Blocks, load_f: Array, load_r: Array) -> tuple[Array, Array] | None:
-    """Slips (19), (20) of the axles [1] (k,), converted to the load of the tyre curve."""
+def _without_resistance(
+    vehicle: Vehicle, run: RampRun, parameters: RampParameters[float], scale: float
+) -> Path:
+    """The blocks of a run as the car of the table drives them, with the same brake forces."""
+    B_f, B_r = (scale * B for B in nominal_forces(vehicle, run, parameters.log_pad_ratio))
+    held = B_f + B_r > 0.0
+    return path_of(vehicle, parameters, np.where(held, B_f, np.nan), np.where(held, B_r, np.nan))
+
+
+def _slips(
+    table: Table, parameters: RampParameters[float], run: RampRun, F_f: Array, F_r: Array
+) -> tuple[Array, Array] | None:
+    """Slips (19), (20) of the axles [1] (k,), converted to the load of the tyre curve.
+
+    The lead-in gives the radii: there a wheel has the slip of what slows it besides the brake.
+    """
+    b, static = run.blocks, table.vehicle.static_loads
     if b.v is None or not b.lead_in.any():
         return None
-    posterior = table.posterior
-    lag = G * b.z * posterior.value("clock_offset") / np.maximum(b.speed, SETTINGS.min_speed)
-    out = []
-    for omega, load in ((b.omega_f, load_f), (b.omega_r, load_r)):
-        radius = np.mean(b.v[b.lead_in]) / np.mean(omega[b.lead_in])
-        softer = (2.0 * load / table.vehicle.weight) ** posterior.value("load_exponent")
-        slip = 1.0 - radius * omega / np.maximum(b.v, SETTINGS.min_speed)
-        out.append((slip - lag) / softer)
-    return out[0], out[1]
+    loads, tyres = (run.load_f, run.load_r), tyres_of(parameters)
+    lag = G * b.z * parameters.clock_offset / np.maximum(b.speed, SETTINGS.min_speed)
+    rolling = tyres.slips((F_f, F_r), loads, static)
+    shown = []
+    for omega, model in zip((b.omega_f, b.omega_r), rolling, strict=True):
+        rim_speed = np.mean(b.v[b.lead_in]) * (1.0 - np.mean(model[b.lead_in]))
+        radius = rim_speed / np.mean(omega[b.lead_in])
+        shown.append(1.0 - radius * omega / np.maximum(b.v, SETTINGS.min_speed) - lag)
+    return tyres.on_the_curve((shown[0], shown[1]), loads, static)
 
 
 def grouped(values: Array, mask: Mask) -> Array:

@@ -35,7 +35,7 @@ def pressure(ax: "Axes", ramp: MeasuredRamp) -> None:
 
 
 def forces(ax: "Axes", ramp: MeasuredRamp) -> None:
-    """Fig. 5: the part of z that the tyres carry is between the normalised forces of the axles."""
+    """Fig. 5, as driven: what the tyres carry of z is between the normalised forces."""
     noisy(ax, ramp.time, ramp.F_f, FRONT, "front $F_f$")
     noisy(ax, ramp.time, ramp.z, NOMINAL, "$z$ as measured")
     noisy(ax, ramp.time, ramp.F_r, REAR, "rear $F_r$")

@@ -1,5 +1,6 @@
 """A gauge study: every metric by car and station, and the causes of its scatter.
 
+heat     [12][ 8][41]  one cell a metric: %GRR of the cars, below it that of the tolerance
 values   |  .  o       one column a car, one mark a station, a line at the car's mean
 bars     |  [==]--|    standard deviation of each cause over the total, 95 % interval
 """
@@ -10,7 +11,7 @@ import numpy as np
 
 from calib.gauge.anova import CAR, INTERACTION, REPEATABILITY, STATION
 from calib.gauge.gauge_rr import GAUGE, TOTAL
-from calib.gauge.study import GOOD_GRR, GaugeResult, GaugeStudy
+from calib.gauge.study import GOOD_GRR, GaugeResult, GaugeStudy, GaugeVerdict
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, FRONT, IDENTIFIED, LAW, NOMINAL, REAR
 
@@ -24,6 +25,25 @@ LABELS = {
     GAUGE: "gauge",
     CAR: "cars",
 }
+TITLES = {
+    "pad_scale": "pad level",
+    "pad_friction_f": "front pads",
+    "pad_friction_r": "rear pads",
+    "eta_zero": r"zero of $\eta$",
+    "slip_stiffness": "slip stiffness",
+    "difference": "$D$",
+    "f1": "$f_1$",
+    "f2": "$f_2$",
+}
+"""The metrics in words; another one has its own name."""
+HEAT = {
+    GaugeVerdict.GOOD: "#BFE3D6",
+    GaugeVerdict.MARGINAL: "#F3E3A9",
+    GaugeVerdict.BAD: "#F0B08C",
+    GaugeVerdict.ALIKE: "#D9D9D9",
+    GaugeVerdict.NOT_JUDGED: "#FFFFFF",
+}
+"""Colours of the verdicts; each cell says its verdict in words too."""
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 COLOURS = tuple(s["color"] for s in (FRONT, REAR, IDENTIFIED, LAW, BODY, NOMINAL))
 NAMED = 12
@@ -38,6 +58,7 @@ def sheet(found: GaugeStudy) -> Sheet:
         "Points are single ramps, a bar is the mean of a car",
         "Components are standard deviations over the total one, with 95 % intervals; shaded: "
         "gauge up to 10 and 30 %",
+        "%GRR: the gauge's standard deviation over the total one, or six of it over the tolerance",
         f"D, f1, f2 where eta - 1 is {100.0 * found.reference:g} %",
         *found.notes,
     )
@@ -46,23 +67,124 @@ def sheet(found: GaugeStudy) -> Sheet:
         name="repeatability",
         title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
         note=". ".join(sentences) + ".",
-        panels=tuple(panel for pair in pairs for panel in pair),
-        rows=tuple((values.name, values.name, parts.name) for values, parts in pairs),
-        heights=(0.8,) * len(pairs),
+        panels=(
+            Panel(
+                SUMMARY,
+                "%GRR of each metric: the smaller, the better the gauge",
+                lambda ax: heat(ax, found),
+            ),
+            *(panel for pair in pairs for panel in pair),
+        ),
+        rows=(
+            (SUMMARY,) * 3,
+            *((values.name, values.name, parts.name) for values, parts in pairs),
+        ),
+        heights=(0.62, *(0.8 for _ in pairs)),
+        result=_result(found),
     )
 
 
+SUMMARY = "summary"
+
+
+def _result(found: GaugeStudy) -> str:
+    """Passed, or the metrics for which it failed."""
+    if found.passed:
+        return "Passed"
+    wrong = [
+        title_of(r) for r in found.results if r.verdict in (GaugeVerdict.BAD, GaugeVerdict.ALIKE)
+    ]
+    return f"Failed: {', '.join(wrong)}"
+
+
+def title_of(result: GaugeResult) -> str:
+    """The metric in words."""
+    return TITLES.get(result.name, result.name.replace("_", " "))
+
+
 def _panels(found: GaugeStudy, result: GaugeResult) -> tuple[Panel, Panel]:
+    heading = title_of(result)
+    heading = heading if heading.startswith("$") else heading[0].upper() + heading[1:]
     return (
-        Panel(f"{result.name}-values", result.name, lambda ax: by_car(ax, found, result), 4),
-        Panel(f"{result.name}-parts", _verdict(result), lambda ax: components(ax, result)),
+        Panel(
+            f"{result.name}-values",
+            f"{heading}: {_verdict(result)}",
+            lambda ax: by_car(ax, found, result),
+            columns=4,
+        ),
+        Panel(f"{result.name}-parts", "Causes", lambda ax: components(ax, result)),
     )
 
 
 def _verdict(result: GaugeResult) -> str:
-    if result.gauge is None:
+    """The verdict with the numbers that it rests on."""
+    found = result.gauge
+    if found is None:
         return result.verdict
-    return f"{result.verdict}, {100.0 * result.gauge.grr:.0f} %, ndc {result.gauge.categories}"
+    words = [str(result.verdict)]
+    if found.cars_differ:
+        words.append(f"%GRR {100.0 * found.grr:.0f}, ndc {found.categories}")
+    if found.tolerance is not None:
+        words.append(f"%GRR of tolerance {100.0 * found.tolerance:.0f}")
+    return ", ".join(words)
+
+
+def heat(ax: "Axes", found: GaugeStudy) -> None:
+    """One cell for each metric with %GRR and ndc; below it %GRR of its tolerance, where known."""
+    rows = {"of the cars": _of_cars}
+    if any(_tolerance(result) is not None for result in found.results):
+        rows["of the tolerance"] = _of_tolerance
+    for j, cell in enumerate(rows.values()):
+        for i, result in enumerate(found.results):
+            text, verdict = cell(result)
+            _fill(ax, i, j, HEAT[verdict])
+            ax.text(i, j, text, ha="center", va="center", fontsize=7.0)
+    ax.set_xlim(-0.5, len(found.results) - 0.5)
+    ax.set_ylim(len(rows) - 0.5, -0.5)
+    names = [f"{title_of(result)}\n{_short(result)}" for result in found.results]
+    ax.set_xticks(range(len(found.results)), names)
+    ax.set_yticks(range(len(rows)), list(rows))
+    ax.tick_params(length=0)
+    ax.grid(visible=False)
+    ax.spines[:].set_visible(False)
+
+
+def _fill(ax: "Axes", i: int, j: int, colour: str) -> None:
+    from matplotlib.patches import Rectangle
+
+    ax.add_patch(Rectangle((i - 0.48, j - 0.46), 0.96, 0.92, color=colour, linewidth=0.0))
+
+
+def _short(result: GaugeResult) -> str:
+    return "no verdict" if result.verdict == GaugeVerdict.ALIKE else result.verdict
+
+
+def _tolerance(result: GaugeResult) -> float | None:
+    return None if result.gauge is None else result.gauge.tolerance
+
+
+def _of_cars(result: GaugeResult) -> tuple[str, GaugeVerdict]:
+    gauge = result.gauge
+    if gauge is None:
+        return "repeats do\nnot scatter", GaugeVerdict.NOT_JUDGED
+    if not gauge.cars_differ:
+        return "the cars\ndo not differ", GaugeVerdict.ALIKE
+    text = f"{100.0 * gauge.grr:.0f} %\nndc {gauge.categories}"
+    return text, _colour(result, gauge.grr, ("grr", "ndc"))
+
+
+def _of_tolerance(result: GaugeResult) -> tuple[str, GaugeVerdict]:
+    share = _tolerance(result)
+    if share is None:
+        return "not known", GaugeVerdict.NOT_JUDGED
+    return f"{100.0 * share:.0f} %", _colour(result, share, ("grr_of_tolerance",))
+
+
+def _colour(result: GaugeResult, share: float, figures: tuple[str, ...]) -> GaugeVerdict:
+    """The verdict of one cell: by its own limits."""
+    if any(j.passed is False for j in result.judgements if j.figure in figures):
+        return GaugeVerdict.BAD
+    return GaugeVerdict.GOOD if share <= GOOD_GRR else GaugeVerdict.MARGINAL
 
 
 def by_car(ax: "Axes", found: GaugeStudy, result: GaugeResult) -> None:
@@ -90,7 +212,7 @@ def by_car(ax: "Axes", found: GaugeStudy, result: GaugeResult) -> None:
         turn = 0.0 if max(map(len, cars)) * len(cars) < 60 else 35.0
         shown = [_plain(car) for car in cars]
         ax.set_xticks(range(len(cars)), shown, rotation=turn, ha="right" if turn else "center")
-    ax.set(ylabel=f"{result.name} [1]", xlabel="" if names else "car, in order of its name")
+    ax.set(ylabel=f"{title_of(result)} [1]", xlabel="" if names else "car, in order of its name")
     ax.set_xlim(-0.6, len(cars) - 0.4)
     ax.ticklabel_format(axis="y", style="plain", useOffset=False)  # a factor would cover the legend
 

@@ -46,12 +46,13 @@ class Sheet:
 
     Attributes
     ----------
-    kind : table, ramp, stop, simulation, comparison or log.
+    kind : what is drawn: table, stop, simulation, comparison, log and so on.
     name : used in file names.
     title, note : text above the panels and below them.
     panels : all panels; those that ``rows`` does not name are drawn only alone.
     rows : panel names in the layout of the page; a repeated name spans its places.
     heights : relative heights of the rows.
+    result : what came out, in a line below the title.
     """
 
     kind: str
@@ -61,6 +62,7 @@ class Sheet:
     panels: tuple[Panel, ...]
     rows: tuple[tuple[str, ...], ...]
     heights: tuple[float, ...] = ()
+    result: str = ""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -102,7 +104,8 @@ class Sheet:
 
 def _frame(figure: "Figure", sheet: Sheet, width: int) -> None:
     """Title above and note below, both from the left edge."""
-    figure.suptitle(sheet.title, x=0.012, ha="left")
+    lines = (sheet.title, *textwrap.wrap(sheet.result, round(0.6 * width)))
+    figure.suptitle("\n".join(lines), x=0.012, ha="left")
     if sheet.note:
         whole = sheet.note.replace(" %", "\u00a0%")  # no line break between a number and its unit
         text = "\n".join(textwrap.wrap(whole, width))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.plots.sheet import Panel, Sheet
-from calib.plots.stop import frame, note, pad_estimate, stop_panels
+from calib.plots.stop import frame, held, note, pad_estimate, result_of, stop_panels
 from calib.plots.style import BODY, FRONT, LAW, NOMINAL, REAR, TRUTH, Stroke, noisy, smooth, view
 from calib.plots.trace import AxleTrace, StopTrace
 
@@ -33,6 +33,7 @@ def sheet(trace: StopTrace) -> Sheet:
         note=note(trace),
         panels=(*front, *rear, *stop_panels(trace)),
         rows=tuple((f.name, r.name) for f, r in zip(front, rear, strict=True)),
+        result=result_of(trace),
     )
 
 
@@ -62,10 +63,11 @@ def _panels(
 
 
 def compensation(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
-    """Fig. 9, one axle: truth, nominal, the gradient law and the estimate with its interval."""
+    """Fig. 9, one axle: truth, nominal, the estimate with its interval, and the gradient law."""
     curves = [axle.lower, axle.upper]
     if BASELINE in axle.baselines:
-        ax.plot(trace.time, axle.baselines[BASELINE], label=r"gradient law on $D(\eta)$", **LAW)
+        law = held(trace, axle.baselines[BASELINE])
+        ax.plot(trace.time, law, label=r"gradient law on $D(\eta)$", **LAW)
         curves.append(axle.baselines[BASELINE])
     pad_estimate(ax, trace, axle, stroke)
     if axle.true_pad is not None:

@@ -13,6 +13,7 @@ from calib.plots.style import (
     DASHED,
     DOTTED,
     FRONT,
+    IDENTIFIED,
     LAW,
     LEVEL,
     NOMINAL,
@@ -25,15 +26,18 @@ from calib.plots.style import (
     smooth,
     view,
 )
-from calib.plots.trace import AxleTrace, StopTrace
+from calib.plots.trace import AxlePads, AxleTrace, StopTrace
+from calib.signals.filters import runs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 
-BUDGET = "What the pads' uncertainty is made of, at their median interval"
-SHADED = "Grey: the sample is not valid."
+VALIDITY, MADE_OF = "validity", "budget"
+BUDGET = "What the pads' uncertainty is made of"
+WHY = "Where the estimate is valid, and why not"
+SHADED = "Grey: the sample is not valid, and no estimate is drawn."
 CHANGED = "Dotted vertical line: a change of surface was detected."
 WHEEL_STROKES: dict[str, Stroke] = {
     "fl": {"color": "#0072B2", "linestyle": "-"},
@@ -49,16 +53,18 @@ BASELINES: dict[str, tuple[str, Stroke]] = {
     "gradient_paper": ("gradient law, paper look-up", LAW),
     "rls_tyre": ("least squares, tyre look-up", {"color": "#E69F00", "linestyle": DOTTED}),
 }
-"""Methods drawn thin beside the estimate: one of each kind, so that the estimate stays visible."""
+"""Methods that can be drawn beside the estimate: one of each kind, so that it stays visible."""
 
 
 def sheet(trace: StopTrace) -> Sheet:
     """Return the sheet of one stop. Panels for which the source has no data are left out."""
     panels = stop_panels(trace)
-    names = [panel.name for panel in panels]
+    names = [panel.name for panel in panels if panel.name not in (VALIDITY, MADE_OF)]
     rows = [(names[i], names[i + 1]) for i in range(0, len(names) - 1, 2)]
     if len(names) % 2:
         rows.append((names[-1], names[-1]))
+    last = [panel.name for panel in panels if panel.name in (VALIDITY, MADE_OF)]
+    rows += [(last[0], last[-1])] if last else []
     return Sheet(
         kind="stop",
         name=trace.name,
@@ -66,7 +72,19 @@ def sheet(trace: StopTrace) -> Sheet:
         note=note(trace),
         panels=panels,
         rows=tuple(rows),
+        result=result_of(trace),
     )
+
+
+def result_of(trace: StopTrace) -> str:
+    """Verdict and pads in words."""
+    pads = [
+        f"{axle} {'none' if found is None else found}"
+        for axle, found in zip(("front", "rear"), trace.pads, strict=True)
+    ]
+    said = f"pad friction {', '.join(pads)} (95 %)"
+    words = f"{trace.verdict}; {said}" if trace.verdict else said
+    return words[0].upper() + words[1:]
 
 
 def note(trace: StopTrace) -> str:
@@ -93,15 +111,25 @@ def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
         ),
         Panel(
             "pad-front",
-            "Front pad friction",
+            _titled("Front pad friction", trace.pads[0]),
             lambda ax: pad(ax, trace, front, FRONT),
             columns=2,
         ),
-        Panel("pad-rear", "Rear pad friction", lambda ax: pad(ax, trace, rear, REAR), 2),
+        Panel(
+            "pad-rear",
+            _titled("Rear pad friction", trace.pads[1]),
+            lambda ax: pad(ax, trace, rear, REAR),
+            2,
+        ),
         Panel("axle-torques", "Axle brake torques", lambda ax: axle_torques(ax, trace), 2),
         *((total,) if trace.force_sum is not None else ()),
-        *((Panel("budget", BUDGET, lambda ax: bars(ax, made_of)),) if made_of else ()),
+        *((Panel(VALIDITY, WHY, lambda ax: validity(ax, trace)),) if trace.refused else ()),
+        *((Panel(MADE_OF, BUDGET, lambda ax: bars(ax, made_of)),) if made_of else ()),
     )
+
+
+def _titled(title: str, pads: AxlePads | None) -> str:
+    return title if pads is None else f"{title}: {pads}"
 
 
 def frame(ax: "Axes", trace: StopTrace, ylabel: str) -> None:
@@ -154,10 +182,10 @@ def slip(ax: "Axes", trace: StopTrace) -> None:
 
 
 def pad(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
-    """Panel (d), one axle: the estimate with its interval, truth, nominal, and baselines thin."""
+    """Panel (d), one axle: the estimate with its interval, truth, nominal, and other methods."""
     for name, (label, thin) in BASELINES.items():
         if name in axle.baselines:
-            ax.plot(trace.time, axle.baselines[name], label=label, linewidth=0.9, **thin)
+            ax.plot(trace.time, held(trace, axle.baselines[name]), label=label, **thin)
     pad_estimate(ax, trace, axle, stroke)
     _view_pads(
         ax, trace, axle, [axle.baselines[name] for name in BASELINES if name in axle.baselines]
@@ -165,11 +193,16 @@ def pad(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     frame(ax, trace, "pad friction [1]")
 
 
+def held(trace: StopTrace, values: Array) -> Array:
+    """``values`` (n,), NaN where the estimate is not valid."""
+    return np.where(trace.valid, values, np.nan)
+
+
 def pad_estimate(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Draw the estimate with its interval, the nominal pad and the truth, as far as known."""
-    band(ax, trace.time, axle.lower, axle.upper, stroke)
+    band(ax, trace.time, held(trace, axle.lower), held(trace, axle.upper), stroke)
     label = r"estimate $\mu_{p,c}$, 95 %"
-    ax.plot(trace.time, axle.pad, label=label, **{**stroke, "linewidth": 1.7})
+    ax.plot(trace.time, held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
     if axle.nominal is not None:
         ax.axhline(axle.nominal, label=r"nominal $\mu_{p,n}$", **NOMINAL)
     if axle.true_pad is not None:
@@ -179,7 +212,7 @@ def pad_estimate(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) 
 def _view_pads(ax: "Axes", trace: StopTrace, axle: AxleTrace, baselines: list[Array]) -> None:
     """Range of y by the valid samples; baselines may leave it, but widen it up to a limit."""
     valid = trace.valid
-    core = [axle.lower[valid], axle.upper[valid]]
+    core = [axle.lower[valid], axle.upper[valid]] if valid.any() else [np.array([0.0, 1.0])]
     core += [np.array([axle.nominal])] if axle.nominal is not None else []
     core += [axle.true_pad[valid]] if axle.true_pad is not None else []
     thin = [np.nanpercentile(r[valid], [5, 95]) for r in baselines if np.isfinite(r[valid]).any()]
@@ -197,6 +230,28 @@ def axle_torques(ax: "Axes", trace: StopTrace) -> None:
             thin = {"color": stroke["color"], "linestyle": NOMINALS[word], "linewidth": 0.9}
             noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, f"{word} nominal")
     frame(ax, trace, "axle torque [kN m]")
+
+
+LEAST = 0.02
+"""Share of the log from which a reason is drawn."""
+
+
+def validity(ax: "Axes", trace: StopTrace) -> None:
+    """When the estimate is valid, and each reason why it is not, as bars over time."""
+    step = float(np.median(np.diff(trace.time)))
+    reasons = {why: mask for why, mask in trace.refused.items() if np.mean(mask) >= LEAST}
+    rows = {"valid": trace.valid, **reasons}
+    for place, (word, mask) in enumerate(rows.items()):
+        spans = [(trace.time[a], (b - a) * step) for a, b in runs(mask)]
+        good = place == 0
+        colour = IDENTIFIED["color"] if good else NOMINAL["color"]
+        ax.broken_barh(spans, (place, 0.34), color=colour, hatch=None if good else "////", lw=0.0)
+        share = f"{word}: {100.0 * float(np.mean(mask)):.0f} %"
+        ax.text(trace.time[0], place - 0.08, f" {share}", fontsize=7.0, va="bottom")
+    ax.set_ylim(len(rows) - 0.4, -0.7)
+    ax.set_yticks([])
+    ax.set(xlabel="time [s]")
+    ax.set_xlim(trace.time[0], trace.time[-1])
 
 
 def force_sum(ax: "Axes", trace: StopTrace) -> None:

@@ -12,10 +12,22 @@ from calib.fitting.settings import SETTINGS
 from calib.plots import ramp as ramp_figures
 from calib.plots.budget import bars
 from calib.plots.distribution import distribution
-from calib.plots.measured import MeasuredRamp, grouped
+from calib.plots.measured import MeasuredRamp
 from calib.plots.ramp import points
 from calib.plots.sheet import Panel, Sheet
-from calib.plots.style import BODY, DASHED, DOTTED, FRONT, IDENTIFIED, NOMINAL, REAR, Stroke, band
+from calib.plots.style import (
+    BODY,
+    DASHED,
+    DOTTED,
+    FRONT,
+    IDENTIFIED,
+    LONG,
+    NOMINAL,
+    REAR,
+    SHADE,
+    Stroke,
+    band,
+)
 from calib.table.pads_budget import pads_budget
 from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 
@@ -26,7 +38,7 @@ Array = NDArray[np.float64]
 Ramps = tuple[MeasuredRamp, ...]
 
 FLAGS = {
-    MEASURED: ("measured", "-", 1.6),
+    MEASURED: ("in the table", "-", 1.6),
     INTERPOLATED: ("interpolated", DASHED, 1.1),
     EXTRAPOLATED: ("extrapolated", DOTTED, 1.1),
     BY_HAND: ("set by hand", "-", 3.0),
@@ -35,7 +47,8 @@ FLAGS = {
 
 BUDGET = "What the pads' uncertainty is made of"
 ETA = r"$\eta - 1$ [%]"
-DRIVEN: Stroke = {"color": BODY["color"], "linestyle": DOTTED, "linewidth": 0.9}
+FREED = "drag taken out"
+"""What was done to the measured points beside a curve over eta; the note says it in full."""
 P = 0.3
 """Deceleration [g] at which the paper marks its point P."""
 
@@ -52,6 +65,7 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
         name=name,
         title=f"Table {name}",
         note=_note(table, ramps),
+        result=_result(table),
         panels=(
             Panel(
                 "torque-distribution",
@@ -70,13 +84,27 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
                 "difference",
                 r"Difference $D = F_f - F_r$",
                 lambda ax: difference(ax, table, ramps),
+                columns=2,
             ),
-            Panel("coverage", "Coverage", lambda ax: coverage(ax, table)),
+            Panel("coverage", "Blocks of 50 ms in each cell", lambda ax: coverage(ax, table)),
             Panel("budget", BUDGET, lambda ax: bars(ax, pads_budget(table))),
             *(panel for pair in of_ramps for panel in pair),
         ),
         rows=(*rows, *(tuple(panel.name for panel in pair) for pair in of_ramps)),
         heights=(*heights, *(0.95 for _ in of_ramps)),
+    )
+
+
+def _result(table: Table) -> str:
+    """Pads and usable range in words."""
+    pads = (table.calibration.pad_friction_f, table.calibration.pad_friction_r)
+    front, rear = (
+        f"{pad.value:.3f}\u00a0\u00b1\u00a0{pad.ci95[1] - pad.value:.3f}" for pad in pads
+    )
+    end, last = 100.0 * (table.paper.eta[-1] - 1.0), table.paper.decelerations[1]
+    return (
+        f"Pad friction front {front}, rear {rear} (95 %); usable up to {last:.2f} g, "
+        f"\u03b7 \u2212 1 = {end:.2f} %"
     )
 
 
@@ -87,9 +115,10 @@ def _note(table: Table, ramps: Ramps) -> str:
     note += "Bands are 95 %."
     if ramps:
         note += (
-            " Dots: blocks of 50\u00a0ms; rings and triangles: means over 0.25\u00a0s, grey past "
-            f"the {table.paper.decelerations[1]:.2f}\u00a0g at which the curves over \u03b7 end. "
-            "The curves are those of a car without air drag; dotted: the same car as driven."
+            " Rings and triangles: the ramps, as means over 0.25\u00a0s; dots: blocks of "
+            "50\u00a0ms. Over \u03b7 they are without air drag, grade and rolling resistance, as "
+            "the table is: the fit takes these out, and the estimator adds them. Grey: where "
+            "\u03b7 hardly rises any more, or falls, nothing can be read from it."
         )
     return note
 
@@ -121,7 +150,7 @@ def tyre(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
             (ramp.slip_f, ramp.F_f, FRONT, "front"),
             (ramp.slip_r, ramp.F_r, REAR, "rear"),
         ):
-            label = "" if i else f"{word} measured"
+            label = "" if i else f"{word} axle, ramps"
             points(ax, ramp, 100.0 * slip, force, ramp.braked, stroke, label)
     _mark_p(ax, table)
     ax.set(xlabel="slip [%]", ylabel="normalised force [1]")
@@ -159,10 +188,10 @@ def f1_f2(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
     ):
         band(ax, x, lower, upper, stroke)
         by_flag(ax, x, f, curve.flag, stroke, label)
-    for ramp in _over_both(ramps):
-        _over_eta(ax, table, ramp, ramp.f1, FRONT)
-        _over_eta(ax, table, ramp, ramp.f2, REAR)
-    _reach(ax, x)
+    for i, ramp in enumerate(_over_both(ramps)):
+        _over_eta(ax, table, ramp, ramp.f1, FRONT, "" if i else f"$f_1$, ramps, {FREED}")
+        _over_eta(ax, table, ramp, ramp.f2, REAR, "" if i else f"$f_2$, ramps, {FREED}")
+    _usable(ax, table, below=True)
     ax.set(xlabel=ETA, ylabel="$f_1$, $f_2$ [1]")
 
 
@@ -172,9 +201,9 @@ def difference(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
     x = 100.0 * (curve.eta - 1.0)
     band(ax, x, curve.lower, curve.upper, IDENTIFIED)
     by_flag(ax, x, curve.D, curve.flag, IDENTIFIED, "$D$")
-    for ramp in _over_both(ramps):
-        _over_eta(ax, table, ramp, ramp.F_f - ramp.F_r, IDENTIFIED)
-    _reach(ax, x)
+    for i, ramp in enumerate(_over_both(ramps)):
+        _over_eta(ax, table, ramp, ramp.D, IDENTIFIED, "" if i else f"ramps, {FREED}")
+    _usable(ax, table)
     ax.set(xlabel=ETA, ylabel="$D$ [1]")
 
 
@@ -183,19 +212,53 @@ def _over_both(ramps: Ramps) -> Ramps:
     return tuple(ramp for ramp in ramps if ramp.both)
 
 
-def _over_eta(ax: "Axes", table: Table, ramp: MeasuredRamp, y: Array, stroke: Stroke) -> None:
-    """Measured points; grey above the table's last deceleration, where eta falls again."""
+def _over_eta(
+    ax: "Axes", table: Table, ramp: MeasuredRamp, y: Array, stroke: Stroke, label: str
+) -> None:
+    """Measured points; grey above the table's last deceleration, where eta hardly rises or falls.
+
+    Their entry in the legend is that of the first curve with such points.
+    """
     x = 100.0 * (ramp.eta - 1.0)
-    beyond = ramp.z > table.paper.decelerations[1]
-    points(ax, ramp, x, y, ramp.braked & beyond, NOMINAL)
-    points(ax, ramp, x, y, ramp.braked & ~beyond, stroke)
-    model = 100.0 * (ramp.eta_model - 1.0)
-    ax.plot(grouped(model, ramp.braked), grouped(y, ramp.braked), zorder=4, **DRIVEN)
+    last = table.paper.decelerations[1]
+    beyond = ramp.z_free > last
+    points(ax, ramp, x, y, ramp.braked & ~beyond, stroke, label)
+    grey = rf"above {last:.2f} g: $\eta$ turns"
+    told = grey in ax.get_legend_handles_labels()[1] or not label
+    points(ax, ramp, x, y, ramp.braked & beyond, NOMINAL, "" if told else grey)
+
+
+MARKED = 0.1
+"""Step between the decelerations that are marked on an axis over eta [g]."""
+
+
+def _usable(ax: "Axes", table: Table, below: bool = False) -> None:
+    """Mark where the table ends, and the decelerations on the way there, on the line of zero."""
+    x, z = 100.0 * (table.paper.eta - 1.0), table.paper.z
+    (low, high), end = table.paper.decelerations, float(x[-1])
+    label = f"usable to {end:.2f} %, {high:.2f} g"
+    ax.axvline(end, label=label, color=BODY["color"], linewidth=0.9, linestyle=LONG)
+    _reach(ax, x)
+    ax.axvspan(end, ax.get_xlim()[1], color=SHADE, linewidth=0.0, zorder=0)
+    order = np.argsort(z)
+    for mark in np.arange(MARKED, high, MARKED):
+        if mark < low:
+            continue
+        at = float(np.interp(mark, z[order], x[order]))
+        ax.plot(at, 0.0, "|", color=BODY["color"], ms=6.0, zorder=4)
+        ax.annotate(
+            f"{mark:.1f} g",
+            (at, 0.0),
+            xytext=(0.0, -9.5 if below else 5.0),
+            textcoords="offset points",
+            ha="center",
+            fontsize=6.5,
+        )
 
 
 def _reach(ax: "Axes", x: Array) -> None:
     """Set the common range of all panels over eta."""
-    ax.set_xlim(x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.06 * (x[-1] - x[0]))
+    ax.set_xlim(x[0] - 0.02 * (x[-1] - x[0]), x[-1] + 0.08 * (x[-1] - x[0]))
 
 
 def coverage(ax: "Axes", table: Table) -> None:

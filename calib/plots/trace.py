@@ -1,4 +1,4 @@
-"""Data of the figures of a stop, from an estimate on a log or from a stored result.
+"""Data of the figures of a stop, from a validation of a log or from a stored result.
 
 Values that the source does not have are None or empty, and are not drawn.
 """
@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.axle_estimate import AxleEstimate
-from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate
 from calib.estimation.plan import calibrated, known_resistance
 from calib.logs.log import Log
@@ -21,6 +20,8 @@ from calib.physics.vehicle import Axle, Vehicle
 from calib.plots.result import StoredResult
 from calib.table.budget import AxleBudget
 from calib.table.table import Table
+from calib.validation.limits import Judgement
+from calib.validation.validate import CALIBRATION, Validation
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -51,6 +52,17 @@ class AxleTrace:
 
 
 @dataclass(frozen=True)
+class AxlePads:
+    """Mean pad friction of the valid samples, half width of their median 95 % interval [1]."""
+
+    mean: float
+    half: float
+
+    def __str__(self) -> str:
+        return f"{self.mean:.3f}\u00a0\u00b1\u00a0{self.half:.3f}"
+
+
+@dataclass(frozen=True)
 class StopTrace:
     """A stop over ``time`` [s], shapes (n,).
 
@@ -58,6 +70,9 @@ class StopTrace:
     ``wheels`` [rad/s] by wheel; ``v_wheel`` reference speed over the rolling radius [rad/s];
     ``force_sum`` force of tyres and air with the compensated pads, ``force_sum_nominal`` with the
     nominal ones, ``inertia`` M z g, all [N]; ``changes`` of surface [s]; ``notes`` in words.
+    ``refused`` where the estimate cannot be used, by reason, (n,) each; ``pads`` what is said of
+    both axles, with the half width of the 95 % interval, [1], None where nothing is valid;
+    ``verdict`` in words, empty where none was given.
     """
 
     name: str
@@ -75,6 +90,9 @@ class StopTrace:
     changes: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
     budget: tuple[AxleBudget, AxleBudget] | None = None
+    refused: dict[str, Mask] = field(default_factory=dict)
+    pads: tuple[AxlePads | None, AxlePads | None] = (None, None)
+    verdict: str = ""
 
     @property
     def has_truth(self) -> bool:
@@ -82,14 +100,15 @@ class StopTrace:
         return self.front.true_wheel_torque is not None
 
 
-def from_estimate(
-    table: Table, name: str, log: Log, estimate: Estimate, vehicle: Vehicle | None = None
+def from_validation(
+    table: Table, name: str, log: Log, result: Validation, vehicle: Vehicle | None = None
 ) -> StopTrace:
-    """Trace of an ``estimate`` on ``log`` with the table ``name`` and ``vehicle``."""
-    car = vehicle or calibrated(table)
+    """Trace of the ``result`` on ``log`` with the table ``name`` and ``vehicle``."""
+    car, estimate = vehicle or calibrated(table), result.estimate
     front = _axle(car.front, estimate.front, estimate, 0, log)
     rear = _axle(car.rear, estimate.rear, estimate, 1, log)
     e, known = estimate, known_resistance(table).effects
+    figures = result.figures
     body = force_balance(car, known, e.time, e.speed, e.z, e.pressure_f).body
     total = _force_sum(car, estimate.z, front, rear) + body
     return StopTrace(
@@ -106,9 +125,57 @@ def from_estimate(
         force_sum_nominal=total + _nominal_excess(car, front, rear),
         inertia=car.weight * estimate.z,
         changes=estimate.split.changes,
-        budget=budget(estimate),
-        notes=(f"Estimator with table {name}, digest {table.digest[:16]}.", *estimate.notes),
+        budget=result.budget,
+        notes=(
+            f"Estimator with table {name}, digest {table.digest[:16]}.",
+            *estimate.notes,
+            *_warned(result),
+        ),
+        refused={NOT_BRAKED: ~estimate.braked, **estimate.refused},
+        pads=(_pads_of(figures, "f"), _pads_of(figures, "r")),
+        verdict=verdict_of(result),
     )
+
+
+NOT_BRAKED = "the brakes are released"
+"""The reason beside those of the estimator."""
+
+
+def verdict_of(result: Validation) -> str:
+    """The verdict in words, with what failed: `failed: interval front 0.15, at most 0.135`."""
+    if result.role == CALIBRATION:
+        return "no verdict: the table was fitted on this log"
+    count = len(result.all_warnings)
+    warned = f", {count} warning{'s' * (count > 1)}" if count else ""
+    broken = [j for j in result.judgements if j.passed is False]
+    why = "; ".join(f"{_spoken(j.figure)} {_against(j)}" for j in broken)
+    return result.verdict + (f": {why}" if why else "") + warned
+
+
+def _warned(result: Validation) -> tuple[str, ...]:
+    """The warnings in a sentence, for the note."""
+    names = ", ".join(_spoken(warning.code) for warning in result.all_warnings)
+    return (f"Warnings, which `brake-cal validate` explains: {names}.",) if names else ()
+
+
+def _spoken(figure: str) -> str:
+    """The name of a metric in words."""
+    stem, _, side = figure.rpartition("_")
+    axle = {"f": "front", "r": "rear"}.get(side)
+    return (f"{stem}_{axle}" if axle else figure).replace("_", " ")
+
+
+def _against(judgement: Judgement) -> str:
+    value, low, high = judgement.value, judgement.low, judgement.high
+    if value is None:
+        return "is not known"
+    below = low is not None and value < low
+    return f"{value:.3g}, at least {low:g}" if below else f"{value:.3g}, at most {high:g}"
+
+
+def _pads_of(figures: dict[str, float | None], side: str) -> AxlePads | None:
+    mean, width = figures[f"pad_friction_{side}"], figures[f"interval_{side}"]
+    return None if mean is None or width is None else AxlePads(mean, mean * width)
 
 
 def from_result(result: StoredResult, vehicle: Vehicle | None = None) -> StopTrace:
@@ -133,7 +200,19 @@ def from_result(result: StoredResult, vehicle: Vehicle | None = None) -> StopTra
             f"Result {result.name}, digest {result.digest[:16]}.",
             *(("The sum of forces is without air drag.",) if vehicle else ()),
         ),
+        pads=(_mean_pads(result, "f"), _mean_pads(result, "r")),
     )
+
+
+def _mean_pads(result: StoredResult, side: str) -> AxlePads | None:
+    """As the validation counts them; None without a valid sample."""
+    held = result.valid
+    if not held.any():
+        return None
+    mu = result[f"pad_friction_{side}"][held]
+    lower, upper = (result[f"pad_friction_{side}_{end}"][held] for end in ("lower", "upper"))
+    mean = float(np.mean(mu))
+    return AxlePads(mean, mean * float(np.median(0.5 * (upper - lower) / mu)))
 
 
 def _axle(axle: Axle, found: AxleEstimate, estimate: Estimate, i: int, log: Log) -> AxleTrace:

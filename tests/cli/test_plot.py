@@ -172,6 +172,27 @@ def test_a_log_that_the_estimator_refuses_leaves_nothing(plot, tmp_path):
     assert files() == []
 
 
+def test_a_log_of_another_car_is_refused_as_by_validate(plot, brake_cal, tables):
+    other = LOGS / "third_party" / "hold1_const_mu30.parquet"  # wheels of 0.344 m
+    judged = brake_cal("validate", "sedan-2up", other, "--store", tables)
+    drawn = plot("sedan-2up", other)
+    assert drawn.code == judged.code == 3
+    said = [line for line in drawn.err.splitlines() if line.startswith("error")]
+    assert said == [line for line in judged.err.splitlines() if line.startswith("error")]
+    assert "another vehicle" in drawn.err
+    assert files() == []
+
+
+def test_the_verdict_is_by_the_limits_given(plot, tmp_path):
+    limits = tmp_path / "limits.toml"
+    limits.write_text("schema = 1\n[limits]\ninterval_f = { max = 0.01 }\n")
+    drawn = ("sedan-2up", STOP, "--figure", "validity", "--json")
+    (usual,) = json.loads(plot(*drawn).out)["sheets"]
+    (strict,) = json.loads(plot(*drawn, "--limits", limits).out)["sheets"]
+    assert usual["result"].startswith("Passed; pad friction front 0.")
+    assert strict["result"].startswith("Failed: interval front 0.")
+
+
 def test_an_out_that_cannot_be_written_is_a_usage_error(plot, monkeypatch):
     import calib.plots.save
 

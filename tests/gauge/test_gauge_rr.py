@@ -21,6 +21,17 @@ def test_the_published_study():
     assert found.categories == 4
 
 
+def test_the_tolerance_is_compared_with_six_standard_deviations():
+    # AIAG MSA, 4th ed.: 6 GRR/(USL - LSL), GRR 0.302373 as published
+    design = anova(*aiag(), terms=(CAR, STATION, REPEATABILITY))
+    found = gauge_rr(design, tolerance=8.0)
+    assert found.tolerance == pytest.approx(6.0 * 0.302373 / 8.0, rel=1e-5)
+    low, high = found.tolerance95
+    assert low < found.tolerance < high
+    assert found.cars_differ
+    assert gauge_rr(design).tolerance is None
+
+
 def test_a_negative_variance_is_nought_and_told():
     found = gauge_rr(anova(*aiag()))
     both = found.components[INTERACTION]

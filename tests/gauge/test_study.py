@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.errors import InputError
+from calib.errors import InputError, LimitsError
 from calib.fitting.fit import fit
 from calib.gauge.study import METRICS, GaugeReading, known_limits, metrics_of, study
 from calib.validation.limits import Limit
@@ -54,16 +54,45 @@ def test_a_good_gauge_and_what_does_not_scatter():
 
 
 def test_a_bad_gauge_fails():
-    found = study(readings(sd=(0.1, 0.05, 0.5)))
+    found = study(readings(sd=(1.0, 0.05, 0.7)))
+    assert found.results[0].gauge.cars_differ
     assert not found.passed
     assert found.results[0].verdict == "bad"
+
+
+def of_pads(made):
+    return tuple(replace(r, metrics={"pad_scale": r.metrics["x"]}) for r in made)
+
+
+def test_cars_that_do_not_differ_show_nothing_of_a_gauge():
+    """Then %GRR is near 100 % for any gauge: only a tolerance can judge it."""
+    alike = of_pads(readings(sd=(0.0, 0.0, 0.05)))
+    found = study(alike)
+    assert not found.passed
+    assert found.results[0].verdict == "the cars do not differ"
+    assert all(j.value is None for j in found.results[0].judgements if j.figure != "x")
+    assert any("do not differ in pad_scale" in note for note in found.notes)
+    wide, narrow = (study(alike, (Limit("pad_scale", -w, w),)) for w in (2.0, 0.2))
+    assert wide.passed
+    assert wide.results[0].verdict == "good"  # 6 * 0.05 / 4
+    assert narrow.results[0].verdict == "bad"  # 6 * 0.05 / 0.4
+
+
+def test_a_tolerance_has_two_ends():
+    with pytest.raises(LimitsError, match="needs two ends"):
+        study(of_pads(readings()), (Limit("pad_scale", 0.8, None),))
+
+
+def test_tolerances_alone_leave_the_usual_limits():
+    found = study(of_pads(readings()), (Limit("pad_scale", 0.0, 10.0),))
+    assert [j.figure for j in found.results[0].judgements] == ["grr", "ndc", "grr_of_tolerance"]
 
 
 def test_limits_of_one_figure_come_before_the_common_ones():
     strict = (Limit("grr", None, 0.3), Limit("x_grr", None, 0.001), Limit("ndc", 1.0, None))
     assert study(readings(), strict).results[0].verdict == "bad"
     assert study(readings(), (Limit("grr", None, 0.3),)).results[0].verdict == "good"
-    assert {"grr", "ndc", "pad_scale_grr", "f2_ndc"} < known_limits()
+    assert {"grr", "ndc", "pad_scale_grr", "f2_ndc", "f2", "grr_of_tolerance"} < known_limits()
 
 
 def test_one_way_and_unequal_numbers_work_and_are_told():

@@ -101,3 +101,13 @@ def test_a_loaded_wheel_turns_faster_than_its_slip_lets_expect():
     front, rear = AxleTyres(tyre, radius_load=r).slips(FORCES, loads, REST)
     assert front[0] == pytest.approx(1.0 - 0.98 * np.exp(0.2 * r))
     assert rear[0] == pytest.approx(1.0 - 0.99 * np.exp(-r / 3.0))
+
+
+def test_what_the_axles_show_comes_back_to_the_common_curve():
+    """At half the weight on an axle, equal tyres and one radius: slip = 0.04 F here."""
+    tyre = Tyre(np.log(0.04), 0.0, 0.0, 0.3)
+    tyres = AxleTyres(tyre, log_ratio=0.2, radius_load=0.01)
+    loads = tuple(np.array([x]) for x in LOADS)
+    front, rear = tyres.on_the_curve(tyres.slips(FORCES, loads, REST), loads, REST)
+    assert front[0] == pytest.approx(0.04 * 0.5)
+    assert rear[0] == pytest.approx(0.04 * 0.25)

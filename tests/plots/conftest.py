@@ -2,19 +2,26 @@ from pathlib import Path
 
 import pytest
 
-from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.physics.vehicle_file import read_vehicle
 from calib.plots import compare, log, simulation, stop, table
 from calib.plots.measured import measure
-from calib.plots.trace import StopTrace, from_estimate
+from calib.plots.trace import StopTrace, from_validation
 from calib.table.table import Table
+from calib.validation.limits import DEFAULTS
+from calib.validation.validate import validate_one
 from tests.support.tables import made_table
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
 SEDAN, SIMULATION = LOGS / "sedan", LOGS / "simulation_study"
+
+
+def traced(table, run, vehicle=None) -> StopTrace:
+    """The trace of a run with other methods beside the estimate."""
+    result = validate_one(table, run, vehicle, DEFAULTS)
+    return from_validation(table, "sedan@1", run, result, vehicle)
 
 
 @pytest.fixture(scope="session")
@@ -34,7 +41,7 @@ def sedan(ramp) -> Table:
 
 @pytest.fixture(scope="session")
 def trace(sedan, transition) -> StopTrace:
-    return from_estimate(sedan, "sedan@1", transition, estimate(sedan, transition))
+    return traced(sedan, transition)
 
 
 @pytest.fixture(scope="session")
@@ -45,7 +52,7 @@ def simulated() -> StopTrace:
     )
     wrong = read_vehicle(SIMULATION / "vehicle_wrong_pads.toml")
     run = read_log(SIMULATION / "stop_noisy.parquet")
-    return from_estimate(found, "sim@1", run, estimate(found, run, wrong), wrong)
+    return traced(found, run, wrong)
 
 
 SHEETS = ("table", "ramp", "stop", "simulation", "comparison", "log")

@@ -60,3 +60,11 @@ def test_a_car_that_is_front_biased_throughout_has_no_end_of_it():
     ax = axes()
     distribution(ax, table)
     assert not any("front-biased" in label for label in labels(ax))
+
+
+def test_the_end_of_the_table_is_marked_on_the_identified_line():
+    ax = axes()
+    distribution(ax, made_table())
+    front, rear = line(ax, "the table ends, 0.30 g")
+    assert (front[0] + rear[0]) * 1e3 / R == pytest.approx(WEIGHT * 0.3)  # (5)
+    assert "deceleration [g]" in labels(ax)

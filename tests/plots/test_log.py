@@ -2,8 +2,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
+from calib.logs.read import read_log
 from calib.plots import log as figures
+from tests.plots.conftest import SEDAN
 from tests.support.plot_lines import axes, drawn, labels, line
 
 
@@ -30,9 +33,9 @@ def test_the_right_hand_axis_is_the_speed_in_kmh(transition):
     assert right.get_ylabel() == "$V$ [km/h]"
     ax.set_ylim(0.0, 100.0)
     ax.figure.draw_without_rendering()
-    # 100 rad/s at the 0.32 m that the legend names
-    assert right.get_ylim() == pytest.approx((0.0, 100.0 * 0.32 * 3.6))
-    assert "$V$ / 0.32 m" in labels(ax)
+    # 100 rad/s at the radius of Table I, within what drag and tyres move it while rolling
+    assert right.get_ylim() == pytest.approx((0.0, 100.0 * 0.322 * 3.6), rel=2e-3)
+    assert "$V/R$, $R$ = 0.3223 m from the unbraked part" in labels(ax)
 
 
 def test_eta_is_raw_and_ends_where_the_car_stands(transition):
@@ -69,3 +72,47 @@ def test_wheel_pressures_are_drawn_where_logged(transition):
     figures.pressure(ax, replace(transition, channels=transition.channels | more))
     assert labels(ax) == ["master cylinder", "fl"]
     assert drawn(ax, transition.time, more["p_fl"] / 1e5)
+
+
+def test_a_coasting_car_does_not_slip():
+    coast = read_log(SEDAN / "coast.csv")
+    ax = axes()
+    figures.speeds(ax, coast)
+    speed = line(ax, labels(ax)[0])[1]
+    wheels = np.mean([line(ax, wheel)[1] for wheel in ("fl", "fr", "rl", "rr")], axis=0)
+    assert np.mean(1.0 - wheels / speed) == pytest.approx(0.0, abs=1e-4)
+
+
+def test_an_unknown_radius_says_so(transition):
+    held = {"p_mc": np.full(transition.time.size, 2e6)}  # never unbraked
+    ax = axes()
+    figures.speeds(ax, replace(transition, channels=transition.channels | held))
+    assert labels(ax)[0] == "$V/R$, $R$ = 0.32 m of a usual wheel"
+
+
+def spans(ax):
+    """Ends of what is shaded, in time, by colour."""
+    found = {}
+    for patch in ax.patches:
+        box = patch.get_extents().transformed(ax.transData.inverted())
+        found[to_hex(patch.get_facecolor()).upper()] = (box.x0, box.x1)
+    return found
+
+
+def test_lead_in_and_braking_are_marked(transition):
+    ax = axes()
+    figures.deceleration(ax, transition)
+    marked = spans(ax)
+    bite = transition.time[np.argmax(transition["p_mc"] > 1e5)]
+    start, end = marked[figures.BRAKING]
+    assert start == pytest.approx(bite, abs=0.05)
+    assert end == pytest.approx(transition.time[-1], abs=0.05)
+    assert marked[figures.LEAD_IN][0] == pytest.approx(transition.time[0], abs=0.01)
+    assert marked[figures.LEAD_IN][1] < start
+    assert "Green: the lead-in, unbraked. Grey: braking" in figures.sheet(transition).note
+    coast = read_log(SEDAN / "coast.csv")
+    ax = axes()
+    figures.eta(ax, coast)
+    assert set(spans(ax)) == {figures.LEAD_IN}
+    assert ax.get_ylim()[1] > 0.0  # a radius mismatch is read against zero
+    assert figures.sheet(without(coast, "a_x")).note.endswith("Nothing is zeroed or corrected. ")

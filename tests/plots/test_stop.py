@@ -5,6 +5,9 @@ import pytest
 
 from calib.plots import stop
 from calib.plots.style import FRONT
+from calib.plots.trace import from_validation
+from calib.validation.limits import DEFAULTS
+from calib.validation.validate import validate_one
 from tests.support.plot_lines import axes, drawn, labels, line
 
 
@@ -18,6 +21,7 @@ def test_panels_in_the_order_of_the_paper(trace):
         "pad-rear",
         "axle-torques",
         "force-sum",
+        "validity",
         "budget",
     )
 
@@ -55,12 +59,14 @@ def test_slip_where_v_is_known_and_eta_always(trace):
 def test_pad_friction_with_interval_nominal_and_rivals(trace):
     ax = axes()
     stop.pad(ax, trace, trace.front, FRONT)
-    assert np.array_equal(
-        line(ax, r"estimate $\mu_{p,c}$, 95 %")[1], trace.front.pad, equal_nan=True
-    )
+    estimate = line(ax, r"estimate $\mu_{p,c}$, 95 %")[1]
+    assert np.array_equal(estimate[trace.valid], trace.front.pad[trace.valid])
+    assert np.isnan(estimate[~trace.valid]).all()
     assert line(ax, r"nominal $\mu_{p,n}$")[1] == [trace.front.nominal] * 2
     for name, (label, _) in stop.BASELINES.items():
-        assert np.array_equal(line(ax, label)[1], trace.front.baselines[name], equal_nan=True)
+        rival = line(ax, label)[1]
+        assert np.array_equal(rival[trace.valid], trace.front.baselines[name][trace.valid])
+        assert np.isnan(rival[~trace.valid]).all()
     low, high = ax.get_ylim()
     held = trace.valid
     assert low < trace.front.lower[held].min()
@@ -85,7 +91,8 @@ def test_the_sum_of_forces_says_that_it_proves_nothing(trace):
 def test_every_panel_marks_the_change_of_surface(trace):
     (time,) = trace.changes
     assert 8.5 < time < 9.5  # the paper's Fig. 14: at 9 s
-    *over_time, made_of = stop.sheet(trace).overview().axes
+    *over_time, why, made_of = stop.sheet(trace).overview().axes
+    assert why.get_title(loc="left").endswith(stop.WHY)
     assert made_of.get_title(loc="left").endswith(stop.BUDGET)
     for ax in over_time:
         uprights = [one for one in ax.get_lines() if list(one.get_xdata()) == [time, time]]
@@ -105,15 +112,61 @@ def test_samples_that_are_not_valid_are_shaded(trace):
 
 
 def test_a_trace_without_speeds_and_sum_has_no_such_panels(trace):
-    bare = replace(trace, wheels={}, force_sum=None, budget=None)
+    bare = replace(trace, wheels={}, force_sum=None, budget=None, refused={})
     sheet = stop.sheet(bare)
     assert sheet.names[0] == "deceleration"
     assert "force-sum" not in sheet.names
     assert len(sheet.overview().axes) == 6
     odd = stop.sheet(replace(trace, wheels={}, budget=None))
-    assert odd.rows[-1] == ("force-sum", "force-sum")
+    assert odd.rows[-2:] == (("force-sum", "force-sum"), ("validity", "validity"))
 
 
 def test_a_stop_of_which_nothing_is_valid_is_drawn_all_the_same(trace):
     nowhere = replace(trace, valid=np.zeros(trace.time.size, bool))
-    assert len(stop.sheet(nowhere).overview().axes) == 9
+    assert len(stop.sheet(nowhere).overview().axes) == 10
+
+
+def test_what_is_before_the_bite_does_not_set_the_axis(trace):
+    """The interval before the bite is that of the prior: some tenths; in the stop a twentieth."""
+    ax = axes()
+    stop.pad(ax, replace(trace, front=replace(trace.front, nominal=None, baselines={})),
+             replace(trace.front, nominal=None, baselines={}), FRONT)  # fmt: skip
+    held = trace.valid
+    span = trace.front.upper[held].max() - trace.front.lower[held].min()
+    before = trace.front.upper[~held].max() - trace.front.lower[~held].min()
+    low, high = ax.get_ylim()
+    assert span < high - low < 1.3 * span
+    assert before > 1.5 * span
+
+
+def test_other_methods_are_drawn_only_where_they_are_asked_for(sedan, transition, trace):
+    result = validate_one(sedan, transition, None, DEFAULTS, baselines=False)
+    alone = from_validation(sedan, "sedan@1", transition, result)
+    ax = axes()
+    stop.pad(ax, alone, alone.front, FRONT)
+    assert labels(ax) == [r"estimate $\mu_{p,c}$, 95 %", r"nominal $\mu_{p,n}$"]
+    assert np.array_equal(alone.front.pad, trace.front.pad, equal_nan=True)
+
+
+def test_the_title_has_verdict_and_pads(trace):
+    front, rear = trace.pads
+    mean = float(np.mean(trace.front.pad[trace.valid]))
+    assert front.mean == pytest.approx(mean, rel=1e-3)
+    assert stop.sheet(trace).result == (
+        f"{trace.verdict.capitalize()}; pad friction front {front}, rear {rear} (95 %)"
+    )
+    unknown = stop.sheet(replace(trace, pads=(None, None), verdict=""))
+    assert unknown.result == "Pad friction front none, rear none (95 %)"
+
+
+def test_each_reason_has_its_spans(trace):
+    ax = axes()
+    time = np.arange(0.0, 10.0, 0.01)
+    late, slow = time > 8.0, time > 9.0
+    stop.validity(ax, replace(trace, time=time, valid=~late, refused={"a": late, "slow": slow}))
+    assert [text.get_text() for text in ax.texts] == [" valid: 80 %", " a: 20 %", " slow: 10 %"]
+    ends = [
+        (bar.get_paths()[0].vertices[:, 0].min(), bar.get_paths()[0].vertices[:, 0].max())
+        for bar in ax.collections
+    ]
+    assert np.allclose(ends, [(0.0, 8.0), (8.0, 10.0), (9.0, 10.0)], atol=0.011)

@@ -17,7 +17,7 @@ PERCENT = 100.0 * (TABLE.paper.eta - 1.0)
 
 def pieces(ax, symbol):
     """y of all pieces of a curve put together, by what the flags say."""
-    found = [line(ax, f"{symbol} {w}")[1] for w in ("measured", "interpolated", "extrapolated")]
+    found = [line(ax, f"{symbol} {w}")[1] for w in ("in the table", "interpolated", "extrapolated")]
     return np.nanmax(np.where(np.isnan(found), -np.inf, found), axis=0)
 
 
@@ -26,7 +26,7 @@ def test_f1_and_f2_are_those_of_the_table():
     figures.f1_f2(ax, TABLE)
     assert np.array_equal(pieces(ax, "$f_1$"), TABLE.paper.f1)
     assert np.array_equal(pieces(ax, "$f_2$"), TABLE.paper.f2)
-    assert np.array_equal(line(ax, "$f_1$ measured")[0], PERCENT)
+    assert np.array_equal(line(ax, "$f_1$ in the table")[0], PERCENT)
 
 
 def test_bands_are_those_of_the_table():
@@ -49,7 +49,7 @@ def test_a_piece_is_as_bad_as_the_worse_of_its_ends():
     x = np.arange(6.0)
     ax = axes()
     figures.by_flag(ax, x, x, flag, {"color": "black"}, "c")
-    assert list(np.isnan(line(ax, "c measured")[1])) == [True, False, False, True, True, True]
+    assert list(np.isnan(line(ax, "c in the table")[1])) == [True, False, False, True, True, True]
     assert list(np.isnan(line(ax, "c extrapolated")[1])) == [True] * 4 + [False] * 2
 
 
@@ -57,7 +57,8 @@ def test_a_table_that_is_measured_throughout_names_nothing_else():
     flag = np.full(21, MEASURED)
     ax = axes()
     figures.f1_f2(ax, replace(TABLE, paper=replace(TABLE.paper, flag=flag)))
-    assert labels(ax) == ["$f_1$ measured", "$f_2$ measured"]
+    curves = [label for label in labels(ax) if label.startswith("$f")]
+    assert curves == ["$f_1$ in the table", "$f_2$ in the table"]
 
 
 def test_coverage_is_the_count():
@@ -91,7 +92,7 @@ def test_a_table_that_ends_before_p_does_not_mark_it():
 def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
     run = measure(sedan, ramp)
     percent = 100.0 * (run.eta - 1.0)
-    beyond = run.z > sedan.paper.z[-1]
+    beyond = run.z_free > sedan.paper.z[-1]
     ax = axes()
     figures.f1_f2(ax, sedan, (run,))
     for part in (run.braked & beyond, run.braked & ~beyond):
@@ -100,7 +101,7 @@ def test_what_a_ramp_measured_stands_beside_the_curves(sedan, ramp):
         assert drawn(ax, percent[part], run.f2[part])
     ax = axes()
     figures.tyre(ax, sedan, (run,))
-    assert {"front measured", "rear measured"} <= {*labels(ax)}
+    assert {"front axle, ramps", "rear axle, ramps"} <= {*labels(ax)}
     assert drawn(ax, 100.0 * run.slip_r[run.braked], run.F_r[run.braked])
 
 
@@ -118,7 +119,7 @@ def test_a_ramp_without_v_leaves_the_tyre_curve_alone(sedan, ramp):
     run = replace(measure(sedan, ramp), slip_f=None, slip_r=None)
     ax = axes()
     figures.tyre(ax, sedan, (run,))
-    assert "front measured" not in labels(ax)
+    assert "front axle, ramps" not in labels(ax)
 
 
 def test_the_sheet_names_digest_and_parents():
@@ -133,3 +134,33 @@ def test_each_ramp_has_a_row(sedan, ramp):
     assert figures.sheet(sedan, "s", (run,)).rows[4:] == (("pressure", "forces"),)
     both = figures.sheet(sedan, "s", (run, run))
     assert both.rows[4:] == (("pressure-1", "forces-1"), ("pressure-2", "forces-2"))
+
+
+def test_the_usable_range_is_marked_in_eta_and_deceleration():
+    # z = 60 (eta - 1) up to 0.5 %, so 0.3 g is its end, 0.1 g is at 1/600 and 0.2 g at 1/300
+    for draw in (figures.f1_f2, figures.difference):
+        ax = axes()
+        draw(ax, TABLE)
+        assert list(line(ax, "usable to 0.50 %, 0.30 g")[0]) == pytest.approx([0.5, 0.5])
+        marks = {text.get_text(): text.xy[0] for text in ax.texts}
+        assert marks["0.1 g"] == pytest.approx(1.0 / 6.0)
+        assert marks["0.2 g"] == pytest.approx(1.0 / 3.0)
+        shaded = [patch.get_extents().transformed(ax.transData.inverted()) for patch in ax.patches]
+        assert shaded[0].x0 == pytest.approx(0.5)
+        assert shaded[0].x1 == pytest.approx(ax.get_xlim()[1])
+
+
+def test_grey_points_are_explained_in_the_panel(sedan, ramp):
+    ax = axes()
+    figures.difference(ax, sedan, (measure(sedan, ramp),) * 2)
+    told = [label for label in labels(ax) if "turns" in label]
+    assert told == [rf"above {sedan.paper.z[-1]:.2f} g: $\eta$ turns"]
+    assert labels(ax).count(f"ramps, {figures.FREED}") == 1
+
+
+def test_the_page_begins_with_pads_and_range():
+    # made_table: 0.4 with a sigma of 0.01, 0.39 with 0.02; up to 0.5 % and 0.3 g
+    result = figures.sheet(TABLE, "sedan@1").result
+    assert "front 0.400\u00a0\u00b1\u00a00.020, rear 0.390\u00a0\u00b1\u00a00.039" in result
+    assert "0.30 g" in result
+    assert "0.50 %" in result

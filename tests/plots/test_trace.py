@@ -7,9 +7,11 @@ from calib.estimation.estimator import estimate
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle_file import read_vehicle
 from calib.plots.result import read_result
-from calib.plots.trace import from_estimate, from_result
+from calib.plots.trace import from_result, verdict_of
+from calib.validation.limits import Limit
 from calib.validation.results import write_result
-from tests.plots.conftest import SEDAN
+from calib.validation.validate import validate_one
+from tests.plots.conftest import SEDAN, traced
 from tests.support.stored_results import made_result
 
 WEIGHT = 1744.0 * 9.80665
@@ -40,14 +42,14 @@ def test_what_a_term_takes_is_in_the_sum_of_forces(sedan, transition):
     term = EmpiricalTerm("body", "constant", (0.0,), (0.02,))
     car = replace(sedan.vehicle, effects=Effects(terms=(term,)), mass_tolerance=0.005)
     table = replace(sedan, vehicle=car)
-    drawn = from_estimate(table, "s", transition, estimate(table, transition))
+    drawn = traced(table, transition)
     held = drawn.valid
     assert np.mean(drawn.force_sum[held]) == pytest.approx(np.mean(drawn.inertia[held]), rel=0.02)
 
 
 def test_nominal_torque_is_that_of_table_1_at_the_pressure(sedan, transition):
     car = read_vehicle(SEDAN / "vehicle.toml")
-    found = from_estimate(sedan, "s", transition, estimate(sedan, transition, car), car)
+    found = traced(sedan, transition, car)
     p = np.maximum(transition["p_mc"], 0.0)
     per_wheel = 0.38 * 2 * 28.84e-4 * 0.1309 * p
     assert found.front.nominal == 0.38
@@ -71,7 +73,7 @@ def test_a_simulation_knows_its_pads(simulated):
 
 def test_logged_truth_is_taken_as_it_is(sedan, transition):
     truth = {"true_mu_pad_f": np.full(transition.time.size, 0.31)}
-    found = from_estimate(sedan, "s", replace(transition, truth=truth), estimate(sedan, transition))
+    found = traced(sedan, replace(transition, truth=truth))
     assert np.all(found.front.true_pad == 0.31)
     assert found.rear.true_pad is None
     assert not found.has_truth
@@ -79,7 +81,7 @@ def test_logged_truth_is_taken_as_it_is(sedan, transition):
 
 def test_without_v_there_is_neither_slip_nor_speed(sedan, transition):
     log = replace(transition, channels={k: v for k, v in transition.channels.items() if k != "v"})
-    found = from_estimate(sedan, "s", log, estimate(sedan, log))
+    found = traced(sedan, log)
     assert found.v_wheel is None
     assert found.front.slip is None
     assert found.rear.slip is None
@@ -110,3 +112,31 @@ def test_what_validate_writes_is_what_was_estimated(sedan, transition, trace, tm
         a, b = getattr(found.rear, name), getattr(trace.rear, name)
         assert np.array_equal(a, b, equal_nan=True), name
     assert np.array_equal(found.valid, trace.valid)
+
+
+def test_the_verdict_is_that_of_the_validation(sedan, transition, trace):
+    assert trace.verdict.startswith("passed")
+    strict = (Limit("interval_f", None, 0.01), Limit("valid_share", 0.5, None))
+    failed = validate_one(sedan, transition, None, strict, baselines=False)
+    width = failed.figures["interval_f"]
+    assert verdict_of(failed).startswith(f"failed: interval front {width:.3g}, at most 0.01")
+    assert "valid share" not in verdict_of(failed)
+
+
+def test_a_log_of_the_fit_has_no_verdict(sedan, ramp):
+    result = validate_one(sedan, ramp, None, (), baselines=False)
+    assert verdict_of(result) == "no verdict: the table was fitted on this log"
+
+
+def test_each_sample_is_valid_or_has_a_reason(trace):
+    reasons = np.any(list(trace.refused.values()), axis=0)
+    assert np.array_equal(reasons, ~trace.valid)
+
+
+def test_pads_of_a_result_are_counted_as_by_the_validation(sedan, transition, trace, tmp_path):
+    write_result(estimate(sedan, transition), tmp_path / "stop.parquet")
+    found = from_result(read_result(tmp_path / "stop.parquet"))
+    for stored, judged in zip(found.pads, trace.pads, strict=True):
+        assert stored.mean == pytest.approx(judged.mean, rel=1e-3)
+        assert stored.half == pytest.approx(judged.half, rel=1e-2)
+    assert found.verdict == ""
