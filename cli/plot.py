@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 EPILOG = example(
     "brake-cal plot sedan-2up",
     "brake-cal plot sedan-2up sample_logs/sedan/ramp_wet_asphalt.csv --out ramp.pdf",
-    "brake-cal plot sedan-2up sample_logs/sedan/basalt_wet_pads.csv",
+    "brake-cal plot sedan-2up sample_logs/sedan/basalt_wet_pads.csv --compare",
     "brake-cal plot sedan-2up@1 sedan-2up@2 --figure f1-f2 --out f1f2.svg",
 )
 ALL = "all"
@@ -69,9 +69,12 @@ def plot(
     from calib.plots.save import save
     from cli.console import emit, emit_json, progress, say
 
-    given = replace(
-        _read(what, store, vehicle, channel_map), limits=limits_of_stops(limits), compare=compare
-    )
+    given = _read(what, store, vehicle, channel_map)
+    stops = bool(given.tables and given.logs)
+    if compare and not stops:
+        raise typer.BadParameter("only with a TABLE and a LOG", param_hint="--compare")
+    if stops:
+        given = replace(given, limits=limits_of_stops(limits), compare=compare)
     drawn = _draw(given, figure)
     files = _files(drawn, out, figure)
     pages = sum(map(len, files.values()))

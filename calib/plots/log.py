@@ -60,7 +60,7 @@ def log_panels(log: Log) -> tuple[Panel, ...]:
     wheels = any(name in log for name in SPINS)
     pressures = any(name in log for name in ("p_mc", *WHEEL_PRESSURES))
     found = (
-        (wheels or "v" in log, Panel("speeds", "Speeds", lambda ax: speeds(ax, log), 5)),
+        (wheels or "v" in log, Panel("speeds", "Speeds", lambda ax: speeds(ax, log), 7)),
         (pressures, Panel("pressure", "Brake pressure", lambda ax: pressure(ax, log), 5)),
         ("a_x" in log, Panel("deceleration", "Deceleration", lambda ax: deceleration(ax, log))),
         (
@@ -103,7 +103,7 @@ def speeds(ax: "Axes", log: Log) -> None:
         ax.plot(log.time, log["v"] / radius, label=label, linewidth=0.8, **BODY)
     for wheel in (wheel for wheel in WHEELS if f"omega_{wheel}" in log):
         ax.plot(log.time, log[f"omega_{wheel}"], label=wheel, linewidth=1.0, **WHEEL_STROKES[wheel])
-    _frame(ax, log, "wheel speed [rad/s]")
+    _frame(ax, log, "wheel speed [rad/s]", named=True)
     if "v" in log:
         kmh = 3.6 * radius
         both = (lambda omega: np.asarray(omega) * kmh, lambda speed: np.asarray(speed) / kmh)
@@ -152,8 +152,8 @@ def raw_eta(log: Log) -> Array:
     return np.where(turning, 100.0 * (rear / np.where(turning, front, 1.0) - 1.0), np.nan)
 
 
-def _frame(ax: "Axes", log: Log, ylabel: str) -> None:
-    """Label an axis over time, and shade lead-in and braking."""
+def _frame(ax: "Axes", log: Log, ylabel: str, named: bool = False) -> None:
+    """Label an axis over time, and shade lead-in and braking, ``named`` in its legend."""
     ax.set(xlabel="time [s]", ylabel=ylabel)
     ax.set_xlim(log.time[0], log.time[-1])
     motion = motion_of(log)
@@ -161,6 +161,11 @@ def _frame(ax: "Axes", log: Log, ylabel: str) -> None:
         return
     first = log.time[motion.lead_in]
     if first.size:
-        ax.axvspan(first[0], first[-1], color=LEAD_IN, linewidth=0.0, zorder=0)
-    for event in brake_events(motion):
-        ax.axvspan(event.start, event.end, color=BRAKING, linewidth=0.0, zorder=0)
+        _span(ax, (first[0], first[-1]), LEAD_IN, "lead-in" if named else "")
+    for i, event in enumerate(brake_events(motion)):
+        label = "braking" if named and not i else ""
+        _span(ax, (event.start, event.end), BRAKING, label)
+
+
+def _span(ax: "Axes", ends: tuple[float, float], colour: str, label: str) -> None:
+    ax.axvspan(*ends, color=colour, linewidth=0.0, zorder=0, label=label or None)

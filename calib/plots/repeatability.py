@@ -66,7 +66,7 @@ def sheet(found: GaugeStudy) -> Sheet:
         kind="repeatability",
         name="repeatability",
         title=f"Gauge study: {len(found.cars)} cars{stations}, {len(found.readings)} ramps",
-        note=". ".join(sentences) + ".",
+        note=". ".join(s[0].upper() + s[1:] for s in sentences) + ".",
         panels=(
             Panel(
                 SUMMARY,

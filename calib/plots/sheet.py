@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+LETTER = 0.086
+"""Width of a letter of the title [in], with a little to spare."""
 LEGEND_ROW = 10.5
 """Height of one row of a legend [pt]."""
 
@@ -104,7 +106,7 @@ class Sheet:
 
 def _frame(figure: "Figure", sheet: Sheet, width: int) -> None:
     """Title above and note below, both from the left edge."""
-    lines = (sheet.title, *textwrap.wrap(sheet.result, round(0.6 * width)))
+    lines = (sheet.title, *textwrap.wrap(sheet.result, int(figure.get_figwidth() / LETTER)))
     figure.suptitle("\n".join(lines), x=0.012, ha="left")
     if sheet.note:
         whole = sheet.note.replace(" %", "\u00a0%")  # no line break between a number and its unit

@@ -61,17 +61,17 @@ def pads_by_stop(ax: "Axes", table: Table, results: tuple[Validation, ...]) -> N
 
 
 def pads_over_time(ax: "Axes", result: Validation) -> None:
-    """Pad friction of both axles over time with its 95 % band; grey where it is not valid."""
+    """Pad friction of both axles over time with its 95 % band where it is valid; else grey."""
     e = result.estimate
     shade(ax, e.time, ~e.valid)
     curves = []
     for axle, stroke, word in ((e.front, FRONT, "front"), (e.rear, REAR, "rear")):
         good = np.where(e.valid, axle.pad_friction, np.nan)
-        line, low, high = (x[::MOST] for x in (smooth(e.time, good), axle.lower, axle.upper))
+        lower, upper = (np.where(e.valid, x, np.nan) for x in (axle.lower, axle.upper))
+        line, low, high = (x[::MOST] for x in (smooth(e.time, good), lower, upper))
         band(ax, e.time[::MOST], low, high, stroke)
         ax.plot(e.time[::MOST], line, label=word, **stroke)
-        curves += [line, np.where(np.isfinite(line), low, np.nan)]
-        curves.append(np.where(np.isfinite(line), high, np.nan))
+        curves += [line, low, high]
     view(ax, *curves, zero=True)
     ax.set_xlabel("time [s]")
     ax.set_ylabel("pad friction [1]")

@@ -101,11 +101,8 @@ def _result(table: Table) -> str:
     front, rear = (
         f"{pad.value:.3f}\u00a0\u00b1\u00a0{pad.ci95[1] - pad.value:.3f}" for pad in pads
     )
-    end, last = 100.0 * (table.paper.eta[-1] - 1.0), table.paper.decelerations[1]
-    return (
-        f"Pad friction front {front}, rear {rear} (95 %); usable up to {last:.2f} g, "
-        f"\u03b7 \u2212 1 = {end:.2f} %"
-    )
+    last = table.paper.decelerations[1]
+    return f"Pad friction front {front}, rear {rear} (95 %); usable up to {last:.2f}\u00a0g"
 
 
 def _note(table: Table, ramps: Ramps) -> str:

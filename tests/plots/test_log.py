@@ -101,6 +101,9 @@ def spans(ax):
 
 def test_lead_in_and_braking_are_marked(transition):
     ax = axes()
+    figures.speeds(ax, transition)
+    assert {"lead-in", "braking"} < {*labels(ax)}
+    ax = axes()
     figures.deceleration(ax, transition)
     marked = spans(ax)
     bite = transition.time[np.argmax(transition["p_mc"] > 1e5)]

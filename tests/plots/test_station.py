@@ -33,3 +33,13 @@ def test_a_line_ends_where_the_estimate_is_not_valid(found):
     line = axes_of(drawn, "stop-2").get_lines()[0].get_ydata()
     valid = found.results[1].estimate.valid[::5]
     assert np.array_equal(np.isfinite(line), valid)
+
+
+def test_no_band_is_drawn_where_the_estimate_is_not_valid(found):
+    ax = axes_of(sheet(found.table, found.results), "stop-2")
+    result = found.results[1].estimate
+    first = result.time[np.argmax(result.valid)]
+    bands = [one for one in ax.collections if one.get_facecolor()[0][3] < 1.0]
+    assert len(bands) == 2
+    for band in bands:
+        assert band.get_paths()[0].vertices[:, 0].min() >= first

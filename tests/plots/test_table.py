@@ -162,5 +162,4 @@ def test_the_page_begins_with_pads_and_range():
     # made_table: 0.4 with a sigma of 0.01, 0.39 with 0.02; up to 0.5 % and 0.3 g
     result = figures.sheet(TABLE, "sedan@1").result
     assert "front 0.400\u00a0\u00b1\u00a00.020, rear 0.390\u00a0\u00b1\u00a00.039" in result
-    assert "0.30 g" in result
-    assert "0.50 %" in result
+    assert result.endswith("usable up to 0.30\u00a0g")
