@@ -67,12 +67,12 @@ def repeatability(
     repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
     A range of a metric itself in the limits file is its tolerance: %GRR is then given of that too.
     """
-    from calib.gauge.study import DEFAULTS, METRICS, known_limits, study
-    from calib.validation.limits_file import read_limits
+    from calib.gauge.limits_file import read_gauge_limits
+    from calib.gauge.study import METRICS, study
 
     _check_names(quantity or [], list(METRICS))
     ready_folder(out)
-    held = read_limits(limits, known_limits()) if limits else DEFAULTS
+    held = read_gauge_limits(limits)
     places = _places(logs or [], plan, folders)
     mapping = channel_map_of(channel_map)
     readings = _readings(places, vehicle, mapping, eta / 100.0, quantity or list(METRICS))

@@ -12,9 +12,10 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import InputError, LimitsError
+from calib.errors import InputError
 from calib.gauge.anova import INTERACTION, STATION, Anova, anova, terms_of
 from calib.gauge.gauge_rr import GaugeRR, gauge_rr
+from calib.gauge.tolerance import tolerances
 from calib.logs.log import Log
 from calib.signals.axle_signals import signals
 from calib.table.table import Table
@@ -176,7 +177,7 @@ def study(
     itself is its tolerance and must have both ends, else LimitsError is raised; where there are
     only such limits the `DEFAULTS` judge.
     """
-    tolerances = _tolerances(limits)
+    known = tolerances(limits, METRICS)
     held = tuple(limit for limit in limits if limit.figure not in METRICS) or DEFAULTS
     _refuse_twice(readings)
     car, station = (_coded([getattr(r, key) for r in readings]) for key in ("car", "station"))
@@ -188,27 +189,11 @@ def study(
             np.array([r.metrics[name] for r in readings]),
             design,
             held,
-            tolerances.get(name),
+            known.get(name),
         )
         for name in readings[0].metrics
     )
     return GaugeStudy(readings, results, reference, (*_notes(design), *_alike(results)))
-
-
-def _tolerances(limits: tuple[Limit, ...]) -> dict[str, float]:
-    """Width of the tolerance of each metric that has one, in its unit."""
-    out = {}
-    for limit in limits:
-        if limit.figure not in METRICS:
-            continue
-        if limit.low is None or limit.high is None or not limit.low < limit.high:
-            raise LimitsError(
-                "the tolerance of a metric needs two ends that are apart",
-                where=limit.figure,
-                expected="{ min = LOW, max = HIGH }",
-            )
-        out[limit.figure] = limit.high - limit.low
-    return out
 
 
 def _alike(results: tuple[GaugeResult, ...]) -> tuple[str, ...]:

@@ -13,7 +13,6 @@ from calib.plots.style import (
     DASHED,
     DOTTED,
     FRONT,
-    IDENTIFIED,
     LAW,
     LEVEL,
     NOMINAL,
@@ -27,7 +26,7 @@ from calib.plots.style import (
     view,
 )
 from calib.plots.trace import AxlePads, AxleTrace, StopTrace
-from calib.signals.filters import runs
+from calib.plots.validity import validity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -230,28 +229,6 @@ def axle_torques(ax: "Axes", trace: StopTrace) -> None:
             thin = {"color": stroke["color"], "linestyle": NOMINALS[word], "linewidth": 0.9}
             noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, f"{word} nominal")
     frame(ax, trace, "axle torque [kN m]")
-
-
-LEAST = 0.02
-"""Share of the log from which a reason is drawn."""
-
-
-def validity(ax: "Axes", trace: StopTrace) -> None:
-    """When the estimate is valid, and each reason why it is not, as bars over time."""
-    step = float(np.median(np.diff(trace.time)))
-    reasons = {why: mask for why, mask in trace.refused.items() if np.mean(mask) >= LEAST}
-    rows = {"valid": trace.valid, **reasons}
-    for place, (word, mask) in enumerate(rows.items()):
-        spans = [(trace.time[a], (b - a) * step) for a, b in runs(mask)]
-        good = place == 0
-        colour = IDENTIFIED["color"] if good else NOMINAL["color"]
-        ax.broken_barh(spans, (place, 0.34), color=colour, hatch=None if good else "////", lw=0.0)
-        share = f"{word}: {100.0 * float(np.mean(mask)):.0f} %"
-        ax.text(trace.time[0], place - 0.08, f" {share}", fontsize=7.0, va="bottom")
-    ax.set_ylim(len(rows) - 0.4, -0.7)
-    ax.set_yticks([])
-    ax.set(xlabel="time [s]")
-    ax.set_xlim(trace.time[0], trace.time[-1])
 
 
 def force_sum(ax: "Axes", trace: StopTrace) -> None:

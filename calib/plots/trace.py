@@ -18,10 +18,10 @@ from calib.physics.balance import force_balance
 from calib.physics.braking import BITE
 from calib.physics.vehicle import Axle, Vehicle
 from calib.plots.result import StoredResult
+from calib.plots.verdict import verdict_of, warned
 from calib.table.budget import AxleBudget
 from calib.table.table import Table
-from calib.validation.limits import Judgement
-from calib.validation.validate import CALIBRATION, Validation
+from calib.validation.validate import Validation
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -129,7 +129,7 @@ def from_validation(
         notes=(
             f"Estimator with table {name}, digest {table.digest[:16]}.",
             *estimate.notes,
-            *_warned(result),
+            *warned(result),
         ),
         refused={NOT_BRAKED: ~estimate.braked, **estimate.refused},
         pads=(_pads_of(figures, "f"), _pads_of(figures, "r")),
@@ -139,38 +139,6 @@ def from_validation(
 
 NOT_BRAKED = "the brakes are released"
 """The reason beside those of the estimator."""
-
-
-def verdict_of(result: Validation) -> str:
-    """The verdict in words, with what failed: `failed: interval front 0.15, at most 0.135`."""
-    if result.role == CALIBRATION:
-        return "no verdict: the table was fitted on this log"
-    count = len(result.all_warnings)
-    warned = f", {count} warning{'s' * (count > 1)}" if count else ""
-    broken = [j for j in result.judgements if j.passed is False]
-    why = "; ".join(f"{_spoken(j.figure)} {_against(j)}" for j in broken)
-    return result.verdict + (f": {why}" if why else "") + warned
-
-
-def _warned(result: Validation) -> tuple[str, ...]:
-    """The warnings in a sentence, for the note."""
-    names = ", ".join(_spoken(warning.code) for warning in result.all_warnings)
-    return (f"Warnings, which `brake-cal validate` explains: {names}.",) if names else ()
-
-
-def _spoken(figure: str) -> str:
-    """The name of a metric in words."""
-    stem, _, side = figure.rpartition("_")
-    axle = {"f": "front", "r": "rear"}.get(side)
-    return (f"{stem}_{axle}" if axle else figure).replace("_", " ")
-
-
-def _against(judgement: Judgement) -> str:
-    value, low, high = judgement.value, judgement.low, judgement.high
-    if value is None:
-        return "is not known"
-    below = low is not None and value < low
-    return f"{value:.3g}, at least {low:g}" if below else f"{value:.3g}, at most {high:g}"
 
 
 def _pads_of(figures: dict[str, float | None], side: str) -> AxlePads | None:

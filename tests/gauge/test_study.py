@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.errors import InputError, LimitsError
+from calib.errors import InputError
 from calib.fitting.fit import fit
 from calib.gauge.study import METRICS, GaugeReading, known_limits, metrics_of, study
 from calib.validation.limits import Limit
@@ -76,11 +76,6 @@ def test_cars_that_do_not_differ_show_nothing_of_a_gauge():
     assert wide.passed
     assert wide.results[0].verdict == "good"  # 6 * 0.05 / 4
     assert narrow.results[0].verdict == "bad"  # 6 * 0.05 / 0.4
-
-
-def test_a_tolerance_has_two_ends():
-    with pytest.raises(LimitsError, match="needs two ends"):
-        study(of_pads(readings()), (Limit("pad_scale", 0.8, None),))
 
 
 def test_tolerances_alone_leave_the_usual_limits():

@@ -157,16 +157,3 @@ def test_the_title_has_verdict_and_pads(trace):
     )
     unknown = stop.sheet(replace(trace, pads=(None, None), verdict=""))
     assert unknown.result == "Pad friction front none, rear none (95 %)"
-
-
-def test_each_reason_has_its_spans(trace):
-    ax = axes()
-    time = np.arange(0.0, 10.0, 0.01)
-    late, slow = time > 8.0, time > 9.0
-    stop.validity(ax, replace(trace, time=time, valid=~late, refused={"a": late, "slow": slow}))
-    assert [text.get_text() for text in ax.texts] == [" valid: 80 %", " a: 20 %", " slow: 10 %"]
-    ends = [
-        (bar.get_paths()[0].vertices[:, 0].min(), bar.get_paths()[0].vertices[:, 0].max())
-        for bar in ax.collections
-    ]
-    assert np.allclose(ends, [(0.0, 8.0), (8.0, 10.0), (9.0, 10.0)], atol=0.011)

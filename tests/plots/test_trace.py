@@ -7,10 +7,8 @@ from calib.estimation.estimator import estimate
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle_file import read_vehicle
 from calib.plots.result import read_result
-from calib.plots.trace import from_result, verdict_of
-from calib.validation.limits import Limit
+from calib.plots.trace import from_result
 from calib.validation.results import write_result
-from calib.validation.validate import validate_one
 from tests.plots.conftest import SEDAN, traced
 from tests.support.stored_results import made_result
 
@@ -112,20 +110,6 @@ def test_what_validate_writes_is_what_was_estimated(sedan, transition, trace, tm
         a, b = getattr(found.rear, name), getattr(trace.rear, name)
         assert np.array_equal(a, b, equal_nan=True), name
     assert np.array_equal(found.valid, trace.valid)
-
-
-def test_the_verdict_is_that_of_the_validation(sedan, transition, trace):
-    assert trace.verdict.startswith("passed")
-    strict = (Limit("interval_f", None, 0.01), Limit("valid_share", 0.5, None))
-    failed = validate_one(sedan, transition, None, strict, baselines=False)
-    width = failed.figures["interval_f"]
-    assert verdict_of(failed).startswith(f"failed: interval front {width:.3g}, at most 0.01")
-    assert "valid share" not in verdict_of(failed)
-
-
-def test_a_log_of_the_fit_has_no_verdict(sedan, ramp):
-    result = validate_one(sedan, ramp, None, (), baselines=False)
-    assert verdict_of(result) == "no verdict: the table was fitted on this log"
 
 
 def test_each_sample_is_valid_or_has_a_reason(trace):
