@@ -43,10 +43,35 @@ UNITS = {
     "coarse_wheel_speeds": "1",
     "pressure_computed": "1",
     "pressure_per_g": "bar",
+    "mass": "kg",
+    "cg_height": "m",
+    "track_width": "m",
+    "piston_area_f": "cm^2",
+    "piston_area_r": "cm^2",
+    "effective_radius_f": "mm",
+    "effective_radius_r": "mm",
+    "friction_faces_f": "1",
+    "friction_faces_r": "1",
+    "pad_friction_f": "1",
+    "pad_friction_r": "1",
+    "wheelbase": "m",
+    "static_load_f": "1",
+    "cg_height_ratio": "1",
+    "track_ratio": "1",
+    "wheel_mass_f": "kg",
+    "wheel_mass_r": "kg",
+    "rotating_share": "1",
+    "radius_ratio": "1",
+    "disc_ratio_f": "1",
+    "disc_ratio_r": "1",
+    "brake_share_f": "1",
+    "front_biased_up_to": "1",
+    "lock_efficiency": "1",
 }
 """The codes with the unit of what they measure, first those of a fit or an estimate, then those of
-a log by itself; 1 of a code that measures nothing else says that it is so. A metric past its limit
-has its own name as code, and is a number without unit."""
+a log by itself, then those of a vehicle file, whose ``log`` is the name of the vehicle; 1 of a code
+that measures nothing else says that it is so. A metric past its limit has its own name as code, and
+is a number without unit."""
 
 
 @dataclass(frozen=True)

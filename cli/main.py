@@ -28,6 +28,7 @@ from cli import (
     station,
     tables,
     validate,
+    vehicles,
     watch,
 )
 from cli.console import complain
@@ -78,6 +79,7 @@ app.command(epilog=batch.EPILOG)(batch.batch)
 app.command(epilog=watch.EPILOG)(watch.watch)
 app.command(epilog=demo.EPILOG)(demo.demo)
 app.command(epilog=qualify.EPILOG)(qualify.qualify)
+app.add_typer(vehicles.app, name="vehicle")
 app.add_typer(maps.app, name="map")
 app.add_typer(tables.app, name="tables")
 app.add_typer(fleet.app, name="fleet")

@@ -85,6 +85,12 @@ def _summary() -> "type[Section]":
     return SummaryFile
 
 
+def _vehicle_facts() -> "type[Section]":
+    from calib.vehicles.facts_file import VehicleFactsFile
+
+    return VehicleFactsFile
+
+
 def _settings() -> "type[Section]":
     from calib.settings_file import SettingsFile
 
@@ -99,5 +105,6 @@ SCHEMAS: "dict[str, tuple[str, Callable[[], type[Section]]]]" = {
     "settings": ("brake-cal.toml: what options say that are not given", _settings),
     "table": ("record.json: a stored table without its curves", _table),
     "summary": ("summary.json of a validation, as far as an export reads it", _summary),
+    "vehicle-facts": ("what `vehicle show --json` prints of a vehicle file", _vehicle_facts),
 }
 """Kinds of files: their content and their schema."""

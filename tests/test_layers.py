@@ -17,7 +17,7 @@ ROOMS = """
     signing
     statistics
     physics
-    logs
+    vehicles logs
     signals
     checks
     suggest

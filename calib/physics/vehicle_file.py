@@ -9,7 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, create_model, model_validator
 
 from calib.errors import VehicleError
 from calib.files import write_whole
@@ -117,6 +117,20 @@ def read_vehicle(path: Path | str) -> Vehicle:
         rear=Axle(**dict(file.rear)),
         effects=Effects(file.effects),
     )
+
+
+def refuse_value(section: str, key: str, written: str) -> None:
+    """Raise VehicleError for a value that a key cannot have; ``section`` is "" for the name."""
+    kind: type[Section] = VehicleFile
+    if section:
+        kind = ChassisSection if section == "chassis" else AxleSection
+    field = kind.model_fields[key]
+    definition: dict[str, Any] = {key: (Annotated[field.annotation, *field.metadata], ...)}
+    alone = create_model(key, __base__=Section, **definition)
+    try:
+        validated({key: written}, alone, None, VehicleError)
+    except VehicleError as error:  # without the key: the question names it
+        raise VehicleError(error.what, expected=error.expected) from error
 
 
 def write_vehicle(vehicle: Vehicle, path: Path) -> None:

@@ -12,7 +12,8 @@ SAMPLES = ROOT / "sample_logs"
 VEHICLES = sorted(SAMPLES.rglob("vehicle*.toml"))
 MAPS = sorted((SAMPLES / "real").glob("*.toml"))
 RECORDS = sorted((ROOT / "tables").rglob("record.json"))
-KINDS = ("vehicle", "model", "limits", "channel-map", "settings", "table", "summary")
+KINDS = ("vehicle", "model", "limits", "channel-map", "settings", "table", "summary",
+         "vehicle-facts")  # fmt: skip
 MODEL = """
 schema = 1
 [pads]

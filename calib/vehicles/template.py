@@ -1,0 +1,80 @@
+"""A vehicle file with a comment on every key, ready to be edited.
+
+# mass M_v of the car as driven ...
+# measure: weigh it ready to drive ...
+# usual: 700 to 4500 kg
+mass = "1744 kg"
+"""
+
+import textwrap
+from collections.abc import Iterator, Mapping
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from calib.vehicles.keys import KEYS, Key
+
+if TYPE_CHECKING:
+    from tomlkit import TOMLDocument
+    from tomlkit.items import Table
+
+WIDTH = 96
+"""Longest comment [characters]."""
+
+HEAD = """\
+A vehicle for brake-cal. Values of an axle are for one wheel; quantities have a unit, in quotes.
+Judge it with `brake-cal vehicle check`, see what follows from it with `brake-cal vehicle show`."""
+
+
+def vehicle_text(values: Mapping[str, str]) -> str:
+    """The file with ``values`` by path of the key, as written: "1744 kg" or "2".
+
+    A key without a value is a comment if it is optional. Raises KeyError for another one.
+    """
+    import tomlkit
+
+    document = tomlkit.document()
+    for line in HEAD.splitlines():
+        document.add(tomlkit.comment(line))
+    document.add("schema", 1)
+    for section, keys in groupby(KEYS, lambda key: key.section):
+        if section:
+            table = tomlkit.table()
+            _fill(table, list(keys), values)
+            document.add(tomlkit.nl())
+            document.add(section, table)
+        else:
+            document.add(tomlkit.nl())
+            _fill(document, list(keys), values)
+    return tomlkit.dumps(document)
+
+
+def _fill(part: "TOMLDocument | Table", keys: list[Key], values: Mapping[str, str]) -> None:
+    import tomlkit
+
+    for i, key in enumerate(keys):
+        if i:
+            part.add(tomlkit.nl())
+        for line in _comments(key):
+            part.add(tomlkit.comment(line))
+        if key.path in values or not key.optional:
+            part.add(key.name, _written(key, values[key.path]))
+        else:
+            part.add(tomlkit.comment(f"{key.name} = {key.example}"))
+
+
+def _comments(key: Key) -> Iterator[str]:
+    yield from textwrap.wrap(key.meaning, WIDTH)
+    yield from textwrap.wrap(f"measure: {key.measure}" if key.unit else key.measure, WIDTH)
+    if key.usual:
+        yield f"usual: {key.usual}"
+
+
+def _written(key: Key, value: str) -> str | int | float:
+    """A number without quotes where the key is one, as a person writes it."""
+    if key.unit != "1":
+        return value
+    try:
+        number = float(value)
+    except ValueError:  # a percentage
+        return value
+    return int(number) if number == int(number) else number

@@ -1,0 +1,107 @@
+"""`brake-cal vehicle init`: a vehicle file with a comment on every key."""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit_json, say, warn
+from cli.options import Json, example
+from cli.outputs import writing
+
+if TYPE_CHECKING:
+    from calib.vehicles.keys import Key
+
+EPILOG = example("brake-cal vehicle init", "brake-cal vehicle init car.toml --from sedan")
+SEDAN = "sedan"
+"""Name of the reference vehicle, the only one that can be written."""
+
+
+def init(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Vehicle file to write.")] = Path(
+        "vehicle.toml"
+    ),
+    start: Annotated[
+        str | None,
+        typer.Option("--from", metavar="NAME", help="Ask nothing: write the reference car, sedan."),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    json: Json = False,
+) -> None:
+    """Write a vehicle file with unit, meaning and usual range of every key.
+
+    In a terminal it asks for each value; Enter takes the one in brackets, that of the reference
+    car. A number without a unit has the unit of the question. Ctrl+C ends it without a file.
+    """
+    from calib.files import write_whole
+    from calib.physics.vehicle_file import read_vehicle
+    from calib.vehicles.keys import REFERENCE
+    from calib.vehicles.plausible import plausible
+    from calib.vehicles.template import vehicle_text
+
+    _check_usage(file, start, force)
+    text = vehicle_text(_asked() if start is None else REFERENCE)
+    with writing(file):
+        write_whole(file, text.encode())
+    say(f"wrote {file}")
+    warnings = plausible(read_vehicle(file))  # two answers may contradict each other
+    warn(warnings)
+    if json:
+        from calib.warning import to_dict
+
+        emit_json({"schema": 1, "out": file, "warnings": [to_dict(one) for one in warnings]})
+    say(f"next: edit it, then `brake-cal vehicle check {file}`")
+
+
+def _check_usage(file: Path, start: str | None, force: bool) -> None:
+    if file.is_dir():
+        raise typer.BadParameter(f"{file} is a directory", param_hint="FILE")
+    if not file.absolute().parent.is_dir():
+        raise typer.BadParameter(f"no directory {file.parent}", param_hint="FILE")
+    if file.exists() and not force:
+        raise typer.BadParameter(f"{file} exists; --force replaces it", param_hint="FILE")
+    if start is not None and start != SEDAN:
+        raise typer.BadParameter(f"unknown vehicle {start!r}; known: {SEDAN}", param_hint="--from")
+    if start is None and not can_ask():
+        raise typer.BadParameter(
+            f"without a terminal nothing can be asked; --from {SEDAN} writes a file to edit",
+            param_hint="--from",
+        )
+
+
+def can_ask() -> bool:
+    """Whether somebody sits at a terminal."""
+    return sys.stdin.isatty()
+
+
+def _asked() -> Mapping[str, str]:
+    """The value of every key, as it will stand in the file."""
+    from calib.vehicles.keys import KEYS
+
+    say("Enter takes the value in brackets, that of the reference car; Ctrl+C ends without a file")
+    values: dict[str, str] = {}
+    section = ""
+    for number, key in enumerate(KEYS, start=1):
+        if key.section != section:
+            section = key.section
+            say(f"\n[{section}]" + ("" if section == "chassis" else ": values of one wheel"))
+        say(f"\n{number}/{len(KEYS)}  {key.name}: {key.meaning}")
+        say(f"       how: {key.measure}" + (f"; usual: {key.usual}" if key.usual else ""))
+        values[key.path] = _one(key, values)
+    return values
+
+
+def _one(key: "Key", before: Mapping[str, str]) -> str:
+    """One answer; what cannot be used is asked again."""
+    from calib.errors import VehicleError
+    from calib.vehicles.answer import answered, default_of
+
+    label = f"{key.name} in {key.unit}" if key.unit not in ("", "1") else key.name
+    while True:
+        typed = typer.prompt(label, default=default_of(key, before), err=True)
+        try:
+            return answered(key, typed)
+        except VehicleError as error:
+            say(f"  {error}")

@@ -1,0 +1,126 @@
+"""`brake-cal vehicle` as the shell runs it."""
+
+import json
+from pathlib import Path
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from calib.physics.vehicle_file import read_vehicle
+from cli import vehicle_init
+
+SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
+
+
+@pytest.fixture
+def car(tmp_path):
+    """A copy of the reference file with texts replaced."""
+
+    def made(**changes):
+        file, text = tmp_path / "car.toml", SEDAN.read_text()
+        for old, new in changes.values():
+            assert old in text
+            text = text.replace(old, new, 1)
+        file.write_text(text)
+        return file
+
+    return made
+
+
+def test_the_reference_car_is_written_and_never_replaced_silently(brake_cal, tmp_path):
+    file = tmp_path / "new.toml"
+    assert brake_cal("vehicle", "init", file, "--from", "sedan").code == 0
+    assert read_vehicle(file) == read_vehicle(SEDAN)
+    file.write_text("mine")
+    ran = brake_cal("vehicle", "init", file, "--from", "sedan")
+    assert (ran.code, file.read_text()) == (2, "mine")
+    assert "exists; --force replaces it" in ran.err
+    assert brake_cal("vehicle", "init", file, "--from", "sedan", "--force", "--json").code == 0
+    assert read_vehicle(file) == read_vehicle(SEDAN)
+
+
+def test_without_a_terminal_it_says_what_to_give(brake_cal, tmp_path):
+    ran = brake_cal("vehicle", "init", tmp_path / "x.toml")
+    assert ran.code == 2
+    assert "without a terminal" in ran.err
+    assert "--from sedan" in ran.err
+    assert list(tmp_path.iterdir()) == []
+    assert "known: sedan" in brake_cal("vehicle", "init", "--from", "sedna").err
+
+
+def test_it_asks_again_after_nonsense(brake_cal, tmp_path, monkeypatch):
+    typed = iter(["my-car", "heavy", "1800 g", "1650", *[None] * 40])
+    asked = []
+
+    def prompt(label, default, err):
+        asked.append(label)
+        answer = next(typed)
+        return default if answer is None else answer
+
+    monkeypatch.setattr(vehicle_init, "can_ask", lambda: True)
+    monkeypatch.setattr(vehicle_init.typer, "prompt", prompt)
+    file = tmp_path / "asked.toml"
+    ran = brake_cal("vehicle", "init", file)
+    assert ran.code == 0
+    assert asked[:5] == ["name", *["mass in kg"] * 3, "cg_to_front_axle in m"]
+    assert ran.err.count("usual: 700 to 4500 kg") == 3  # the question and two refusals
+    vehicle = read_vehicle(file)
+    assert (vehicle.name, vehicle.mass) == ("my-car", 1650.0)
+
+
+def test_a_good_file_is_plausible(brake_cal, document):
+    ran = brake_cal("vehicle", "check", SEDAN)
+    assert (ran.code, ran.err) == (0, "")
+    assert "plausible" in ran.out
+    found = document(brake_cal("vehicle", "check", SEDAN, "--json"))
+    assert found["vehicles"][0]["plausible"]
+
+
+def test_all_mistakes_of_a_file_are_told_at_once(brake_cal, car):
+    file = car(
+        mass=('"1744 kg"', "1744"), key=("cg_height", "cg_heigth"),
+        unit=('"28.84 cm^2"', '"28.84 mm"'), size=('"130.9 mm"', '"130.9 m"'),
+    )  # fmt: skip
+    ran = brake_cal("vehicle", "check", file)
+    assert ran.code == 3
+    for text in ("4 errors", "chassis.mass: 1744", "did you mean 'cg_height'?", "front.piston_area",
+                 "front.effective_radius"):  # fmt: skip
+        assert text in ran.err
+
+
+def test_an_implausible_file_ends_with_1_and_names_the_causes(brake_cal, car):
+    file = car(f=("friction_faces = 2", "friction_faces = 1"))
+    ran = brake_cal("vehicle", "check", file)
+    assert ran.code == 1
+    assert "friction_faces_f is 1, expected 2 to 4" in ran.err
+    assert "not plausible" in ran.out
+    both = brake_cal("vehicle", "check", file, SEDAN, file.with_name("no.toml"), "--json")
+    found = json.loads(both.out)
+    assert both.code == 3
+    assert [v["plausible"] for v in found["vehicles"]] == [False, True]
+    assert "no such file" in found["unreadable"][0]["error"]
+    assert found["vehicles"][0]["warnings"][0]["log"] == "sedan-2up"
+
+
+def test_show_prints_the_figures_in_the_units_of_users(brake_cal):
+    out = brake_cal("vehicle", "show", SEDAN).out
+    for text in (
+        "69.9 bar per g",
+        "2805 mm",
+        "72.9 % front",
+        "front up to 0.64 g",
+        "1026",
+        "28.69",
+    ):
+        assert text in out
+
+
+def test_show_prints_a_document_of_its_schema_and_draws(brake_cal, document, tmp_path):
+    found = document(brake_cal("vehicle", "show", SEDAN, "--json"))
+    schema = json.loads(brake_cal("schema", "vehicle-facts").out)
+    Draft202012Validator(schema).validate(found)
+    assert found["facts"]["pressure_per_g"] == pytest.approx(69.93, abs=0.01)
+    picture = tmp_path / "brakes.png"
+    assert brake_cal("vehicle", "show", SEDAN, "--plot", picture).code == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert brake_cal("vehicle", "show", SEDAN, "--plot", "x.jpg").code == 2
