@@ -32,7 +32,11 @@ class Mapping:
 
     def to_si(self, written: Array, unit: str, si: str) -> Array:
         """Values in SI, shape (n,), from the values in the file. Raises UnknownUnit."""
-        return to_si(self.sign * (self.scale * written + self.offset), unit, si)
+        return to_si(self.written(written), unit, si)
+
+    def written(self, written: Array) -> Array:
+        """Values in the unit of the mapping, shape (n,), from the values in the file."""
+        return self.sign * (self.scale * written + self.offset)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from calib.logs.channel_map import ChannelMap
 from calib.logs.gaps import Gap, fill_rows
 from calib.logs.kind import refuse_other_kind
 from calib.logs.log import Array, Log, Origin
-from calib.logs.recording import ChannelTrace
+from calib.logs.recording import ChannelTrace, Recording
 from calib.logs.recordings import RECORDINGS, as_source
 from calib.logs.resample import Wanted, on_one_clock
 from calib.logs.source import ColumnSource
@@ -47,10 +47,17 @@ def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
     if ending_of(path) not in RECORDINGS:
         return _open_table(log_bytes(path), path, channel_map)
     refuse_no_log(path)
-    _refuse_other_kind(path, path)
-    digest = _digest(path)
+    digest = recording_digest(path)
+    return Opened(as_source(opened_recording(path, channel_map), str(path)), digest)
+
+
+def opened_recording(
+    path: Path, channel_map: ChannelMap | None = None, where: object = None
+) -> Recording:
+    """Open a log with several sample rates; the caller closes it. Else like `open_log`."""
+    _refuse_other_kind(path, path if where is None else where)
     dbc = channel_map.databases if channel_map else Databases()
-    return Opened(as_source(RECORDINGS[ending_of(path)](path, dbc), str(path)), digest)
+    return RECORDINGS[ending_of(path)](path, dbc)
 
 
 def _open_table(data: bytes, path: Path, channel_map: ChannelMap | None) -> Opened:
@@ -69,7 +76,8 @@ def _refuse_other_kind(file: Path, where: object) -> None:
     refuse_other_kind(head, ending_of(file), where)
 
 
-def _digest(path: Path) -> str:
+def recording_digest(path: Path) -> str:
+    """SHA-256 of the bytes of a log with several sample rates. Raises LogError."""
     try:
         with open_bounded(path, RECORDING) as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -110,7 +118,7 @@ def read_log(
     mapped = _as_map(channel_map)
     if ending_of(path) not in RECORDINGS:
         return read_opened(open_log(path, mapped), path, mapped, require=require)
-    return _recorded(path, _digest(path), path, mapped, require)
+    return _recorded(path, recording_digest(path), path, mapped, require)
 
 
 def read_opened(
@@ -213,15 +221,10 @@ def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:
 def _read_recording(
     file: Path, digest: str, where: str, channel_map: ChannelMap | None, require: tuple[str, ...]
 ) -> _Taken:
-    _refuse_other_kind(file, where)
-    opened = RECORDINGS[ending_of(file)](
-        file, channel_map.databases if channel_map else Databases()
-    )
+    opened = opened_recording(file, channel_map, where)
     try:
         taken, ignored = assign(opened.columns, channel_map, require, where)
-        clock = next(item for item in taken if item.channel == "time")
-        if clock.index != 0:
-            raise _own_clock(clock, channel_map)
+        clock = recorded_clock(taken, channel_map)
         others = [item for item in taken if item is not clock]
         if not others:
             raise _nothing_taken(ignored, opened.notes, where)
@@ -235,8 +238,12 @@ def _read_recording(
     return _Taken(digest, values, _origins(taken), ignored, notes, resampled.bridged)
 
 
-def _own_clock(clock: Assigned, channel_map: ChannelMap | None) -> ChannelMapError:
-    return ChannelMapError(
+def recorded_clock(taken: list[Assigned], channel_map: ChannelMap | None) -> Assigned:
+    """The time of a recording, which is its first column. Raises ChannelMapError if mapped."""
+    clock = next(item for item in taken if item.channel == "time")
+    if clock.index == 0:
+        return clock
+    raise ChannelMapError(
         f"time is mapped to {clock.mapping.source!r}, but each channel of this log has its own",
         where=channel_map.where if channel_map else None,
         expected="no entry for time",

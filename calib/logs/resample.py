@@ -194,13 +194,25 @@ def _master(full: list[Wanted], rates: dict[str, float]) -> Wanted:
     return max(alike, key=carried)
 
 
+def at_times(wanted: Sequence[Wanted], time: Array, where: str) -> list[Array]:
+    """Values of channels at other times [s], (n,) each, as `on_one_clock` takes them.
+
+    Raises LogError for timestamps that are not in order.
+    """
+    return [_on(w, time).values for w in _clean(wanted, where)[0]]
+
+
 def _at(w: Wanted, master: Wanted, inside: NDArray[np.bool_]) -> Filled:
     """Values of a channel at the times of the clock."""
-    t, x, at = w.trace.time, w.trace.values, master.trace.time[inside]
+    if w.trace.time.size > 1 and _same(w, master):
+        return Filled(w.trace.values[inside])
+    return _on(w, master.trace.time[inside])
+
+
+def _on(w: Wanted, at: Array) -> Filled:
+    t, x = w.trace.time, w.trace.values
     if t.size < 2:
         return Filled(np.full(at.size, np.nan))
-    if _same(w, master):
-        return Filled(x[inside])
     return Filled(_held(t, x, at)) if w.hold else fill(w.name, t, x, at)
 
 

@@ -93,7 +93,12 @@ def check_clock(time: Array, where: str) -> None:
     """Check ``time`` [s], shape (n,): increasing, enough samples. Raises LogError."""
     if time.size < MIN_SAMPLES:
         raise LogError(f"only {time.size} samples", where=where, expected=f"at least {MIN_SAMPLES}")
-    wrong = np.flatnonzero(np.diff(time) <= 0)
+    check_increasing(time, where)
+
+
+def check_increasing(time: Array, where: str) -> None:
+    """Check that ``time`` [s], shape (n,), is strictly increasing. Raises LogError."""
+    wrong = np.flatnonzero(~(np.diff(time) > 0))
     if wrong.size == 0:
         return
     row = int(wrong[0]) + 1

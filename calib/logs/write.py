@@ -1,7 +1,7 @@
 """Write a log in canonical names and units, as CSV or Parquet."""
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -53,22 +53,25 @@ def write_parquet(log: Log, path: Path) -> None:
     The log read back is equal to rounding error. Checksums show damage to the reader.
     Raises as `write_csv`.
     """
+    write_whole(Path(path), parquet_bytes(_columns(log)))
+
+
+def parquet_bytes(columns: Iterable[tuple[str, str | None, Array]]) -> bytes:
+    """A Parquet file from name, unit and values of each column; null where a value is NaN."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    columns = list(_columns(log))
-    fields = [
-        pa.field(name, pa.float64(), metadata={UNIT_KEY: unit.encode()})
-        for name, unit, _ in columns
-    ]
-    table = pa.Table.from_arrays(
-        [pa.array(values) for _, _, values in columns], schema=pa.schema(fields)
-    )
+    fields, arrays = [], []
+    for name, unit, values in columns:
+        metadata = {UNIT_KEY: unit.encode()} if unit else None
+        fields.append(pa.field(name, pa.float64(), metadata=metadata))
+        arrays.append(pa.array(values, from_pandas=True))
+    table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
     buffer = pa.BufferOutputStream()
     pq.write_table(
         table, buffer, compression="zstd", use_dictionary=False, write_page_checksum=True
     )
-    write_whole(Path(path), buffer.getvalue().to_pybytes())
+    return bytes(buffer.getvalue().to_pybytes())
 
 
 def _columns(log: Log) -> Iterator[tuple[str, str, Array]]:

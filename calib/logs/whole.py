@@ -1,0 +1,233 @@
+"""Every column of a log as written, on one clock: to be looked at, cut or converted.
+
+`calib.logs.read` takes the channels that the program knows, in SI. Here nothing is left out and no
+unit is changed: a column of the map has its canonical name, and the unit that the map gives it.
+"""
+
+from collections.abc import Collection, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from calib.errors import LogError
+from calib.logs.assign import MAP_IT, Assigned, assign
+from calib.logs.channel_map import ChannelMap
+from calib.logs.log import Array, Log
+from calib.logs.read import (
+    open_log,
+    opened_recording,
+    recorded_clock,
+    recording_digest,
+    refuse_no_log,
+)
+from calib.logs.recording import ChannelTrace, Recording
+from calib.logs.recordings import RECORDINGS
+from calib.logs.resample import Wanted, at_times, on_one_clock
+from calib.logs.source import Column, ColumnSource
+from calib.logs.tables import ending_of, stem_of
+from calib.logs.verify import check_increasing
+from calib.names import CHANNELS
+from calib.units import to_si
+
+TIME = "time"
+
+
+@dataclass(frozen=True)
+class WholeColumn:
+    """A column: ``values`` (n,) in ``unit``, NaN where there is none; ``unit`` None if not known.
+
+    ``rate`` [Hz] at which it was recorded, where that is not the rate of the rows.
+    """
+
+    name: str
+    unit: str | None
+    values: Array
+    rate: float | None = None
+
+    @property
+    def canonical(self) -> bool:
+        """Whether it is a channel that the program knows."""
+        return self.name in CHANNELS
+
+
+@dataclass(frozen=True)
+class WholeLog:
+    """All columns of a log that hold numbers, of equal length; ``notes`` on what was changed."""
+
+    name: str
+    source: str
+    digest: str
+    columns: tuple[WholeColumn, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def time(self) -> Array:
+        """The log's own clock [s], increasing. Raises LogError if it has none, or a broken one."""
+        for column in self.columns:
+            if column.name == TIME and column.unit:
+                time = to_si(column.values, column.unit, "s")
+                check_increasing(time, self.source)
+                return time
+        raise LogError("no channel time with a unit", where=self.source, do=MAP_IT)
+
+    def rows(self, first: int, end: int) -> "WholeLog":
+        """The rows from ``first`` to before ``end``."""
+        part = (replace(c, values=c.values[first:end]) for c in self.columns)
+        return replace(self, columns=tuple(part))
+
+    def only(self, names: Collection[str]) -> "WholeLog":
+        """The clock and the columns of these names."""
+        part = (c for c in self.columns if c.name in names or c.name == TIME)
+        return replace(self, columns=tuple(part))
+
+
+def read_whole(
+    path: Path, channel_map: ChannelMap | None = None, keep_names: bool = False
+) -> WholeLog:
+    """Read every column of a log.
+
+    Parameters
+    ----------
+    path : the log; its ending gives the format.
+    channel_map : names and units of foreign columns.
+    keep_names : leave names and values as they are in the file; only the text format and the DBC
+        files of ``channel_map`` are used.
+
+    Returns
+    -------
+    The columns; of a log with several sample rates on the clock that `read_log` takes. Raises
+    LogError for a file that is not a log, ChannelMapError for a map that does not fit.
+    """
+    path = Path(path)
+    refuse_no_log(path)
+    if ending_of(path) in RECORDINGS:
+        return _recorded(path, channel_map, keep_names)
+    opened = open_log(path, channel_map)
+    taken = {} if keep_names else _assigned(opened.source.columns, channel_map, str(path))
+    values, notes = _numbers(opened.source)
+    if not keep_names:
+        values, notes = _not_ignored(opened.source, channel_map, values, notes)
+    return _whole(path, opened.digest, opened.source, taken, values, notes)
+
+
+def _assigned(
+    columns: tuple[Column, ...], channel_map: ChannelMap | None, where: str
+) -> dict[int, Assigned]:
+    return {item.index: item for item in assign(columns, channel_map, (), where)[0]}
+
+
+def _numbers(source: ColumnSource) -> tuple[dict[int, Array], list[str]]:
+    """Values of every column that holds numbers, and a note on the others."""
+    every = range(len(source.columns))
+    with suppress(LogError):
+        return dict(zip(every, source.read(list(every)), strict=True)), []
+    values, notes = {}, []
+    for index in every:
+        try:
+            values[index] = source.read([index])[0]
+        except LogError as error:
+            notes.append(f"{_full(source.columns[index])} was left out: {error.what}")
+    return values, notes
+
+
+def _not_ignored(
+    source: ColumnSource, channel_map: ChannelMap | None, values: dict[int, Array], notes: list[str]
+) -> tuple[dict[int, Array], list[str]]:
+    """Without the columns that the map ignores: under their own names they would be channels."""
+    ignored = {i for i in values if channel_map and source.columns[i].name in channel_map.ignore}
+    told = [f"{_full(source.columns[i])} was left out: the map ignores it" for i in sorted(ignored)]
+    return {i: v for i, v in values.items() if i not in ignored}, [*notes, *told]
+
+
+def _recorded(path: Path, channel_map: ChannelMap | None, keep_names: bool) -> WholeLog:
+    digest, opened = recording_digest(path), opened_recording(path, channel_map)
+    try:
+        taken = {} if keep_names else _assigned(opened.columns, channel_map, str(path))
+        if taken:
+            recorded_clock(list(taken.values()), channel_map)
+        traces, notes = _traces(opened)
+    finally:
+        opened.close()
+    wanted = {i: _wanted(i, trace, opened.columns, taken) for i, trace in traces.items()}
+    clocked = [i for i in wanted if i in taken] or list(wanted)
+    found = on_one_clock([wanted[i] for i in clocked], str(path))
+    values = {0: found.time, **dict(zip(clocked, found.values, strict=True))}
+    others = [i for i in wanted if i not in values]
+    values |= zip(others, at_times([wanted[i] for i in others], found.time, str(path)), strict=True)
+    rates = {i: found.rates[w.name] for i, w in wanted.items() if w.name in found.rates}
+    source = ColumnSource(opened.columns, lambda _: [], (*opened.notes, *found.notes), rates)
+    if not keep_names:
+        values, notes = _not_ignored(source, channel_map, values, notes)
+    return _whole(path, digest, source, taken, values, notes)
+
+
+def _traces(opened: Recording) -> tuple[dict[int, ChannelTrace], list[str]]:
+    traces, notes = {}, []
+    for index in range(1, len(opened.columns)):
+        try:
+            traces[index] = opened.read([index])[0]
+        except LogError as error:
+            notes.append(f"{_full(opened.columns[index])} was left out: {error.what}")
+    return traces, notes
+
+
+def _wanted(
+    index: int, trace: ChannelTrace, columns: Sequence[Column], taken: dict[int, Assigned]
+) -> Wanted:
+    item = taken.get(index)
+    if item is None:
+        return Wanted(_full(columns[index]), trace, trace.state)
+    method = item.mapping.method
+    return Wanted(item.channel, trace, trace.state if method is None else method == "hold")
+
+
+def _whole(
+    path: Path,
+    digest: str,
+    source: ColumnSource,
+    taken: dict[int, Assigned],
+    values: dict[int, Array],
+    notes: Sequence[str],
+) -> WholeLog:
+    columns: list[WholeColumn] = []
+    names = {item.channel for item in taken.values()}
+    for index in sorted(values):
+        item, column = taken.get(index), source.columns[index]
+        if item is not None:
+            found = WholeColumn(item.channel, item.unit, item.mapping.written(values[index]))
+        else:
+            name = _unused(column, names)
+            found = WholeColumn(name, column.unit, values[index])
+        names.add(found.name)
+        columns.append(replace(found, rate=source.rates.get(index)))
+    every = (*source.notes, *notes)
+    return WholeLog(stem_of(path), str(path), digest, tuple(columns), every)
+
+
+def _full(column: Column) -> str:
+    return column.full or column.name
+
+
+def _unused(column: Column, names: set[str]) -> str:
+    """The name of a column; with its group or a number where another one has that name."""
+    if column.name not in names:
+        return column.name
+    name, number = _full(column), 1
+    while name in names:
+        number += 1
+        name = f"{_full(column)}#{number}"
+    return name
+
+
+def channels_log(log: WholeLog) -> Log:
+    """The canonical channels in SI, without those that have no value in some row.
+
+    Raises LogError without a valid clock.
+    """
+    channels = {}
+    for column in log.columns:
+        if column.canonical and column.unit and np.isfinite(column.values).all():
+            channels[column.name] = to_si(column.values, column.unit, CHANNELS[column.name].si)
+    return Log(log.name, log.source, log.digest, channels | {TIME: log.time})

@@ -1,0 +1,63 @@
+"""`brake-cal log cut`: a part of a log, by the seconds of its own clock."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cli.console import emit, emit_json, say
+from cli.inputs import channel_map_of
+from cli.log_convert import KeepNames, check_file
+from cli.options import Json, Map, example, out_file
+from cli.outputs import writing
+
+EPILOG = example(
+    "brake-cal log cut sample_logs/sedan/dry_asphalt_stop.csv --from 0.5 --to 4 --out cut.csv"
+)
+
+
+def cut(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="log to cut")],
+    out: Annotated[Path, out_file("File to write: .csv, .parquet or .mf4.")],
+    start: Annotated[
+        float | None, typer.Option("--from", metavar="S", help="First time [s]; else the start.")
+    ] = None,
+    end: Annotated[
+        float | None, typer.Option("--to", metavar="S", help="Last time [s]; else the end.")
+    ] = None,
+    keep_names: KeepNames = False,
+    channel_map: Map = None,
+    json: Json = False,
+) -> None:
+    """Write the part of a LOG between two times, in seconds of the log's own clock.
+
+    All columns, units and times are kept, also columns that the program does not know. Columns of
+    a --map get their canonical names, unless --keep-names.
+    """
+    from calib.logs.convert import write_log
+    from calib.logs.cut import cut as cut_log
+    from calib.logs.verify import MIN_SAMPLES
+    from calib.logs.whole import read_whole
+
+    check_file(out, [log], channel_map)
+    if start is None and end is None:
+        raise typer.BadParameter("give --from, --to or both", param_hint="--from")
+    if start is not None and end is not None and start >= end:
+        raise typer.BadParameter(f"{start:g} s is not before {end:g} s", param_hint="--from")
+    whole = read_whole(log, channel_map_of(channel_map), keep_names)
+    part = cut_log(whole, start, end)
+    with writing(out):
+        write_log(part, out)
+    time, every = part.time, whole.time
+    if json:
+        emit_json({"schema": 1, "log": log, "out": out, "rows": time.size, "start": time[0],
+                   "end": time[-1], "of": every.size, "notes": part.notes})  # fmt: skip
+    else:
+        emit(
+            f"{out}: {time.size} of {every.size} rows, {time[0]:g} to {time[-1]:g} s of "
+            f"{every[0]:g} to {every[-1]:g} s, {len(part.columns)} columns"
+        )
+    for note in part.notes:
+        say(f"note: {note}")
+    if time.size < MIN_SAMPLES:
+        say(f"note: other commands need {MIN_SAMPLES} rows")

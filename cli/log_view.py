@@ -1,0 +1,137 @@
+"""`brake-cal log view`: every column of a log, and the events of the run."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, say
+from cli.grid import grid
+from cli.inputs import channel_map_of
+from cli.options import Json, Map, example, out_file
+from cli.outputs import refuse_folder, refuse_overwriting, writing
+
+if TYPE_CHECKING:
+    from calib.checks.events import RunEvent
+    from calib.logs.inventory import Inventory
+    from calib.logs.whole import WholeLog
+
+EPILOG = example(
+    "brake-cal log view sample_logs/sedan/ramp_wet_asphalt.csv",
+    "brake-cal log view sample_logs/sedan/ramp_wet_asphalt.csv --out ramp.html",
+)
+ENDINGS = (".png", ".svg", ".pdf", ".html")
+
+
+def view(
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="logs to look at")],
+    out: Annotated[
+        Path | None, out_file("Draw one log: .png, .svg, .pdf, or a page .html.")
+    ] = None,
+    channel: Annotated[
+        list[str] | None,
+        typer.Option("--channel", metavar="NAME", help="Only this column; may be repeated."),
+    ] = None,
+    channel_map: Map = None,
+    json: Json = False,
+) -> None:
+    """Show every column of logs with unit, range, rate and gaps, and the events of the run.
+
+    Columns of a --map have their canonical names; all others are shown as they are. Nothing is
+    filtered or zeroed. --out draws all columns over one time axis, with the events marked.
+    """
+    _check_out(out, logs, channel_map)
+    mapping = channel_map_of(channel_map)
+    found = []
+    from calib.checks.events import run_events
+    from calib.logs.inventory import inventory
+    from calib.logs.whole import channels_log, read_whole
+
+    for path in logs:
+        whole = read_whole(path, mapping)
+        events = run_events(channels_log(whole))
+        shown = _chosen(whole, channel or [])
+        found.append((shown, inventory(shown), events))
+    if out is not None:
+        _draw(*found[0], out)
+    if json:
+        emit_json({"schema": 1, "out": out, "logs": [_document(*one) for one in found]})
+        return
+    for one in found:
+        _report(*one)
+
+
+def _check_out(out: Path | None, logs: list[Path], channel_map: Path | None) -> None:
+    if out is None:
+        return
+    if out.suffix.lower() not in ENDINGS:
+        raise typer.BadParameter(f"must end in {', '.join(ENDINGS)}", param_hint="--out")
+    if len(logs) > 1:
+        raise typer.BadParameter("one log can be drawn at a time", param_hint="--out")
+    refuse_folder(out)
+    refuse_overwriting([out], logs, [channel_map])
+
+
+def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
+    from calib.toml import did_you_mean
+
+    have = [column.name for column in log.columns]
+    for name in names:
+        if name not in have:
+            hint = did_you_mean(name, have) or f"it has {', '.join(have)}"
+            raise typer.BadParameter(f"no column {name!r}; {hint}", param_hint="--channel")
+    return log.only(names) if names else log
+
+
+def _draw(
+    log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
+) -> None:
+    from calib.files import write_whole
+    from calib.plots.channels import MOST, figure, panels_of
+    from calib.plots.save import render
+    from calib.reports.log import log_html
+
+    count = len(panels_of(log))
+    if not 0 < count <= MOST:
+        raise typer.BadParameter(
+            f"{count} panels; 1 to {MOST} can be drawn: choose columns", param_hint="--channel"
+        )
+    page = out.suffix.lower() == ".html"
+    drawn = render(figure(log, events), ".png" if page else out.suffix.lower())
+    content = log_html(log, columns, events, drawn).encode() if page else drawn
+    with writing(out):
+        write_whole(out, content)
+    say(f"wrote {out}")
+
+
+def _report(
+    log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]"
+) -> None:
+    from calib.reports.log import HEADS, cells, event_cells
+
+    time = log.time
+    emit(f"{log.source}: {time.size} rows, {time[0]:g} to {time[-1]:g} s")
+    rows = grid(*HEADS, right=HEADS[2:6], fold=True)
+    for column in columns:
+        rows.add_row(*cells(column))
+    emit(rows)
+    for kind, when, _ in map(event_cells, events):
+        emit(f"{kind:<10} {when}")
+    for note in log.notes:
+        emit(f"note: {note}")
+
+
+def _document(
+    log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]"
+) -> dict[str, object]:
+    return {
+        "log": log.name,
+        "source": log.source,
+        "digest": log.digest,
+        "rows": log.time.size,
+        "start": log.time[0],
+        "end": log.time[-1],
+        "columns": columns,
+        "events": events,
+        "notes": log.notes,
+    }

@@ -1,0 +1,128 @@
+"""Every column of a log, named and valued as the file and the map say."""
+
+import numpy as np
+import pytest
+
+from calib.errors import ChannelMapError, LogError
+from calib.logs.channel_map_file import read_channel_map
+from calib.logs.cut import cut
+from calib.logs.inventory import inventory
+from calib.logs.read import read_log
+from calib.logs.whole import channels_log, read_whole
+from tests.support.recordings import RAMP, UNITS, ramp, write_bus, write_dbc, write_map, write_mdf
+
+FOREIGN = """Zeit [s];Druck [kPa];Gang;p_mc [bar];Text;Druck [kPa]
+0.00;100;1;7;a;1
+0.01;200;2;8;b;2
+0.02;;3;9;c;3
+"""
+MAP = """schema = 1
+ignore = ["p_mc"]
+[channels.time]
+source = "Zeit"
+[channels.v]
+source = "Gang"
+unit = "km/h"
+sign = -1
+scale = 2.0
+offset = 1.0
+"""
+
+
+@pytest.fixture
+def foreign(tmp_path):
+    (tmp_path / "run.csv").write_text(FOREIGN)
+    (tmp_path / "map.toml").write_text(MAP)
+    return tmp_path / "run.csv", read_channel_map(tmp_path / "map.toml")
+
+
+def columns(log):
+    return {c.name: (c.unit, c.values.tolist()) for c in log.columns}
+
+
+def test_a_map_names_columns_and_all_others_stay(foreign):
+    path, chart = foreign
+    found = columns(read_whole(path, chart))
+    assert found["v"] == ("km/h", [-3.0, -5.0, -7.0])
+    assert found["Druck"][0] == "kPa"
+    assert np.isnan(found["Druck"][1][2])
+    assert found["Druck#2"] == ("kPa", [1.0, 2.0, 3.0])
+    assert set(found) == {"time", "v", "Druck", "Druck#2"}
+    notes = read_whole(path, chart).notes
+    assert "p_mc was left out: the map ignores it" in notes
+    assert any("Text was left out" in note for note in notes)
+
+
+def test_names_are_kept_if_told(foreign):
+    path, chart = foreign
+    found = columns(read_whole(path, chart, keep_names=True))
+    assert list(found) == ["Zeit", "Druck", "Gang", "p_mc", "Druck#2"]
+    assert found["Gang"] == (None, [1.0, 2.0, 3.0])
+    with pytest.raises(LogError, match="no channel time"):
+        _ = read_whole(path).time
+
+
+def test_a_canonical_log_has_the_channels_that_are_read():
+    found = channels_log(read_whole(RAMP))
+    assert set(found.channels) == set(ramp().channels)
+    for name, values in ramp().channels.items():
+        np.testing.assert_array_equal(found[name], values)
+
+
+@pytest.mark.parametrize("name", ["run.mf4", "bus.blf"])
+def test_a_recording_has_the_clock_and_the_values_that_are_read(tmp_path, name):
+    if name == "run.mf4":
+        path, chart = write_mdf(tmp_path / name), write_map(tmp_path)
+    else:
+        path, chart = write_bus(tmp_path / name, 1.7e9), write_dbc(tmp_path)
+    ours, log = read_whole(path, read_channel_map(chart)), read_log(path, chart)
+    for channel, values in log.channels.items():
+        np.testing.assert_array_equal(channels_log(ours)[channel], values, err_msg=channel)
+    if name == "bus.blf":  # signals that are no channel stay
+        assert {"Page", "Steering"} <= {c.name for c in ours.columns}
+    rates = {c.name: c.rate for c in inventory(ours)}
+    assert rates["omega_fl"] == pytest.approx(200.0, rel=1e-3)
+    assert rates["p_mc"] == pytest.approx(100.0, rel=1e-3)
+
+
+def test_a_recording_without_a_map_has_its_own_names(tmp_path):
+    ours = read_whole(write_mdf(tmp_path / "run.mf4"))
+    assert {c.name: c.unit for c in ours.columns} == {"time": "s", **UNITS}
+
+
+def test_the_clock_of_a_recording_cannot_be_mapped(tmp_path):
+    chart = write_map(tmp_path)
+    chart.write_text(chart.read_text() + '\n[channels.time]\nsource = "WhlFL"\nunit = "s"\n')
+    with pytest.raises(ChannelMapError, match="each channel of this log has its own"):
+        read_whole(write_mdf(tmp_path / "run.mf4"), read_channel_map(chart))
+
+
+def test_a_cut_keeps_the_rows_between_both_times():
+    part = cut(read_whole(RAMP), 2.5, 4.0)
+    assert part.time[[0, -1]].tolist() == [2.5, 4.0]
+    inside = (ramp().time >= 2.5) & (ramp().time <= 4.0)
+    np.testing.assert_array_equal(channels_log(part)["p_mc"], ramp()["p_mc"][inside])
+    assert cut(read_whole(RAMP), end=1.0).time[0] == ramp().time[0]
+
+
+def test_a_cut_without_a_row_is_refused():
+    with pytest.raises(LogError, match=r"from 50 s to 60 s; expected times from 0 to 8.9"):
+        cut(read_whole(RAMP), 50.0, 60.0)
+
+
+def test_a_broken_clock_is_refused(tmp_path):
+    path = tmp_path / "back.csv"
+    path.write_text("time [s],v [m/s]\n0.0,1\n0.2,1\n0.1,1\n")
+    with pytest.raises(LogError, match="time goes back in row 3"):
+        inventory(read_whole(path))
+
+
+def test_the_inventory_tells_range_rate_and_gaps(tmp_path):
+    rows = [f"{0.01 * i:.2f},{i}," + ("" if 20 <= i < 40 else "1") for i in range(100)]
+    path = tmp_path / "gaps.csv"
+    path.write_text("time [s],v [m/s],Gang\n" + "\n".join(rows) + "\n")
+    v, gear = inventory(read_whole(path))
+    assert (v.unit, v.low, v.high, v.samples, v.gaps) == ("m/s", 0.0, 99.0, 100, ())
+    assert v.rate == pytest.approx(100.0)
+    assert (gear.unit, gear.samples) == (None, 80)
+    assert gear.gaps == ((pytest.approx(0.19), pytest.approx(0.21)),)
