@@ -1,5 +1,7 @@
 """`brake-cal simulate`: a model driven with the pressure of a log, or through a manoeuvre."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
 EPILOG = example(
     "brake-cal simulate --manoeuvre ramp --vehicle sample_logs/sedan/vehicle.toml --out ramp.csv",
     "brake-cal simulate ramp.csv --vehicle sample_logs/sedan/vehicle.toml --out again.csv",
+    "brake-cal simulate --manoeuvre stop --deceleration '0.4 g' --noise 1 "
+    "--vehicle sample_logs/sedan/vehicle.toml --out stop.csv",
 )
 SPEED, RATE = "120 km/h", 200.0
 """Default first speed of a manoeuvre."""
@@ -41,7 +45,7 @@ def simulate(
     effect: OwnEffects = None,
     manoeuvre: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="ramp, step, wave, staircase, coast; stop: no lead-in."),
+        typer.Option(metavar="NAME", help="ramp, stop, coast, step, wave or staircase."),
     ] = None,
     speed: Annotated[
         str | None, typer.Option(help=f'First speed of the manoeuvre, "{SPEED}" if not given.')
@@ -49,11 +53,19 @@ def simulate(
     pressure: Annotated[
         str | None, typer.Option(help='Pressure of the manoeuvre, such as "60 bar".')
     ] = None,
+    deceleration: Annotated[
+        str | None,
+        typer.Option(help='Instead of a pressure, about this deceleration, such as "0.4 g".'),
+    ] = None,
+    duration: Annotated[
+        str | None, typer.Option(help='Time of the rise of a ramp, else at pressure, "8 s".')
+    ] = None,
     rate: Annotated[
         float | None, typer.Option(help=f"Samples per second of the manoeuvre, {RATE:g}.")
     ] = None,
     noise: Annotated[
-        int | None, typer.Option(metavar="SEED", min=0, help="Add sensor noise with this seed.")
+        int | None,
+        typer.Option(metavar="SEED", min=0, help="Add simulated sensor noise, drawn by this seed."),
     ] = None,
     channel_map: Annotated[
         Path | None, map_file(callback=from_settings("map", when=_with_log))
@@ -63,9 +75,12 @@ def simulate(
     """Drive a model of the vehicle with the pressure of a LOG, or through a manoeuvre.
 
     A log is replayed open loop: its pressures (of the wheels, where logged) from its first speed,
-    at its own times. The result has the channels of a log and the true values.
+    at its own times. The result has the channels of a log and the true values. Everything in it is
+    simulated, its noise too: it serves to try the program, never as evidence about a car.
     """
-    _check_usage(log, manoeuvre, {"--speed": speed, "--pressure": pressure, "--rate": rate}, out)
+    driving = {"--speed": speed, "--pressure": pressure, "--deceleration": deceleration,
+               "--duration": duration, "--rate": rate}  # fmt: skip
+    _check_usage(log, manoeuvre, driving, out)
     if channel_map is not None and log is None:
         raise typer.BadParameter("only with a LOG; a manoeuvre has none", param_hint="--map")
     from calib.physics.model import default_model
@@ -78,7 +93,8 @@ def simulate(
     if log is not None:
         result = _replay(driven, log, channel_map)
     else:
-        result = _drive(driven, str(manoeuvre), speed, pressure, RATE if rate is None else rate)
+        braking = Braking(speed, pressure, deceleration, duration, RATE if rate is None else rate)
+        result = _drive(driven, str(manoeuvre), braking)
     output = result if noise is None else add_noise(result, noise)
     _write(output, out)
     for note in output.notes:
@@ -91,7 +107,7 @@ def simulate(
 
 
 def _check_usage(
-    log: Path | None, manoeuvre: str | None, driving: dict[str, object], out: Path
+    log: Path | None, manoeuvre: str | None, driving: Mapping[str, object], out: Path
 ) -> None:
     from calib.simulation.manoeuvre import NAMES
 
@@ -116,21 +132,41 @@ def _replay(model: "Model", path: Path, channel_map: Path | None) -> "Log":
     return replay(model, read_log(path, channel_map, require=("time", "p_mc")))
 
 
-def _drive(
-    model: "Model", name: str, speed: str | None, pressure: str | None, rate: float
-) -> "Log":
+@dataclass(frozen=True)
+class Braking:
+    """How a manoeuvre is driven, as the options say it; ``rate`` [Hz]."""
+
+    speed: str | None
+    pressure: str | None
+    deceleration: str | None
+    duration: str | None
+    rate: float
+
+
+def _drive(model: "Model", name: str, how: Braking) -> "Log":
     from calib.errors import ModelError
     from calib.simulation.manoeuvre import manoeuvre
     from calib.simulation.simulate import simulate
 
-    v0 = quantity_of(speed or SPEED, "m/s", "--speed")
-    p = None if pressure is None else quantity_of(pressure, "Pa", "--pressure")
+    v0 = quantity_of(how.speed or SPEED, "m/s", "--speed")
+    time = None if how.duration is None else quantity_of(how.duration, "s", "--duration")
     try:
-        plan = manoeuvre(name, v0, p, rate)
+        plan = manoeuvre(name, v0, _pressure(model, how), how.rate, time)
     except ModelError as error:
         raise typer.BadParameter(str(error), param_hint="--manoeuvre") from None
     say(f"driving a {name} with {model.vehicle.name} from {v0:.1f} m/s")
     return simulate(model, plan.time, plan.pressure, v0, name=name)
+
+
+def _pressure(model: "Model", how: Braking) -> float | None:
+    """The pressure [Pa] that was asked for, or the one that makes the deceleration."""
+    if how.deceleration is None:
+        return None if how.pressure is None else quantity_of(how.pressure, "Pa", "--pressure")
+    from calib.physics.bias import pressure_at
+
+    if how.pressure is not None:
+        raise typer.BadParameter("not together with --pressure", param_hint="--deceleration")
+    return pressure_at(model, quantity_of(how.deceleration, "m/s^2", "--deceleration"))
 
 
 def _write(log: "Log", out: Path) -> None:

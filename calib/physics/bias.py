@@ -10,12 +10,15 @@ inertia of the wheels is neglected, as in (9).
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.names import G
 from calib.physics.balance import brake_forces
 from calib.physics.forces import axle_loads
+from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -31,6 +34,19 @@ def force_per_pressure(vehicle: Vehicle) -> tuple[float, float]:
 def pressure_per_g(vehicle: Vehicle) -> float:
     """Pressure that decelerates the car by g [Pa], (5) with nominal pads."""
     return vehicle.weight / sum(force_per_pressure(vehicle))
+
+
+def pressure_at(model: Model, deceleration: float) -> float:
+    """Pressure [Pa] for a ``deceleration`` [m/s^2] of a model, with its pads and its wheels.
+
+    Its effects are left out: with drag the car slows more.
+    """
+    car = model.vehicle
+    front = replace(car.front, pad_friction=model.pad_friction_f)
+    rear = replace(car.rear, pad_friction=model.pad_friction_r)
+    wheels = sum(2.0 * a.wheel_inertia / a.rolling_radius**2 for a in (front, rear))
+    per_g = pressure_per_g(replace(car, front=front, rear=rear))
+    return deceleration / G * per_g * (1.0 + wheels / car.mass)  # (1): the wheels slow down too
 
 
 def front_share(vehicle: Vehicle) -> float:

@@ -1,9 +1,9 @@
 """Manoeuvres for the simulation: brake pressure over time from a first speed.
 
-    ramp ____/    step ___|----    wave ___~~~~    staircase ___.-'-'    coast ________
+    ramp ____/    step ___|----    stop ___/---    wave ___~~~~    staircase ___.-'-'
 
-Every manoeuvre but `stop` and `coast` begins with an unbraked lead-in, where eta can be zeroed. All
-pressures are in Pa. `RISE` limits the slope of a step, as in a real master cylinder.
+Every manoeuvre begins with an unbraked lead-in, where eta can be zeroed; `coast` is nothing else.
+All pressures are in Pa. `RISE` limits the slope of a step, as in a real master cylinder.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 
 RISE = 400e5
 """Rise of the pressure in a step [Pa/s]; a driver in an emergency reaches 60 bar in 0.15 s."""
+
+FOOT = 80e5
+"""Rise of the pressure in a usual stop [Pa/s]: a foot reaches 30 bar in about 0.4 s."""
 
 LEAD_IN = 1.5
 """Unbraked time at the start [s]."""
@@ -36,9 +39,16 @@ class Manoeuvre:
     v0: float
 
 
+RAMP = 60e5
+"""Pressure at the end of a ramp [Pa]."""
+
+STEPS = 5
+"""Steps of a staircase."""
+
+
 def ramp(
     v0: float,
-    pressure: float = 60e5,
+    pressure: float = RAMP,
     rate: float = 200.0,
     *,
     slope: float = 5e5,
@@ -67,10 +77,16 @@ def step(
 
 
 def stop(
-    v0: float, pressure: float = 30e5, rate: float = 200.0, *, duration: float = 30.0
+    v0: float,
+    pressure: float = 30e5,
+    rate: float = 200.0,
+    *,
+    lead_in: float = LEAD_IN,
+    duration: float = 60.0,
 ) -> Manoeuvre:
-    """Constant ``pressure`` [Pa] from the first sample on, for ``duration`` [s]."""
-    return _trace("stop", v0, rate, [(0.0, pressure), (duration, pressure)])
+    """Rise to ``pressure`` [Pa] as a foot does, kept for ``duration`` [s], until the car stops."""
+    top = lead_in + pressure / FOOT
+    return _trace("stop", v0, rate, [(lead_in, 0.0), (top, pressure), (top + duration, pressure)])
 
 
 def wave(
@@ -100,7 +116,7 @@ def staircase(
     pressure: float = 40e5,
     rate: float = 200.0,
     *,
-    steps: int = 5,
+    steps: int = STEPS,
     hold: float = 1.5,
     lead_in: float = LEAD_IN,
 ) -> Manoeuvre:
@@ -130,14 +146,23 @@ BRAKING: dict[str, Callable[..., Manoeuvre]] = {
 
 NAMES = (*BRAKING, "coast")
 
+LONGEST = 600.0
+"""Longest time of a manoeuvre [s]."""
+
 
 def manoeuvre(
-    name: str, v0: float, pressure: float | None = None, rate: float = 200.0
+    name: str,
+    v0: float,
+    pressure: float | None = None,
+    rate: float = 200.0,
+    duration: float | None = None,
 ) -> Manoeuvre:
-    """Return the manoeuvre of that name; its own pressure [Pa] if none is given.
+    """Return the manoeuvre of that name; its own pressure [Pa] and time [s] if none is given.
 
-    Raises ModelError for an unknown name, a pressure for `coast`, a pressure or speed that is not
-    positive, and a rate outside `RATES`.
+    ``duration`` is the time of the rise of a ramp, that of all steps of a staircase, the length of
+    a coast, and the time at pressure of the others. Raises ModelError for an unknown name, a
+    pressure for `coast`, a pressure, speed or duration that is not positive, a duration above
+    `LONGEST`, and a rate outside `RATES`.
     """
     if name not in NAMES:
         raise ModelError(f"unknown manoeuvre {name!r}", expected=f"one of {', '.join(NAMES)}")
@@ -147,9 +172,23 @@ def manoeuvre(
         raise ModelError(f"pressure {pressure:g} Pa", where=name, expected="more than zero")
     if not 0.0 < v0 < np.inf:
         raise ModelError(f"first speed {v0:g} m/s", where=name, expected="more than zero")
-    if name == "coast":
-        return coast(v0, rate)
-    return BRAKING[name](v0, rate=rate, **({} if pressure is None else {"pressure": pressure}))
+    if duration is not None and not 0.0 < duration <= LONGEST:
+        raise ModelError(
+            f"duration {duration:g} s", where=name, expected=f"more than zero, up to {LONGEST:g} s"
+        )
+    given = {} if pressure is None else {"pressure": pressure}
+    if duration is not None:
+        given |= _lasting(name, pressure, duration)
+    return coast(v0, rate, **given) if name == "coast" else BRAKING[name](v0, rate=rate, **given)
+
+
+def _lasting(name: str, pressure: float | None, duration: float) -> dict[str, float]:
+    """The argument that gives a manoeuvre its ``duration`` [s]."""
+    if name == "ramp":
+        return {"slope": (RAMP if pressure is None else pressure) / duration}
+    if name == "staircase":
+        return {"hold": duration / STEPS}
+    return {"hold" if name == "step" else "duration": duration}
 
 
 def _trace(name: str, v0: float, rate: float, corners: Sequence[tuple[float, float]]) -> Manoeuvre:

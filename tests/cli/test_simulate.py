@@ -86,6 +86,15 @@ def test_noise_is_repeatable_and_a_model_is_obeyed(tmp_path):
     assert set(read_log(written["d"]).truth["true_mu_pad_f"]) == {0.2}
 
 
+def test_a_deceleration_is_about_reached(tmp_path):
+    out = tmp_path / "stop.csv"
+    result = run("--manoeuvre", "stop", "--deceleration", "0.4 g", "--vehicle", VEHICLE,
+                 "--out", out)  # fmt: skip
+    assert result.exit_code == 0
+    log = read_log(out)
+    assert np.median(-log["a_x"][log.time > 3.0]) / 9.80665 == pytest.approx(0.4, rel=2e-3)
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -97,6 +106,10 @@ def test_noise_is_repeatable_and_a_model_is_obeyed(tmp_path):
         (("--manoeuvre", "ramp", "--speed", "20"), "no unit"),
         (("--manoeuvre", "ramp", "--speed", "20 bar"), "pressure"),
         (("--manoeuvre", "ramp", "--rate", 5), "40 to 1000 Hz"),
+        (("--manoeuvre", "stop", "--duration", "0 s"), "duration 0 s"),
+        (("--manoeuvre", "stop", "--deceleration", "0.4"), "no unit"),
+        (("--manoeuvre", "stop", "--deceleration", "0.4 g", "--pressure", "9 bar"), "together"),
+        (("--manoeuvre", "coast", "--deceleration", "0.4 g"), "takes no pressure"),
         (("--manoeuvre", "ramp", "--noise", -1), "--noise"),
     ],
 )
@@ -129,3 +142,22 @@ def test_bad_input_is_an_error_of_the_tree_and_writes_nothing(tmp_path, bad):
     assert isinstance(result.exception, BrakeCalError)
     assert result.exception.exit_code == 3
     assert not list(tmp_path.iterdir())
+
+
+def test_simulated_manoeuvres_are_fitted_and_validated(brake_cal, tmp_path):
+    for seed, (name, more) in enumerate(
+        {"ramp": ("--duration", "8 s"), "coast": (), "stop": ("--deceleration", "0.4 g")}.items()
+    ):
+        assert brake_cal("simulate", "--manoeuvre", name, *more, "--noise", seed, "--vehicle",
+                         VEHICLE, "--out", tmp_path / f"{name}.csv").code == 0  # fmt: skip
+    ramp, coast, stop = (tmp_path / f"{name}.csv" for name in ("ramp", "coast", "stop"))
+    store = ("--store", tmp_path / "tables")
+    assert brake_cal("check", ramp, coast, stop).code == 0
+    fitted = brake_cal("fit", ramp, coast, "--vehicle", VEHICLE, *store, "--json")
+    assert fitted.code == 0
+    judged = brake_cal("validate", "sedan-2up", stop, *store, "--json")
+    assert judged.code == 0
+    figures = json.loads(judged.out)["logs"][0]["figures"]
+    for axle in "fr":  # the pads of the vehicle file
+        mu, half = figures[f"pad_friction_{axle}"], figures[f"interval_{axle}"]
+        assert abs(mu - 0.38) < mu * half < 0.05

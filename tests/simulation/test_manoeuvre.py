@@ -29,7 +29,7 @@ def test_every_trace_is_an_even_clock_and_a_pressure_that_can_be_built(name, rat
     assert m.time.shape == m.pressure.shape
     assert np.all(m.pressure >= 0.0)
     assert np.all(np.abs(np.diff(m.pressure)) <= RISE / rate * (1.0 + 1e-6))
-    if name not in ("stop", "coast"):
+    if name != "coast":
         assert np.all(m.pressure[m.time <= LEAD_IN - 1.0 / rate] == 0.0)
 
 
@@ -46,9 +46,22 @@ def test_step_is_up_at_once_and_stays():
     assert np.all(m.pressure[m.time > LEAD_IN + 0.1 + 1e-9] == 40e5)
 
 
-def test_stop_and_coast_are_constant():
-    assert np.all(stop(25.0, 30e5).pressure == 30e5)
+def test_stop_rises_as_a_foot_does_and_coast_has_no_pressure():
+    m = stop(25.0, 40e5)
+    assert np.interp([1.5, 1.75, 2.0, 30.0], m.time, m.pressure) == pytest.approx(
+        [0.0, 20e5, 40e5, 40e5]
+    )
     assert np.all(coast(25.0).pressure == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "end"),
+    [("ramp", 1.5 + 4.0 + 1.0), ("coast", 4.0), ("step", 1.5 + 0.075 + 4.0),
+     ("stop", 1.5 + 0.375 + 4.0), ("staircase", 1.5 + 0.075 + 4.0)],
+)  # fmt: skip
+def test_a_duration_is_that_of_the_braking(name, end):
+    m = manoeuvre(name, 25.0, None if name == "coast" else 30e5, duration=4.0)
+    assert m.time[-1] == pytest.approx(end, abs=0.006)
 
 
 def test_wave_has_its_mean_amplitude_and_frequency():
@@ -76,6 +89,8 @@ def test_staircase_has_equal_steps():
         (("ramp", 0.0), "first speed"),
         (("ramp", 25.0, None, 10.0), "40 to 1000 Hz"),
         (("coast", 25.0, None, 2000.0), "40 to 1000 Hz"),
+        (("stop", 25.0, None, 200.0, 0.0), "duration 0 s"),
+        (("stop", 25.0, None, 200.0, 1e9), "up to 600 s"),
     ],
 )
 def test_refuses_what_cannot_be_driven(arguments, says):
