@@ -170,11 +170,12 @@ def _report(stored: "Stored", results: "list[Validation]") -> None:
     for line in advice_lines(of for result in results for of in result.budget or ()):
         emit(line)
     together = agreement(results)
-    if together is not None:
-        emit(
-            f"between the stops: pad friction differs by up to {100 * together.spread_f:.1f} % "
-            f"front, {100 * together.spread_r:.1f} % rear"
-        )
+    for road in together.roads if together else ():
+        if road.spread_f is not None and road.spread_r is not None:
+            emit(
+                f"on one road, {', '.join(road.stops)}: pad friction differs by up to "
+                f"{100 * road.spread_f:.1f} % front, {100 * road.spread_r:.1f} % rear"
+            )
 
 
 def _grid(results: "list[Validation]") -> "Grid":

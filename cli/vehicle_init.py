@@ -14,7 +14,7 @@ from cli.outputs import writing
 if TYPE_CHECKING:
     from calib.vehicles.keys import Key
 
-EPILOG = example("brake-cal vehicle init", "brake-cal vehicle init car.toml --from sedan")
+EPILOG = example("brake-cal vehicle init my_car.toml --from sedan")
 SEDAN = "sedan"
 """Name of the reference vehicle, the only one that can be written."""
 

@@ -9,7 +9,7 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
     help="Vehicle files: write one, check one, see what follows from it.",
-    epilog=example("brake-cal vehicle init --from sedan", "brake-cal vehicle check vehicle.toml"),
+    epilog=example("brake-cal vehicle check sample_logs/sedan/vehicle.toml"),
 )
 
 

@@ -30,8 +30,10 @@ METRICS: dict[str, str] = {
     "side_difference_r": "brake force left less right over their mean, rear axle [1]",
     "front_biased_up_to": "deceleration up to which the front axle locks first, these pads; 9.99 "
     "stands for all larger values [g]",
-    "repeatability_f": "largest departure of a stop's front pad friction from their mean [1]",
-    "repeatability_r": "largest departure of a stop's rear pad friction from their mean [1]",
+    "repeatability_f": "largest departure of a stop's front pad friction from the mean of its "
+    "road [1]",
+    "repeatability_r": "largest departure of a stop's rear pad friction from the mean of its "
+    "road [1]",
     "golden_distance": "largest departure of D(eta) from the golden table, over its peak [1]",
     "golden_bands": "that departure over the 95 % half widths of both; above 1: significant [1]",
     "golden_pads_f": "front pad friction over that of the golden table, less 1 [1]",

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.checks.check import problems_for
 from calib.checks.gates import bitten, eta_rise, require_same_wheels
@@ -28,6 +29,7 @@ from calib.table.budget import AxleBudget, summary
 from calib.table.table import Table
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
+from calib.validation.roads import Road, roads_of
 from calib.validation.warnings import limit_warnings, warnings_of
 from calib.warning import PlausibilityWarning
 from calib.warning import to_dict as warning_dict
@@ -105,16 +107,34 @@ class Validation:
 
 
 @dataclass(frozen=True)
-class Agreement:
-    """Pad friction of all stops: mean and largest relative departure from it [1].
+class RoadAgreement:
+    """The stops of one road: their names, the stiffness of their tyres over the table's [1].
 
-    On one road the departure is the repeatability; on different roads the pads may really differ.
+    ``mean_f``, ``mean_r`` pad friction; ``spread_f``, ``spread_r`` the largest relative departure
+    from it, the repeatability [1]; None of a single stop.
+    """
+
+    stops: tuple[str, ...]
+    stiffness: float
+    mean_f: float
+    mean_r: float
+    spread_f: float | None
+    spread_r: float | None
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Pad friction of the stops: the mean of all, and the largest departure within a road [1].
+
+    On different roads the table errs differently, and the pads may really differ, so stops are
+    compared with those of their own road only, see `calib.validation.roads`.
     """
 
     mean_f: float
     mean_r: float
     spread_f: float
     spread_r: float
+    roads: tuple[RoadAgreement, ...] = ()
 
 
 def validate(
@@ -275,16 +295,30 @@ def all_warnings(
 
 
 def agreement(results: list[Validation]) -> Agreement | None:
-    """Agreement of the stops; None for fewer than two with an estimate."""
-    f = [r.figures["pad_friction_f"] for r in results]
-    r = [x.figures["pad_friction_r"] for x in results]
-    pairs = [(a, b) for a, b in zip(f, r, strict=True) if a is not None and b is not None]
-    if len(pairs) < 2:
+    """Agreement of the stops; None where no two with an estimate are of one road."""
+    pads = ("pad_friction_f", "pad_friction_r")
+    known = [r for r in results if None not in [r.figures[name] for name in pads]]
+    values = np.array([[r.figures[name] for name in pads] for r in known], dtype=float)
+    roads = tuple(
+        _on_one_road(road, [known[i].log for i in road.stops], values[list(road.stops)])
+        for road in roads_of([r.estimate for r in known])
+    )
+    front, rear = (
+        [spread for spread in spreads if spread is not None]
+        for spreads in ([r.spread_f for r in roads], [r.spread_r for r in roads])
+    )
+    if not front:
         return None
-    values = np.asarray(pairs)
+    mean = values.mean(axis=0)
+    return Agreement(float(mean[0]), float(mean[1]), max(front), max(rear), roads)
+
+
+def _on_one_road(road: Road, stops: list[str], values: NDArray[np.float64]) -> RoadAgreement:
     mean = values.mean(axis=0)
     spread = np.abs(values / mean - 1.0).max(axis=0)
-    return Agreement(float(mean[0]), float(mean[1]), float(spread[0]), float(spread[1]))
+    spreads = (float(spread[0]), float(spread[1])) if len(stops) > 1 else (None, None)
+    stiffness = float(np.exp(road.log_stiffness))
+    return RoadAgreement(tuple(stops), stiffness, float(mean[0]), float(mean[1]), *spreads)
 
 
 def to_dict(stored: Stored, results: list[Validation]) -> dict[str, object]:
@@ -338,6 +372,7 @@ def to_dict(stored: Stored, results: list[Validation]) -> dict[str, object]:
             "pad_friction_r": together.mean_r,
             "largest_departure_f": together.spread_f,
             "largest_departure_r": together.spread_r,
+            "roads": [asdict(road) for road in together.roads],
         },
     }
 

@@ -65,10 +65,22 @@ def passed(table, wet):
 MASS = MassUsed(1744.0, 0.03, False)
 
 
-def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), **figures):
+def made(name="a", mu_f=0.4, mu_r=0.36, judgements=(), road=0.0, **figures):
+    estimate = made_estimate()
+    on = np.full(estimate.split.sigma.size, road)
+    split = replace(
+        estimate.split, changes=(), log_stiffness=on, log_stiffness_sigma=0.0 * on + 0.04
+    )
     values = dict.fromkeys(METRICS) | {"pad_friction_f": mu_f, "pad_friction_r": mu_r} | figures
     return Validation(
-        name, "ab" * 32, "hold-out", made_estimate(), values, tuple(judgements), {}, MASS
+        name,
+        "ab" * 32,
+        "hold-out",
+        replace(estimate, split=split),
+        values,
+        tuple(judgements),
+        {},
+        MASS,
     )
 
 
@@ -253,6 +265,20 @@ def test_agreement_of_the_stops():
     assert together.spread_r == pytest.approx(0.04 / 0.38)
 
 
+def test_stops_are_compared_with_those_of_their_road():
+    tile, asphalt = {"road": -0.25}, {"road": 0.03}
+    stops = [
+        made("a", 0.40, 0.40, **asphalt), made("x", 0.20, 0.30, **tile),
+        made("b", 0.42, 0.40, **asphalt), made("y", 0.20, 0.36, **tile),
+    ]  # fmt: skip
+    together = agreement(stops)
+    assert [road.stops for road in together.roads] == [("x", "y"), ("a", "b")]
+    assert together.spread_f == pytest.approx(0.01 / 0.41)
+    assert together.spread_r == pytest.approx(0.03 / 0.33)
+    assert agreement(stops[:2]) is None
+    assert to_dict(stored_as("t@1"), stops[:2])["agreement"] is None
+
+
 def test_agreement_needs_two_stops_with_an_answer():
     assert agreement([]) is None
     assert agreement([made("a")]) is None
@@ -306,7 +332,7 @@ def test_summary_holds_everything_and_is_json(table, wet, passed):
 
 def test_what_is_not_finite_becomes_null():
     odd = made("a", interval_f=math.inf, judgements=[Judgement("x", math.nan, None, 1.0, False)])
-    odd = replace(odd, baselines={"gradient_paper": (math.nan, 0.1)})
+    odd = replace(odd, baselines={"gradient_paper": (math.nan, 0.1)}, estimate=made_estimate())
     log = json.loads(json.dumps(to_dict(stored_as("t@1"), [odd]), allow_nan=False))["logs"][0]
     assert log["figures"]["interval_f"] is None
     assert log["limits"][0]["value"] is None
