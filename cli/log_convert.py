@@ -25,6 +25,7 @@ EPILOG = example(
     "brake-cal log convert sample_logs/sedan/*.csv --out parquet --to parquet",
 )
 
+Force = Annotated[bool, typer.Option("--force", help="Replace files that exist.")]
 KeepNames = Annotated[
     bool,
     typer.Option("--keep-names", help="Leave names and values as they are, also those of a map."),
@@ -41,22 +42,24 @@ def convert(
         typer.Option("--to", metavar="FORMAT", help="csv, parquet or mf4, for a folder."),
     ] = None,
     keep_names: KeepNames = False,
+    force: Force = False,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
-    """Write logs as CSV, Parquet or MDF 4, with all columns and units.
+    """Write logs as CSV, Parquet or MDF 4.
 
-    Values are the same to the last bit. A log of several sample rates comes onto one clock, as for
-    the other commands. Columns of a --map get their canonical names and the map's sign and scale,
-    so that no map is needed any more, unless --keep-names.
+    All columns and units are kept. Values are the same to the last bit. A log of several sample
+    rates comes onto one clock, as for the other commands. Columns of a --map get their canonical
+    names and the map's sign and scale, so that no map is needed any more, unless --keep-names.
     """
     mapping = channel_map_of(channel_map)
     if to is None:
-        check_file(out, logs, channel_map)
+        check_file(out, logs, channel_map, force)
         if len(logs) > 1:
             raise typer.BadParameter("several logs need a folder and --to", param_hint="--out")
         written = [_one(logs[0], out, mapping, keep_names)]
     else:
+        check_folder(out, logs, to, force)
         written = _into(out, logs, to, mapping, keep_names)
     if json:
         emit_json({"schema": 1, "logs": [_document(*one) for one in written]})
@@ -67,8 +70,8 @@ def convert(
             say(f"{log.source}: {note}")
 
 
-def check_file(out: Path, logs: list[Path], channel_map: Path | None) -> None:
-    """Refuse an output of an unknown ending, and one that is an input."""
+def check_file(out: Path, logs: list[Path], channel_map: Path | None, force: bool) -> None:
+    """Refuse an output of an unknown ending, one that is an input, and one that exists."""
     from calib.logs.convert import ENDINGS
 
     if out.suffix.lower() not in ENDINGS:
@@ -77,6 +80,30 @@ def check_file(out: Path, logs: list[Path], channel_map: Path | None) -> None:
         )
     refuse_folder(out)
     refuse_overwriting([out], logs, [channel_map])
+    _refuse_existing(out, force)
+
+
+def check_folder(out: Path, logs: list[Path], to: str, force: bool) -> None:
+    """The same of a folder for the logs, in the format ``to``."""
+    from calib.logs.convert import ENDINGS
+
+    if f".{to.lower()}" not in ENDINGS:
+        known = ", ".join(ending[1:] for ending in ENDINGS)
+        raise typer.BadParameter(f"unknown format {to!r}; known: {known}", param_hint="--to")
+    files = [out / name for name in _names(logs, to)]
+    refuse_overwriting(files, logs)
+    for file in files:
+        _refuse_existing(file, force)
+    ready_folder(out)
+
+
+def _names(logs: list[Path], to: str) -> list[str]:
+    return [f"{stem}.{to.lower()}" for stem in stems_of(logs, "LOG")]
+
+
+def _refuse_existing(file: Path, force: bool) -> None:
+    if file.exists() and not force:
+        raise typer.BadParameter(f"{file} exists; --force replaces it", param_hint="--out")
 
 
 def _one(
@@ -95,16 +122,9 @@ def _into(
     out: Path, logs: list[Path], to: str, mapping: "ChannelMap | None", keep_names: bool
 ) -> "list[tuple[WholeLog, Path]]":
     """All logs into a folder, or none."""
-    from calib.logs.convert import ENDINGS
     from calib.publish import publish, workshop
 
-    ending = f".{to.lower().lstrip('.')}"
-    if ending not in ENDINGS:
-        known = ", ".join(e[1:] for e in ENDINGS)
-        raise typer.BadParameter(f"unknown format {to!r}; known: {known}", param_hint="--to")
-    names = [f"{stem}{ending}" for stem in stems_of(logs, "LOG")]
-    refuse_overwriting((out / name for name in names), logs)
-    ready_folder(out)
+    names = _names(logs, to)
     made = []
     plural = "s" * (len(logs) > 1)
     with (

@@ -7,7 +7,7 @@ import typer
 
 from cli.console import emit, emit_json, say
 from cli.inputs import channel_map_of
-from cli.log_convert import KeepNames, check_file
+from cli.log_convert import Force, KeepNames, check_file
 from cli.options import Json, Map, example, out_file
 from cli.outputs import writing
 
@@ -26,20 +26,22 @@ def cut(
         float | None, typer.Option("--to", metavar="S", help="Last time [s]; else the end.")
     ] = None,
     keep_names: KeepNames = False,
+    force: Force = False,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
-    """Write the part of a LOG between two times, in seconds of the log's own clock.
+    """Write the part of a log between two times.
 
-    All columns, units and times are kept, also columns that the program does not know. Columns of
-    a --map get their canonical names, unless --keep-names.
+    The times are seconds of the log's own clock. All columns, units and times are kept, also
+    columns that the program does not know. Columns of a --map get their canonical names, unless
+    --keep-names.
     """
     from calib.logs.convert import write_log
     from calib.logs.cut import cut as cut_log
     from calib.logs.verify import MIN_SAMPLES
     from calib.logs.whole import read_whole
 
-    check_file(out, [log], channel_map)
+    check_file(out, [log], channel_map, force)
     if start is None and end is None:
         raise typer.BadParameter("give --from, --to or both", param_hint="--from")
     if start is not None and end is not None and start >= end:

@@ -35,10 +35,11 @@ def view(
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
-    """Show every column of logs with unit, range, rate and gaps, and the events of the run.
+    """Show every column of logs, and the events of the run.
 
-    Columns of a --map have their canonical names; all others are shown as they are. Nothing is
-    filtered or zeroed. --out draws all columns over one time axis, with the events marked.
+    With unit, range, rate and gaps. Columns of a --map have their canonical names; all others are
+    shown as they are. Nothing is filtered or zeroed. --out draws all columns over one time axis,
+    with the events marked.
     """
     _check_out(out, logs, channel_map)
     mapping = channel_map_of(channel_map)

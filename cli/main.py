@@ -18,7 +18,7 @@ from cli import (
     fit,
     fleet,
     limits,
-    logs,
+    log,
     maps,
     plot,
     qualify,
@@ -81,7 +81,7 @@ app.command(epilog=watch.EPILOG)(watch.watch)
 app.command(epilog=demo.EPILOG)(demo.demo)
 app.command(epilog=qualify.EPILOG)(qualify.qualify)
 app.add_typer(vehicles.app, name="vehicle")
-app.add_typer(logs.app, name="log")
+app.add_typer(log.app, name="log")
 app.add_typer(maps.app, name="map")
 app.add_typer(tables.app, name="tables")
 app.add_typer(fleet.app, name="fleet")

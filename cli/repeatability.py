@@ -42,7 +42,10 @@ def repeatability(
         ),
     ] = None,
     plan: Annotated[
-        Path | None, typer.Option(metavar="P.csv", help="Columns log, car, station, vehicle.")
+        Path | None, typer.Option(metavar="P.csv", help="Columns log,car,station,road,vehicle.")
+    ] = None,
+    road: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Judge the ramps of this road of the plan.")
     ] = None,
     folders: Annotated[
         str | None,
@@ -73,7 +76,7 @@ def repeatability(
     _check_names(quantity or [], list(METRICS))
     ready_folder(out)
     held = read_gauge_limits(limits)
-    places = _places(logs or [], plan, folders)
+    places = _places(logs or [], plan, road, folders)
     mapping = channel_map_of(channel_map)
     readings = _readings(places, vehicle, mapping, eta / 100.0, quantity or list(METRICS))
     found = study(readings, held, eta / 100.0)
@@ -97,14 +100,25 @@ def _check_names(wanted: list[str], known: list[str]) -> None:
             raise typer.BadParameter(f"no metric {name!r}; {hint}", param_hint="--quantity")
 
 
-def _places(logs: list[Path], plan: Path | None, folders: str | None) -> "tuple[Place, ...]":
-    from calib.gauge.plan import LAYOUTS, certain_layout, chosen, places_from_folders, read_plan
+def _places(
+    logs: list[Path], plan: Path | None, road: str | None, folders: str | None
+) -> "tuple[Place, ...]":
+    from calib.gauge.plan import (
+        LAYOUTS,
+        certain_layout,
+        chosen,
+        on_road,
+        places_from_folders,
+        read_plan,
+    )
     from calib.logs.read import refuse_no_log
 
     if plan is not None and folders is not None:
         raise typer.BadParameter("not together with --plan", param_hint="--folders")
     if plan is not None:
-        return chosen(read_plan(plan), logs, plan)
+        return on_road(chosen(read_plan(plan), logs, plan), road, plan)
+    if road is not None:
+        raise typer.BadParameter("only with a --plan that has roads", param_hint="--road")
     if not logs:
         raise typer.BadParameter("name the ramps, or give a --plan with ramps", param_hint="LOG...")
     if folders is not None and folders not in LAYOUTS:

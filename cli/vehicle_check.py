@@ -22,10 +22,11 @@ Files = Annotated[list[Path], typer.Argument(metavar="FILE...", help="vehicle fi
 
 
 def check(files: Files, json: Json = False) -> None:
-    """List all mistakes of vehicle files, then what no usual car has, with the likely causes.
+    """Judge vehicle files: mistakes, then plausibility.
 
-    Exit code 0 if all is plausible, 1 if a figure is outside its usual range, 3 if a file cannot be
-    used. A mistake within what cars differ by, such as a mass that is 10 % wrong, is not seen.
+    All mistakes of a file are listed, then what no usual car has, with the likely causes. Exit code
+    0 if all is plausible, 1 if a figure is outside its usual range, 3 if a file cannot be used. A
+    mistake within what cars differ by, such as a mass that is 10 % wrong, is not seen.
     """
     from calib.warning import to_dict
 

@@ -30,10 +30,11 @@ def init(
     force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
     json: Json = False,
 ) -> None:
-    """Write a vehicle file with unit, meaning and usual range of every key.
+    """Write a vehicle file with a comment on every key.
 
-    In a terminal it asks for each value; Enter takes the one in brackets, that of the reference
-    car. A number without a unit has the unit of the question. Ctrl+C ends it without a file.
+    The comments say unit, meaning, how to measure it, and the usual range. In a terminal it asks
+    for each value; Enter takes the one in brackets, that of the reference car. A number without a
+    unit has the unit of the question. Ctrl+C ends it without a file.
     """
     from calib.files import write_whole
     from calib.physics.vehicle_file import read_vehicle

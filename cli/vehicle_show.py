@@ -30,10 +30,11 @@ def show(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Show what follows from a vehicle file: loads, torque per bar, distribution, first lock.
+    """Show what follows from a vehicle file.
 
-    With the nominal pads, in a straight line, one pressure on both axles, without drag. The schema
-    of --json is printed by `brake-cal schema vehicle-facts`.
+    Loads, torque per bar, distribution of the brake force, and which axle locks first. With the
+    nominal pads, in a straight line, one pressure on both axles, without drag. The schema of --json
+    is printed by `brake-cal schema vehicle-facts`.
     """
     _check_picture(picture, file)
     from calib.physics.vehicle_file import read_vehicle

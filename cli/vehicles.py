@@ -8,14 +8,14 @@ from cli.options import example
 app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
-    help="Vehicle files: write one, check one, see what follows from it.",
+    help="Vehicle files: write one, judge one, see what follows.",
     epilog=example("brake-cal vehicle check sample_logs/sedan/vehicle.toml"),
 )
 
 
 @app.callback()
 def group() -> None:
-    """Vehicle files: write one, check one, see what follows from it."""
+    """Vehicle files: write one, judge one, see what follows."""
 
 
 app.command(epilog=vehicle_init.EPILOG)(vehicle_init.init)

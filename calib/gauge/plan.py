@@ -1,7 +1,7 @@
 """Car and station of each log: from a plan file, or from the folders of the logs.
 
-log,car,station,vehicle              plan.csv; station and vehicle are optional
-a/ramp1.csv,VIN 7,line 2,cars/7.toml    paths are relative to the plan's folder
+log,car,station,road,vehicle            plan.csv; station, road and vehicle are optional
+a/ramp1.csv,VIN 7,line 2,wet,cars/7.toml    paths are relative to the plan's folder
 
 car/station/ramp.csv                 folders, with as many levels as the layout
 """
@@ -15,19 +15,20 @@ from calib.bounded import PLAN, bytes_of
 from calib.errors import InputError
 from calib.toml import did_you_mean
 
-COLUMNS = ("log", "car", "station", "vehicle")
+COLUMNS = ("log", "car", "station", "road", "vehicle")
 LAYOUTS = ("car", "car/station", "station/car")
 """Possible meanings of a log's folders, outer folder first."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """A log of a study: ``station`` is "" if stations are not given."""
+    """A log of a study: ``station`` and ``road`` are "" if they are not given."""
 
     log: Path
     car: str
     station: str = ""
     vehicle: Path | None = None
+    road: str = ""
 
 
 def read_plan(path: Path) -> tuple[Place, ...]:
@@ -54,8 +55,9 @@ def read_plan(path: Path) -> tuple[Place, ...]:
     if not places:
         raise InputError("the plan has no logs", where=path, expected="a row for each log")
     _check_once(path, places)
-    if len({bool(place.station) for place in places}) > 1:
-        raise InputError("some logs have a station and some have none", where=path)
+    for key in ("station", "road"):
+        if len({bool(getattr(place, key)) for place in places}) > 1:
+            raise InputError(f"some logs have a {key} and some have none", where=path)
     return places
 
 
@@ -83,7 +85,7 @@ def _place(path: Path, line: int, heads: list[str], row: list[str]) -> Place:
         if not cells[key]:
             raise InputError(f"line {line} has no {key}", where=path)
     vehicle = path.parent / cells["vehicle"] if cells["vehicle"] else None
-    return Place(path.parent / cells["log"], cells["car"], cells["station"], vehicle)
+    return Place(path.parent / cells["log"], cells["car"], cells["station"], vehicle, cells["road"])
 
 
 def _check_once(where: Path, places: tuple[Place, ...]) -> None:
@@ -106,6 +108,25 @@ def chosen(places: tuple[Place, ...], logs: list[Path], plan: Path) -> tuple[Pla
         if _whole(log) not in known:
             raise InputError(f"{log} is not in the plan", where=plan, do="add a row for it")
     return tuple(known[_whole(log)] for log in logs) if logs else places
+
+
+def on_road(places: tuple[Place, ...], road: str | None, plan: Path) -> tuple[Place, ...]:
+    """The places on ``road``; None for the only road of the plan, or a plan without roads.
+
+    D, f1, f2 and the stiffness of the tyres depend on the road, so ramps of different roads are no
+    repeats of each other. Raises InputError for several roads without a choice, and an unknown one.
+    """
+    roads = sorted({place.road for place in places} - {""})
+    if road is None and len(roads) < 2:
+        return places
+    if road not in roads:
+        raise InputError(
+            f"no ramp on road {road!r}" if road else f"ramps of {len(roads)} roads",
+            where=plan,
+            expected=f"one road: {', '.join(roads)}" if roads else "a column road",
+            do="" if road else "choose one with --road: ramps of two roads are no repeats",
+        )
+    return tuple(place for place in places if place.road == road)
 
 
 def places_from_folders(logs: list[Path], layout: str) -> tuple[Place, ...]:

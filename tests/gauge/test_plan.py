@@ -3,7 +3,14 @@ from pathlib import Path
 import pytest
 
 from calib.errors import InputError
-from calib.gauge.plan import Place, certain_layout, chosen, places_from_folders, read_plan
+from calib.gauge.plan import (
+    Place,
+    certain_layout,
+    chosen,
+    on_road,
+    places_from_folders,
+    read_plan,
+)
 
 
 def plan(folder, text):
@@ -17,7 +24,7 @@ def test_a_plan_is_read_from_its_own_folder(tmp_path):
         tmp_path, "log, car,station,vehicle\na.csv,VIN 7,north,cars/7.toml\nb.csv,8,south,\n"
     )
     assert read_plan(path) == (
-        Place(tmp_path / "a.csv", "VIN 7", "north", tmp_path / "cars/7.toml"),
+        Place(tmp_path / "a.csv", "VIN 7", "north", tmp_path / "cars/7.toml", ""),
         Place(tmp_path / "b.csv", "8", "south", None),
     )
 
@@ -38,6 +45,7 @@ def test_semicolons_separate_too(tmp_path):
         ("log,car\na.csv,\n", "line 2 has no car"),
         ("log,car\na.csv,1\n./a.csv,2\n", "a.csv occurs twice"),
         ("log,car,station\na.csv,1,x\nb.csv,2,\n", "some logs have a station"),
+        ("log,car,road\na.csv,1,wet\nb.csv,2,\n", "some logs have a road"),
         ("log,car\na.csv,1,x,y\n", "more cells than columns"),
         ("\nlog,car\n\na.csv,1\n  \nb.csv\n", "line 6 has no car"),
         ("log,car,car\na.csv,1,2\n", "column 'car' occurs twice"),
@@ -60,6 +68,22 @@ def test_named_logs_are_looked_up_in_the_plan(tmp_path):
     assert chosen(places, [tmp_path / "x/../b.csv"], path) == places[1:]
     with pytest.raises(InputError, match=r"c\.csv is not in the plan"):
         chosen(places, [tmp_path / "c.csv"], path)
+
+
+def test_ramps_of_one_road_are_chosen(tmp_path):
+    path = plan(tmp_path, "log,car,road\na.csv,1,wet\nb.csv,1,dry\nc.csv,2,wet\n")
+    places = read_plan(path)
+    assert [place.log.name for place in on_road(places, "wet", path)] == ["a.csv", "c.csv"]
+    with pytest.raises(InputError, match=r"2 roads; expected one road: dry, wet; .*--road"):
+        on_road(places, None, path)
+    with pytest.raises(InputError, match="no ramp on road 'damp'; expected one road: dry, wet"):
+        on_road(places, "damp", path)
+    one = on_road(places, "dry", path)
+    assert on_road(one, None, path) == one
+    without = read_plan(plan(tmp_path, "log,car\na.csv,1\nb.csv,2\n"))
+    assert on_road(without, None, path) == without
+    with pytest.raises(InputError, match="expected a column road"):
+        on_road(without, "wet", path)
 
 
 def test_folders_name_car_and_station():

@@ -8,14 +8,14 @@ from cli.options import example
 app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
-    help="Logs: look at all columns, cut a part, convert to CSV, Parquet or MDF.",
+    help="Logs: look at them, cut a part, convert them.",
     epilog=example("brake-cal log view sample_logs/sedan/coast.csv --out coast.html"),
 )
 
 
 @app.callback()
 def group() -> None:
-    """Logs: look at all columns, cut a part, convert to CSV, Parquet or MDF."""
+    """Logs: look at them, cut a part, convert them."""
 
 
 app.command(epilog=log_view.EPILOG)(log_view.view)

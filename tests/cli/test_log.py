@@ -90,6 +90,18 @@ def test_several_logs_go_into_a_folder_or_none(brake_cal, tmp_path):
     assert not (tmp_path / "none").exists()
 
 
+def test_a_file_that_exists_is_replaced_with_force_only(brake_cal, tmp_path):
+    out = tmp_path / "coast.csv"
+    out.write_text("mine")
+    for arguments in (("--out", out), ("--out", tmp_path, "--to", "csv")):
+        ran = brake_cal("log", "convert", COAST, *arguments)
+        assert (ran.code, out.read_text()) == (2, "mine")
+        assert "exists; --force replaces it" in ran.err
+    assert brake_cal("log", "cut", COAST, "--to", 3, "--out", out).code == 2
+    assert brake_cal("log", "convert", COAST, "--out", tmp_path, "--to", "csv", "--force").code == 0
+    assert read_log(out).time.size == 2000
+
+
 def test_what_convert_cannot_write_is_a_usage_error(brake_cal, tmp_path):
     copy = tmp_path / "run.csv"
     copy.write_bytes(COAST.read_bytes())
