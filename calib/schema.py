@@ -42,7 +42,7 @@ from pydantic_core import CoreSchema, core_schema
 from calib.errors import BrakeCalError, InputError
 from calib.schema_errors import one_error, shown, wrong
 from calib.toml import NUMBER, did_you_mean, load_toml, quantity
-from calib.units import spellings
+from calib.units import spellings, to_si
 
 S = TypeVar("S", bound="Section")
 
@@ -121,7 +121,8 @@ class QuantityMark(Mark):
         try:
             value = quantity(written, self.si, None, InputError)
         except InputError as cause:
-            raise wrong(cause.what, cause.expected, cause.do) from cause
+            expected = self._with_unit(written) or cause.expected
+            raise wrong(cause.what, expected, cause.do) from cause
         if not self.low <= value <= self.high:
             raise wrong(
                 f"{value:g}{self._unit} is not believable",
@@ -129,6 +130,16 @@ class QuantityMark(Mark):
                 "check the sign, the unit and the decimal point",
             )
         return value
+
+    def _with_unit(self, written: object) -> str:
+        """A number without a unit with the one that makes it believable; empty if there is none."""
+        number = re.fullmatch(rf"\s*({NUMBER})\s*", str(written))
+        if number is None or self.si is None or self.si == "1":
+            return ""
+        for unit in spellings(self.si):
+            if self.low <= to_si(float(number[1]), unit, self.si) <= self.high:
+                return f'a unit, such as "{number[1]} {unit}"'
+        return ""
 
     @property
     def _unit(self) -> str:

@@ -37,7 +37,11 @@ def load_toml(path: Path, error: type[InputError]) -> dict[str, Any]:
     try:
         return parse_toml(data.decode("utf-8-sig"))
     except ValueError as cause:
-        raise error(f"not TOML: {cause}", where=path, expected="a TOML file") from cause
+        raise error(
+            f"not TOML: {cause}",
+            where=path,
+            expected='a TOML file; texts and quantities stand in quotes: "1.5 kg"',
+        ) from cause
 
 
 def parse_toml(text: str) -> dict[str, Any]:

@@ -37,25 +37,29 @@ class Figure:
     do: str
 
 
-CAUSES: dict[str, tuple[str, ...]] = {
-    "mass": ("pounds written as kg", "the load of one axle or one wheel", "an empty car"),
-    "cg_height": ("a height above the axles", "the height of the roof", "another unit"),
-    "track_width": ("half of the track", "the width of the car over its mirrors"),
-    "rolling_radius": ("the diameter of the wheel", "the radius of the rim", "another unit"),
-    "piston_area": (
-        "the pistons of both sides of a fixed caliper",
-        "one piston of several",
-        "a diameter for an area",
-        "the area of the pad",
+_AREA = ("one piston of several", "another unit", "a master cylinder for a caliper")
+_AREAS = ("the pistons of both sides of a fixed caliper", "the area of the pad", "another unit")
+
+CAUSES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "mass": (
+        ("the load of one axle or one wheel", "an empty car"),
+        ("pounds written as kg",),
     ),
-    "effective_radius": ("the diameter of the disc", "another unit"),
+    "cg_height": (
+        ("a height above the axles instead of the road", "another unit"),
+        ("the height of the roof", "another unit"),
+    ),
+    "track_width": (("half of the track",), ("the width of the car over its mirrors",)),
+    "rolling_radius": (("the radius of the rim", "another unit"), ("the diameter of the wheel",)),
+    "piston_area": (_AREA, _AREAS),
+    "effective_radius": (("another unit",), ("the diameter of the disc",)),
     "friction_faces": (
-        "one face counted of two: a disc has a pad on either side",
-        "the pads of both wheels",
+        ("one face counted of two: a disc has a pad on either side",),
+        ("the pads of both wheels of an axle",),
     ),
-    "pad_friction": ("a percentage without its sign", "a friction of the tyre"),
+    "pad_friction": (("another unit",), ("a friction of the tyre", "a percentage")),
 }
-"""Likely causes where a key of the file is outside its usual range."""
+"""Likely causes where a key of the file is below and above its usual range."""
 
 _TWICE = (
     "piston_area of both sides of a fixed caliper, or of both wheels of an axle",
@@ -115,7 +119,10 @@ FIGURES: tuple[Figure, ...] = (
     Figure(
         "rotating_share",
         lambda car: 2.0 * (_wheel_mass(car.front) + _wheel_mass(car.rear)) / car.mass,
-        0.015, 0.055, _WHEEL, (*_WHEEL[::-1], "the mass of one axle"),
+        0.015,
+        0.055,
+        ("the mass in pounds written as kg", *_WHEEL),
+        ("wheel_inertia of both wheels of an axle", "the mass of one axle", "another unit"),
         "wheel_inertia is that of one wheel, about its axis",
     ),
     Figure(
@@ -132,7 +139,7 @@ FIGURES: tuple[Figure, ...] = (
         ("a radius in another unit",), ("the diameter of the disc",), "look at effective_radius",
     ),
     Figure(
-        "pressure_per_g", lambda car: from_si(pressure_per_g(car), "bar", "Pa"), 38.0, 112.0,
+        "pressure_per_g", lambda car: from_si(pressure_per_g(car), "bar", "Pa"), 38.0, 120.0,
         _TWICE, _HALF,
         "compare with a stop: pressure over deceleration in g, without booster or motor",
     ),
@@ -169,8 +176,9 @@ def _keys(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:
             if not key.low <= measured <= key.high:
                 code = key.name if key.section == CHASSIS else f"{key.name}_{key.section[0]}"
                 ends = (key.low, key.high)
+                causes = CAUSES[key.name][measured > key.high]
                 yield PlausibilityWarning(
-                    code, vehicle.name, measured, ends, CAUSES[key.name], f"look at {key.path}"
+                    code, vehicle.name, measured, ends, causes, f"look at {key.path}"
                 )
 
 
