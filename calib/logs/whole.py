@@ -157,7 +157,9 @@ def _recorded(path: Path, channel_map: ChannelMap | None, keep_names: bool) -> W
     others = [i for i in wanted if i not in values]
     values |= zip(others, at_times([wanted[i] for i in others], found.time, str(path)), strict=True)
     rates = {i: found.rates[w.name] for i, w in wanted.items() if w.name in found.rates}
-    source = ColumnSource(opened.columns, lambda _: [], (*opened.notes, *found.notes), rates)
+    told = [f"{', '.join(wanted[i].name for i in others)}: on that clock too"] if others else []
+    notes = [*found.notes, *told, *notes]
+    source = ColumnSource(opened.columns, lambda _: [], opened.notes, rates)
     if not keep_names:
         values, notes = _not_ignored(source, channel_map, values, notes)
     return _whole(path, digest, source, taken, values, notes)
@@ -178,9 +180,18 @@ def _wanted(
 ) -> Wanted:
     item = taken.get(index)
     if item is None:
-        return Wanted(_full(columns[index]), trace, trace.state)
+        return Wanted(_full(columns[index]), trace, trace.state or _counts(columns[index], trace))
     method = item.mapping.method
     return Wanted(item.channel, trace, trace.state if method is None else method == "hold")
+
+
+def _counts(column: Column, trace: ChannelTrace) -> bool:
+    """Whether a column that nobody named holds whole numbers without a unit, as a gear or a flag.
+
+    Straight lines between such values would be values that the car never had.
+    """
+    known = trace.values[np.isfinite(trace.values)]
+    return not column.unit and bool(np.all(known == np.round(known)))
 
 
 def _whole(

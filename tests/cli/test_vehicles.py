@@ -83,8 +83,13 @@ def test_all_mistakes_of_a_file_are_told_at_once(brake_cal, car):
     )  # fmt: skip
     ran = brake_cal("vehicle", "check", file)
     assert ran.code == 3
-    for text in ("4 errors", 'chassis.mass: 1744 has no unit; expected a unit, such as "1744 kg"', "did you mean 'cg_height'?", "front.piston_area",
-                 "front.effective_radius"):  # fmt: skip
+    for text in (
+        "4 errors",
+        'chassis.mass: 1744 has no unit; expected a unit, such as "1744 kg"',
+        "did you mean 'cg_height'?",
+        "front.piston_area",
+        "front.effective_radius",
+    ):
         assert text in ran.err
 
 
