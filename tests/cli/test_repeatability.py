@@ -67,7 +67,7 @@ def test_a_plan_and_limits_that_fail(brake_cal, ramps, tmp_path):
         (("--folders", "station"), 2, "car/station"),
         (("--folders", "car", "--plan", "p.csv"), 2, "not together with --plan"),
         (("--plan", "nowhere.csv"), 3, "no such file"),
-        (("--folders", "car", "--road", "wet"), 2, "only with --plan"),
+        (("--folders", "car", "--road", "wet"), 2, "only with a --plan"),
     ],
 )
 def test_mistakes(brake_cal, ramps, more, code, says):
