@@ -213,6 +213,8 @@ def _whole(
             found = WholeColumn(name, column.unit, values[index])
         names.add(found.name)
         columns.append(replace(found, rate=source.rates.get(index)))
+    if not columns:
+        raise LogError("no column holds numbers", where=path, expected="a log")
     every = (*source.notes, *notes)
     return WholeLog(stem_of(path), str(path), digest, tuple(columns), every)
 
