@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from calib.checks.events import BITE, BRAKING, LEAD_IN, STANDSTILL, RunEvent
 from calib.logs.whole import TIME, WholeColumn, WholeLog
 from calib.names import CHANNELS, WHEELS
+from calib.plots import log
 from calib.plots.stop import WHEEL_STROKES
 from calib.plots.style import BODY, FRONT, REAR, WIDTH, Stroke, styled
 
@@ -29,17 +30,17 @@ MOST = 40
 """Panels of one picture; more are not readable."""
 
 SPANS: dict[str, Stroke] = {
-    LEAD_IN: {"facecolor": "#E3F2EA"},
-    BRAKING: {"facecolor": "#FBEBDF"},
-    STANDSTILL: {"facecolor": "#E8E8E8"},
+    LEAD_IN: {"facecolor": log.LEAD_IN},
+    BRAKING: {"facecolor": log.BRAKING},
+    STANDSTILL: {"facecolor": "#F8E6D8"},
 }
 """Colour of the spans; their names are above the first panel."""
 
 
-def panels_of(log: WholeLog) -> dict[str, tuple[WholeColumn, ...]]:
+def panels_of(whole: WholeLog) -> dict[str, tuple[WholeColumn, ...]]:
     """The columns by panel, in the order of the log; the clock has none."""
     found: dict[str, tuple[WholeColumn, ...]] = {}
-    for column in log.columns:
+    for column in whole.columns:
         if column.name != TIME:
             key = f"{_kind(column.name)} [{column.unit or '?'}]"
             found[key] = (*found.get(key, ()), column)
@@ -53,14 +54,14 @@ def _kind(name: str) -> str:
     return stem if shared else name
 
 
-def figure(log: WholeLog, events: tuple[RunEvent, ...] = ()) -> "Figure":
+def figure(whole: WholeLog, events: tuple[RunEvent, ...] = ()) -> "Figure":
     """Draw a log. Raises ValueError for one without columns or with more than `MOST` panels."""
     from matplotlib.figure import Figure
 
-    panels = panels_of(log)
+    panels = panels_of(whole)
     if not 0 < len(panels) <= MOST:
         raise ValueError(f"{len(panels)} panels, at most {MOST} can be drawn")
-    time = log.time
+    time = whole.time
     with styled():
         made = Figure(figsize=(WIDTH, PANEL * len(panels) + 1.1), layout="constrained")
         axes = made.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
@@ -69,7 +70,7 @@ def figure(log: WholeLog, events: tuple[RunEvent, ...] = ()) -> "Figure":
             _mark(ax, events)
         axes[-1].set_xlabel("time [s]")
         axes[-1].set_xlim(time[0], time[-1])
-        made.suptitle(f"Log {log.name}", x=0.012, ha="left")
+        made.suptitle(f"Log {whole.name}", x=0.012, ha="left")
         _legend(made, events)
     return made
 
