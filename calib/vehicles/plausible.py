@@ -161,7 +161,8 @@ FIGURES: tuple[Figure, ...] = (
         "compare the brakes of both axles and the distances to the centre of gravity",
     ),
 )  # fmt: skip
-"""The figures with their ranges: what cars from a microcar to a laden van have, and some room."""
+"""The figures with their ranges: what cars from a microcar to a laden van have, and some room. How
+many good cars and mistakes have a warning: tests/studies/vehicle_mistakes.py."""
 
 
 def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
