@@ -22,6 +22,8 @@ The command line catches only the root. A message says what was wrong, which val
 was expected and where to look. Several errors of one file are one message of several lines.
 """
 
+import re
+
 from calib.printable import one_line, printable
 
 
@@ -54,7 +56,18 @@ class BrakeCalError(Exception):
         head = self.what if where is None else f"{printable(str(where))}: {self.what}"
         parts = [head, f"expected {self.expected}" if expected else "", self.do]
         whole = "; ".join(part for part in parts if part)
-        super().__init__("\n  ".join([whole, *map(one_line, lines)]))
+        self.lines = tuple(map(one_line, lines))
+        super().__init__("\n  ".join([whole, *self.lines]))
+
+    @property
+    def kind(self) -> str:
+        """Name of the kind for programs.
+
+        >>> DamagedTable("edited").kind, ChannelMapError("empty").kind
+        ('damaged_table', 'channel_map')
+        """
+        words = re.findall("[A-Z][a-z]+", type(self).__name__.removesuffix("Error"))
+        return "_".join(words).lower()
 
 
 class InputError(BrakeCalError):

@@ -48,11 +48,12 @@ def batch(
     fresh: Fresh = False,
     json: Json = False,
 ) -> None:
-    """Run one command on many logs: one row per log in DIR/results.parquet.
+    """Run one command on many logs, one row per log.
 
-    A log that cannot be read is a row with its error; it changes the exit code only if no log can
-    be read. A run that was stopped continues when it is started again. `fit` stores no tables.
-    Exit code 0 if no log fails its limits, 1 if one does, 3 if none could be read, 130 if stopped.
+    The rows are in DIR/results.parquet. A log that cannot be read is a row with its error; it
+    changes the exit code only if no log can be read. A run that was stopped continues when it is
+    started again. `fit` stores no tables. Exit code 0 if no log fails its limits, 1 if one does, 3
+    if none could be read, 130 if stopped.
     """
     if workers is not None and scheduler is not None:
         raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")

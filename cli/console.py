@@ -15,6 +15,7 @@ from pathlib import PurePath
 from typing import IO, TYPE_CHECKING, Any
 
 from calib.printable import printable
+from cli.loudness import this_run
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -30,8 +31,15 @@ def console() -> "Console":
 
 
 def say(message: str) -> None:
-    """Print on stderr what is being done; ``message`` is printed without markup."""
-    console().print(message, soft_wrap=True)
+    """Print on stderr what is being done, but not with -q; printed without markup."""
+    if not this_run().quiet:
+        console().print(message, soft_wrap=True)
+
+
+def detail(message: str) -> None:
+    """Print on stderr what only -v asks for."""
+    if this_run().verbose:
+        say(message)
 
 
 def complain(message: str) -> None:
@@ -56,6 +64,7 @@ def emit(renderable: "RenderableType") -> None:
 
 def emit_json(document: object) -> None:
     """Print ``document`` as the only JSON document on stdout; its types are those of `plain`."""
+    this_run().documents += 1
     print(json_text(document), end="", flush=True)  # noqa: T201
 
 
@@ -129,8 +138,8 @@ def stages() -> Iterator[Callable[[str, int, int], None]]:
 
 
 def is_watched() -> bool:
-    """Whether stderr is a terminal on which a bar can be drawn."""
-    return sys.stderr.isatty() and console().is_interactive
+    """Whether stderr is a terminal on which a bar can be drawn; never with -q."""
+    return not this_run().quiet and sys.stderr.isatty() and console().is_interactive
 
 
 def progress_bar(task: str, total: int | None, time_left: bool = True) -> "Progress":

@@ -21,10 +21,11 @@ def demo(
     out: Annotated[Path, out_folder("Folder for all files.")] = FOLDER,
     json: Json = False,
 ) -> None:
-    """Check, fit, validate and draw the sample logs, and print the paper's two studies.
+    """Try all steps on the sample logs.
 
-    At the end it diagnoses a car with a hidden effect: the gap, the effect, the gap with it.
-    All files go into one folder: the sample logs, the store, results and figures.
+    Checks, fits, validates and draws them, and prints the paper's two studies. At the end it
+    diagnoses a car with a hidden effect: the gap, the effect, the gap with it. All files go into
+    one folder: the sample logs, the store, results and figures.
     """
     from calib.demo.demo import hidden_story, run, section_five, section_four
     from calib.diagnosis.document import to_dict

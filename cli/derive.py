@@ -29,9 +29,10 @@ def derive(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Correct a table by hand: a new version with its parent, every cell that was set marked.
+    """Correct a table by hand, as a new version.
 
-    D, f1 and f2 of a row are tied, level and ratio of the pads are, too: what moves along is told.
+    It names its parent, and every cell that was set is marked. D, f1 and f2 of a row are tied,
+    level and ratio of the pads are, too: what moves along is told.
     """
     from calib.revisions.derive import derive as corrected
 

@@ -52,7 +52,11 @@ def diagnose(
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
-    """Find where simulation and measured runs disagree, name the missing effect and add it."""
+    """Name the effect that the model of a car lacks.
+
+    It says where simulation and measured runs disagree, adds the effect, and confirms it on the
+    logs of --holdout.
+    """
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.document import text_of, to_dict
     from calib.diagnosis.folder import files_of, write_folder

@@ -25,9 +25,10 @@ def diff(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Say whether two tables are equal, equal within their 95 % bands, or different, and where.
+    """Say whether and where two tables differ.
 
-    The JSON document holds every key of their records that differs.
+    They are equal, equal within their 95 % bands, or different. The JSON document holds every key
+    of their records that differs.
     """
     from calib.table.compare import diff as compare
 

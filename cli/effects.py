@@ -27,9 +27,10 @@ def effects(
     effect: OwnEffects = None,
     json: Json = False,
 ) -> None:
-    """List the effects that a model can have, or print the card of one.
+    """List the effects that a model can have.
 
-    With --effect the file is checked, and its effect is among them.
+    With a NAME its card is printed. With --effect the file is checked, and its effect is among
+    them.
     """
     from calib.physics.effects.catalogue import CATALOGUE
     from calib.physics.own_effects.read import read_own_effects

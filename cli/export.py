@@ -68,10 +68,11 @@ def export_table(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Write a released table for a calibration tool, an ECU or another program.
+    """Write a table for a calibration tool or an ECU.
 
-    A bare name is its newest released version. Every file states the table's id, version,
-    digest and state, the checksum of its numbers, and which value holds beyond the ends of an axis.
+    Only a released one, unless --unreleased is given. A bare name is its newest released version.
+    Every file states the table's id, version, digest and state, the checksum of its numbers, and
+    which value holds beyond the ends of an axis.
     """
     form = _known(form)
     _check_usage(form, out, bits, elf)

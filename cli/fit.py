@@ -44,7 +44,7 @@ def fit(
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
-    """Fit the look-up table of a vehicle from one or more ramped brakings.
+    """Make the look-up table of a car from ramped brakings.
 
     From a LOG without braking drag and rolling resistance are estimated. A ramp on which one axle
     brakes alone by its wheel pressures tells pads and tyres of the axles apart. Effects of the

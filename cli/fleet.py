@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, json_text, progress, say
+from cli.group import command_group
 from cli.options import Json, example, out_folder
 from cli.outputs import ready_folder, writing
 
@@ -16,16 +17,9 @@ DOCUMENT = "fleet.json"
 SHOWN = 10
 """Number of outliers that are printed; fleet.json has all."""
 
-app = typer.Typer(
-    rich_markup_mode=None,
-    no_args_is_help=True,
-    epilog=example("brake-cal fleet report checked/results.parquet --out fleet"),
+app = command_group(
+    "Evaluate many cars together.", "brake-cal fleet report checked/results.parquet --out fleet"
 )
-
-
-@app.callback()
-def fleet() -> None:
-    """Evaluate many cars together."""
 
 
 @app.command(
@@ -49,7 +43,7 @@ def report(
     out: Annotated[Path | None, out_folder("Write report.html, fleet.json, PNGs here.")] = None,
     json: Json = False,
 ) -> None:
-    """Show distributions, outliers, drift of the line and errors of a batch of logs."""
+    """Show distributions, outliers and drift of a batch of logs."""
     from calib.fleet.results import open_fleet
     from calib.fleet.summary import summarise
     from calib.reports.fleet import document

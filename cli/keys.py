@@ -24,10 +24,10 @@ def key(
     ] = False,
     json: Json = False,
 ) -> None:
-    """Make a pair of keys that signs tables, in the files of minisign.
+    """Make a pair of keys that signs tables.
 
-    The password is asked for twice, without echo; where stdin is no terminal, it is two lines of
-    stdin. An existing file is not replaced.
+    Both are files of minisign. The password is asked for twice, without echo; where stdin is no
+    terminal, it is two lines of stdin. An existing file is not replaced.
     """
     from calib.signing.key_pair import generate
 

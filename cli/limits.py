@@ -6,22 +6,24 @@ from typing import Annotated
 import typer
 
 from cli.console import emit_json, say
+from cli.group import command_group
 from cli.options import Json, example, out_file
 from cli.outputs import refuse_folder, writing
 
-EPILOG = example("brake-cal limits init --out line.toml")
-app = typer.Typer(no_args_is_help=True, help="Limits of a car and of its stops.", epilog=EPILOG)
+EXAMPLE = "brake-cal limits init --out line.toml"
+app = command_group("Limits of a car and of its stops.", EXAMPLE)
 
 
-@app.command(epilog=EPILOG)
+@app.command(epilog=example(EXAMPLE))
 def init(
     out: Annotated[Path | None, out_file("File to write; else stdout.", "L.toml")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
     json: Json = False,
 ) -> None:
-    """Write every limit with its meaning, unit, default and reason, ready to be edited.
+    """Write a file of all limits, ready to be edited.
 
-    With --json also as one JSON document on stdout.
+    Each with its meaning, unit, default and reason. With --json also as one JSON document on
+    stdout.
     """
     from calib.station.advice import ADVICE
     from calib.station.limits_file import limits_file

@@ -2,10 +2,11 @@
 
 import os
 import sys
+import time
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
 from calib import __version__
 from calib.errors import BrakeCalError
@@ -32,34 +33,20 @@ from cli import (
     vehicles,
     watch,
 )
-from cli.console import complain
+from cli.console import complain, emit_json, say
+from cli.failure import document_of, usage_document
+from cli.group import Group
+from cli.loudness import begin, this_run
 from cli.options import example
 
-PIPE_CLOSED = 141
-"""Exit code of a program that SIGPIPE ended, as in a shell."""
-
-
-class Commands(TyperGroup):
-    """The group of commands; it ends without a message when the reader of its output closes."""
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command, and flush its output while an error can still be handled."""
-        try:
-            result = super().invoke(ctx)
-            sys.stdout.flush()
-        except BrokenPipeError:
-            # The interpreter flushes once more at exit; this discards it.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            raise typer.Exit(PIPE_CLOSED) from None
-        return result
-
+UsageError: Any = typer.BadParameter.__base__
+"""What typer raises for a wrong command line; it exports only the one for a wrong value."""
 
 # Plain help: typer's boxes import rich, which takes half of the time that --help may take.
 app = typer.Typer(
     name="brake-cal",
-    cls=Commands,
+    cls=Group,
     rich_markup_mode=None,
-    add_completion=False,
     pretty_exceptions_enable=False,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -107,18 +94,40 @@ def options(
 
 
 def main() -> None:
-    """Run the command line; the only place that turns a BrakeCalError into an exit code.
-
-    typer ends usage errors with 2 and an interrupt with 130.
-    """
+    """Run the command line; the only place that turns errors into messages and exit codes."""
     for library in ("OPENBLAS", "OMP", "MKL"):
         # arrays are small here: threads of the linear algebra take more time than they save
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    begin()
+    started = time.monotonic()
+    code = _run(sys.argv[1:])
+    if this_run().verbose:
+        say(f"took {time.monotonic() - started:.1f} s, exit code {code}")
+    sys.exit(code)
+
+
+def _run(words: Sequence[str]) -> int:
+    """Exit code of a command line; an interrupt gives 130."""
     try:
-        app(prog_name="brake-cal")
+        return app(prog_name="brake-cal", standalone_mode=False) or 0
     except BrakeCalError as error:
+        _fail(words, document_of(error))
         complain(str(error))
-        sys.exit(error.exit_code)
+        return error.exit_code
+    except UsageError as error:
+        _fail(words, usage_document(error))
+        error.show()
+        return int(error.exit_code)
+    except typer.Abort:
+        complain("stopped")
+        return 1
+
+
+def _fail(words: Sequence[str], document: dict[str, object]) -> None:
+    """Print the error as JSON where it was asked for and no document is there yet."""
+    asked = words[: words.index("--")] if "--" in words else words
+    if "--json" in asked and not this_run().documents:
+        emit_json(document)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import typer
 
 from cli.console import complain, emit, emit_json, say
 from cli.grid import facts_grid
+from cli.group import command_group
 from cli.inputs import channel_map_of
 from cli.options import Json, example, map_file, out_file
 from cli.outputs import refuse_folder, refuse_overwriting, writing
@@ -22,17 +23,10 @@ UNCERTAIN = 3
 NOT_ENOUGH = 1
 """Exit code for a map without a channel that every log needs, as that of `check` for such a log."""
 
-app = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    help="Channel maps: which column of a foreign log is which channel.",
-    epilog=example("brake-cal map suggest sample_logs/sedan/ramp_wet_asphalt.csv"),
+app = command_group(
+    "Channel maps: which column of a log is which channel.",
+    "brake-cal map suggest sample_logs/sedan/ramp_wet_asphalt.csv",
 )
-
-
-@app.callback()
-def group() -> None:
-    """Channel maps: which column of a foreign log is which channel."""
 
 
 @app.command(
@@ -58,11 +52,12 @@ def suggest(
     out: Annotated[Path | None, out_file("Map file to write.", "M.toml")] = None,
     json: Json = False,
 ) -> None:
-    """Propose a channel map for a LOG from names, units and physics, with its confidence.
+    """Propose a channel map for a log of foreign names.
 
-    Prints the map on stdout and the reasons on stderr. Where something is ambiguous it lists the
-    candidates, writes no map and ends with 3. It ends with 1 if the log lacks what every log needs,
-    such as the pressure. Of --map only file format and DBC are used; the new map keeps them.
+    It rests on names, units and physics, and says how sure it is. Prints the map on stdout and the
+    reasons on stderr. Where something is ambiguous it lists the candidates, writes no map and ends
+    with 3. It ends with 1 if the log lacks what every log needs, such as the pressure. Of --map
+    only file format and DBC are used; the new map keeps them.
     """
     from calib.logs.read import open_log
     from calib.suggest.propose import suggest as propose

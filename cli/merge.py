@@ -28,10 +28,10 @@ def merge(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Store the mean of several cars with the spread between them, as a golden table.
+    """Store the mean of several cars as a golden table.
 
-    Random effects: the spread between cars by REML, the interval of the mean after Hartung and
-    Knapp. Its bands are those of one more car of the model.
+    With the spread between them. Random effects: the spread between cars by REML, the interval of
+    the mean after Hartung and Knapp. Its bands are those of one more car of the model.
     """
     from calib.revisions.merge import merge as mean_of
 

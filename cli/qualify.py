@@ -19,7 +19,7 @@ def qualify(
     out: Annotated[Path, out_folder(f"Write {DOCUMENT} and {REPORT} here.")],
     json: Json = False,
 ) -> None:
-    """Try the program on this machine against truths that are known beforehand.
+    """Try the program on this machine against known truths.
 
     Writes what ISO 26262-8 clause 11 asks of a tool: environment, use cases, possible malfunctions,
     checks with their results. Exit code 0 if all checks hold. Takes about half a minute.

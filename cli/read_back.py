@@ -24,7 +24,7 @@ def import_table(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Read a DCM or CDF file back and compare it with the table that it names.
+    """Compare a DCM or CDF file with the table that it names.
 
     Nothing is stored: such a file holds the curves of a table, not their origin. Exit code 3 if it
     is cut off or damaged, 4 if it does not agree with its checksum or its digest.

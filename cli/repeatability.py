@@ -64,11 +64,12 @@ def repeatability(
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
-    """Judge the calibration as a gauge, from repeated ramps of several cars.
+    """Judge the calibration as a gauge, from repeated ramps.
 
-    Every ramp is fitted alone; analysis of variance then splits the scatter of each metric into
-    repeat, station and car. Exit code 0 if all hold their limits (%GRR up to 30, ndc 5 or more).
-    A range of a metric itself in the limits file is its tolerance: %GRR is then given of that too.
+    The ramps are of several cars. Every ramp is fitted alone; analysis of variance then splits the
+    scatter of each metric into repeat, station and car. Exit code 0 if all hold their limits (%GRR
+    up to 30, ndc 5 or more). A range of a metric itself in the limits file is its tolerance: %GRR
+    is then given of that too.
     """
     from calib.gauge.limits_file import read_gauge_limits
     from calib.gauge.study import METRICS, study

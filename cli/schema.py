@@ -20,10 +20,11 @@ def schema(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Print the JSON Schema (draft 2020-12) of a file, or list the files that have one.
+    """Print the JSON Schema of a file.
 
-    It gives keys, units and ranges. Conditions between two values, such as a disc that fits into
-    the wheel, are checked by the program only.
+    Without a NAME it lists the files that have one, in draft 2020-12. It gives keys, units and
+    ranges. Conditions between two values, such as a disc that fits into the wheel, are checked by
+    the program only.
     """
     if name is None:
         _list(json)
@@ -91,6 +92,12 @@ def _vehicle_facts() -> "type[Section]":
     return VehicleFactsFile
 
 
+def _error() -> "type[Section]":
+    from calib.error_file import ErrorFile
+
+    return ErrorFile
+
+
 def _settings() -> "type[Section]":
     from calib.settings_file import SettingsFile
 
@@ -106,5 +113,6 @@ SCHEMAS: "dict[str, tuple[str, Callable[[], type[Section]]]]" = {
     "table": ("record.json: a stored table without its curves", _table),
     "summary": ("summary.json of a validation, as far as an export reads it", _summary),
     "vehicle-facts": ("what `vehicle show --json` prints of a vehicle file", _vehicle_facts),
+    "error": ("what a command with --json prints where it ends with an error", _error),
 }
 """Kinds of files: their content and their schema."""

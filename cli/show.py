@@ -20,7 +20,10 @@ ROWS = 12
 
 
 def show(table: TableVersion, store: Store = STORE, json: Json = False) -> None:
-    """Say whether a table may be used, and print its quality, its origin and its curves."""
+    """Say whether a table may be used, and how good it is.
+
+    Prints its quality, its origin and its curves, and last the verdict.
+    """
     stored = calib.Store(store).load(table)
     if json:
         emit_json(_document(stored))

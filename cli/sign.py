@@ -26,12 +26,12 @@ def sign(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Sign a version and its state, in a file of minisign beside its folder.
+    """Sign a version and its state.
 
-    The signature covers the record, which holds the SHA-256 of every curve, and in its trusted
-    comment table, version, state, digest and the newest line of the journal. It holds until the
-    state changes; then sign again. A password is asked for without echo; where stdin is no
-    terminal, it is a line of stdin.
+    The signature is a file of minisign beside the folder of the version. It covers the record,
+    which holds the SHA-256 of every curve, and in its trusted comment table, version, state, digest
+    and the newest line of the journal. It holds until the state changes; then sign again. A
+    password is asked for without echo; where stdin is no terminal, it is a line of stdin.
     """
     from calib.signing.secret_key import read_secret_key
     from calib.store import trust

@@ -72,11 +72,12 @@ def simulate(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Drive a model of the vehicle with the pressure of a LOG, or through a manoeuvre.
+    """Drive a model of a car by the pressure of a log.
 
-    A log is replayed open loop: its pressures (of the wheels, where logged) from its first speed,
-    at its own times. The result has the channels of a log and the true values. Everything in it is
-    simulated, its noise too: it serves to try the program, never as evidence about a car.
+    Or through a manoeuvre. A log is replayed open loop: its pressures (of the wheels, where logged)
+    from its first speed, at its own times. The result has the channels of a log and the true
+    values. Everything in it is simulated, its noise too: it serves to try the program, never as
+    evidence about a car.
     """
     driving = {"--speed": speed, "--pressure": pressure, "--deceleration": deceleration,
                "--duration": duration, "--rate": rate}  # fmt: skip

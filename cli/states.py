@@ -39,10 +39,10 @@ def release(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Release a version: from now on it may be exported, and others are measured by it.
+    """Release a version, so that it may be exported.
 
-    With --evidence the file must be of this version and must not have failed. A rejected version
-    needs it; a withdrawn one is never released again.
+    Others are measured by it, too. With --evidence the file must be of this version and must not
+    have failed. A rejected version needs it; a withdrawn one is never released again.
     """
     _judge(table, "released", reason, evidence, by, store, json)
 
@@ -56,7 +56,10 @@ def reject(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Reject a version: a bare name never means it, and it is not exported."""
+    """Reject a version, so that it is no longer used.
+
+    A bare name never means it, and it is not exported.
+    """
     _judge(table, "rejected", reason, evidence, by, store, json)
 
 
@@ -68,10 +71,10 @@ def withdraw(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Withdraw a version for good: a bare name never means it, and it is not exported.
+    """Withdraw a version for good.
 
-    A version that is missing and cannot be restored is withdrawn, too: `tables verify` then no
-    longer counts it.
+    A bare name never means it, and it is not exported. A version that is missing and cannot be
+    restored is withdrawn, too: `tables verify` then no longer counts it.
     """
     from calib.store.state import Decision
 
@@ -90,7 +93,7 @@ def log(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Print what happened to a table: when, by whom, why, and on what evidence."""
+    """Print what happened to a table: when, by whom and why."""
     name, at, version = table.partition("@")
     journal = calib.Store(store).journal(name)
     known = journal.of(name)

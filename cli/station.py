@@ -167,13 +167,13 @@ def station(
     signing: Signing,
     json: Json = False,
 ) -> None:
-    """Fit, validate and judge one car: the first log is its ramp, the others are hold-outs.
+    """Fit, validate and judge one car at the end of the line.
 
-    Exit code 0 if every limit holds, with warnings or without, 1 if one does not. The table goes
-    into the store: released where the car passed, rejected where it failed, a draft where it passed
-    with warnings that nobody accepts. Only a released table is exported. With a log that cannot be
-    used it ends with 3 and stores nothing. The same command gives the same bytes and no new
-    version.
+    The first log is its ramp, the others are hold-outs. Exit code 0 if every limit holds, with
+    warnings or without, 1 if one does not. The table goes into the store: released where the car
+    passed, rejected where it failed, a draft where it passed with warnings that nobody accepts.
+    Only a released table is exported. With a log that cannot be used it ends with 3 and stores
+    nothing. The same command gives the same bytes and no new version.
     """
     from calib.checks.gates import refuse_twice
     from calib.logs.read import read_log

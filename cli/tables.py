@@ -1,19 +1,11 @@
 """`brake-cal tables`: the commands on a store."""
 
-import typer
-
 from cli import derive, diff, export, keys, listing, merge, read_back, show, sign, states, verify
-from cli.options import example
+from cli.group import command_group
 
-app = typer.Typer(
-    rich_markup_mode=None, no_args_is_help=True, epilog=example("brake-cal tables list")
+app = command_group(
+    "Look at tables, release or reject them, hand them out.", "brake-cal tables list"
 )
-
-
-@app.callback()
-def tables() -> None:
-    """Tables of the store: look at them, release or reject them, hand them out."""
-
 
 app.command("list", epilog=listing.LIST)(listing.list_tables)
 app.command(epilog=listing.FIND)(listing.find)

@@ -63,7 +63,9 @@ def validate(
     signing: Signing,
     json: Json = False,
 ) -> None:
-    """Run the estimator on logs that are not part of the table's fit, and judge it.
+    """Run the estimator with a table on other logs, and judge it.
+
+    The logs must not be part of the table's fit.
 
     Exit code 0 if every log holds its limits, with warnings or without, 1 if one does not, or is
     one that the table was fitted on.

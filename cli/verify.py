@@ -23,9 +23,10 @@ def verify(
     store: Store = STORE,
     json: Json = False,
 ) -> None:
-    """Compare every version with digests, invariants and journal; exit code 4 if one is damaged.
+    """Say which versions of a store are damaged.
 
-    A version that is missing, replaced, edited, renumbered or unknown to the journal is damaged.
+    Compares each with its digests, its invariants and the journal; exit code 4 if one is damaged. A
+    version that is missing, replaced, edited, renumbered or unknown to the journal is damaged.
     With --key also the signatures: every released version must have one of this key, each must be
     of this version in its present state, and the journal must contain what was signed and what was
     seen before with this key.

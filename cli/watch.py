@@ -38,12 +38,12 @@ def watch(
     ] = 2,
     json: Annotated[bool, typer.Option("--json", help="One line of JSON per log.")] = False,
 ) -> None:
-    """Process every log that appears in DIR, once, until Ctrl-C or SIGTERM.
+    """Process each log that appears in a folder, until stopped.
 
-    A second signal ends it at once. Prints a line per log, after its row is on the disk. Rows are
-    kept as by `batch`, named by their path within DIR: a watch that was stopped or killed continues
-    where it was; a log that changes is processed again; one that is deleted keeps its row. Exit
-    code 0.
+    Ctrl-C or SIGTERM stop it. A second signal ends it at once. Prints a line per log, after its row
+    is on the disk. Rows are kept as by `batch`, named by their path within DIR: a watch that was
+    stopped or killed continues where it was; a log that changes is processed again; one that is
+    deleted keeps its row. Exit code 0.
     """
     if command is Command.DIAGNOSE:
         raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")

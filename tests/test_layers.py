@@ -13,7 +13,7 @@ CALIB = Path(__file__).parents[1] / "calib"
 ROOMS = """
     errors names units toml schema schema_errors bounded printable files intent publish digest \
     warning settings
-    settings_file
+    settings_file error_file
     signing
     statistics
     physics

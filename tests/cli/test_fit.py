@@ -117,7 +117,7 @@ def test_a_store_that_cannot_be_written_ends_with_4(brake_cal, log, tmp_path):
     file = tmp_path / "store"
     file.write_text("no directory")
     ran = brake_cal("fit", log, "--vehicle", VEHICLE, "--store", file, "--json")
-    assert (ran.code, ran.out) == (4, "")
+    assert ran.code == json.loads(ran.out)["error"]["exit_code"] == 4
     assert "cannot be written" in ran.err
     assert file.read_text() == "no directory"
 

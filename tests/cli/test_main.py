@@ -75,13 +75,12 @@ def test_usage_errors_end_with_2_and_help(brake_cal, arguments, says):
     ("error", "code"),
     [(BrakeCalError("w"), 1), (InputError("w", where="a.csv"), 3), (StoreError("w", do="mend"), 4)],
 )
-@pytest.mark.parametrize("json", [(), ("--json",)])
-def test_an_error_is_a_line_on_stderr_and_an_exit_code(brake_cal, monkeypatch, error, code, json):
+def test_an_error_is_a_line_on_stderr_and_an_exit_code(brake_cal, monkeypatch, error, code):
     def fail(self):
         raise error
 
     monkeypatch.setattr(Store, "list", fail)
-    ran = brake_cal("tables", "list", *json)
+    ran = brake_cal("tables", "list")
     assert (ran.code, ran.out, ran.err) == (code, "", f"error: {error}\n")
 
 

@@ -37,7 +37,7 @@ def test_show_json_holds_the_whole_table(tables, two, document):
 
 
 def test_show_of_an_unknown_table_ends_with_2(tables, two):
-    ran = tables("show", "sedna", "--json")
+    ran = tables("show", "sedna")
     assert (ran.code, ran.out) == (2, "")
     assert "did you mean 'sedan'" in ran.err
 

@@ -1,0 +1,44 @@
+"""Errors as JSON, see `calib.error_file`."""
+
+from typing import Any
+
+from calib.errors import BrakeCalError
+
+USAGE = "usage"
+"""Kind of an error in the command line itself."""
+
+
+def document_of(error: BrakeCalError) -> dict[str, object]:
+    """The document of an error of the library."""
+    return {
+        "schema": 1,
+        "error": {
+            "kind": error.kind,
+            "message": str(error),
+            "exit_code": error.exit_code,
+            "what": error.what,
+            "where": "" if error.where is None else str(error.where),
+            "expected": error.expected,
+            "do": error.do,
+            "lines": error.lines,
+        },
+    }
+
+
+def usage_document(error: Any) -> dict[str, object]:
+    """The document of a usage error of typer."""
+    command = error.ctx.command_path if error.ctx else "brake-cal"
+    hint = getattr(error, "param_hint", None) or ""
+    return {
+        "schema": 1,
+        "error": {
+            "kind": USAGE,
+            "message": error.format_message(),
+            "exit_code": error.exit_code,
+            "what": error.message,
+            "where": hint if isinstance(hint, str) else " ".join(hint),
+            "expected": "",
+            "do": f"see `{command} --help`",
+            "lines": (),
+        },
+    }

@@ -1,0 +1,99 @@
+"""A group of commands: its help by subject, and -q and -v for each of its commands."""
+
+import os
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from cli.loudness import loudness_options
+from cli.options import example
+
+PIPE_CLOSED = 141
+"""Exit code of a program that SIGPIPE ended, as in a shell."""
+
+SUBJECTS = {
+    "brake-cal": {
+        "One car": ("check", "fit", "validate", "plot"),
+        "Tables": ("tables",),
+        "The line": ("station", "limits", "repeatability", "batch", "watch", "fleet"),
+        "Where model and car disagree": ("diagnose", "simulate", "effects"),
+        "Files and settings": ("vehicle", "log", "map", "settings", "schema"),
+        "Help": ("demo", "manual", "doctor", "qualify"),
+    },
+    "tables": {
+        "Look": ("list", "find", "show", "diff", "log", "verify"),
+        "Decide": ("release", "reject", "withdraw", "key", "sign"),
+        "Hand out": ("export", "import"),
+        "Make of others": ("merge", "derive"),
+    },
+}
+"""Headings of the help by the name of the group, each with its commands in their order."""
+
+
+class Group(TyperGroup):
+    """Commands under their `SUBJECTS`; it ends without a message when nobody reads its output."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        self.params = [*self.params, *loudness_options()]
+        for command in self.commands.values():
+            command.short_help = first_sentence(command.help or "")
+            if not isinstance(command, Group):
+                command.params = [*command.params, *loudness_options()]
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write each subject with its commands; a summary is never cut."""
+        width = max(map(len, self.commands), default=0)
+        for heading, names in self._subjects():
+            rows = [(name.ljust(width), self.commands[name].short_help) for name in names]
+            with formatter.section(heading):
+                formatter.write_dl(rows)
+
+    def _subjects(self) -> Iterator[tuple[str, list[str]]]:
+        """Headings with the commands that there are; those of no subject under `Commands`."""
+        subjects = SUBJECTS.get(self.name or "", {})
+        for heading, named in subjects.items():
+            there = [name for name in named if name in self.commands]
+            if there:
+                yield heading, there
+        rest = [name for name in self.commands if name not in sum(subjects.values(), ())]
+        if rest:
+            yield "Commands", rest
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command, and flush its output while an error can still be handled."""
+        try:
+            result = super().invoke(ctx)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            # The interpreter flushes once more at exit; this discards it.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(PIPE_CLOSED) from None
+        return result
+
+
+def command_group(text: str, *examples: str) -> typer.Typer:
+    """Return a group without commands: its help and examples."""
+    # Plain help: typer's boxes import rich, which takes half of the time that --help may take.
+    made = typer.Typer(
+        cls=Group, rich_markup_mode=None, no_args_is_help=True, epilog=example(*examples)
+    )
+    made.callback(help=text)(_nothing)
+    return made
+
+
+def _nothing() -> None:
+    """Stand for the group itself: without it a group of one command would be that command."""
+
+
+def first_sentence(text: str) -> str:
+    r"""The first sentence of a help text, in one line and without its full stop.
+
+    >>> first_sentence("Fit the table of a car.\n\nMore on it.")
+    'Fit the table of a car'
+    """
+    paragraph = " ".join(text.strip().split("\n\n")[0].split())
+    return paragraph.split(". ")[0].removesuffix(".")

@@ -1,0 +1,42 @@
+"""-q and -v."""
+
+import re
+
+import pytest
+
+from calib.demo.samples import sample_logs
+
+SEDAN = sample_logs() / "sedan"
+FIT = ("fit", SEDAN / "ramp_wet_asphalt.csv", "--vehicle", SEDAN / "vehicle.toml")
+
+
+@pytest.fixture(scope="module")
+def said(tmp_path_factory):
+    return tmp_path_factory.mktemp("store")
+
+
+def test_quiet_prints_the_same_result_and_nothing_else(brake_cal, said, tmp_path):
+    usual = brake_cal(*FIT, "--store", tmp_path / "a")
+    quiet = brake_cal(*FIT, "--store", tmp_path / "b", "-q")
+    before = brake_cal("-q", *FIT, "--store", tmp_path / "c")
+    assert "fitting sedan-2up" in usual.err
+    assert quiet.err == before.err
+    assert "warning:" in quiet.err or quiet.err == ""
+    assert "fitting" not in quiet.err
+    assert quiet.out == usual.out.replace(str(tmp_path / "a"), str(tmp_path / "b"))
+
+
+def test_quiet_hides_no_error(brake_cal, tmp_path):
+    ran = brake_cal("check", tmp_path / "none.csv", "-q")
+    assert "no such file" in ran.err
+
+
+def test_verbose_tells_what_was_read_and_the_time(brake_cal, tmp_path):
+    ran = brake_cal(*FIT, "--store", tmp_path, "-v")
+    assert re.search(r"read .*ramp_wet_asphalt\.csv: \d+ samples, .* SHA-256 [0-9a-f]{12}", ran.err)
+    assert re.search(r"took \d+\.\d s, exit code 0\n$", ran.err)
+
+
+def test_one_run_does_not_hush_the_next(brake_cal):
+    brake_cal("tables", "list", "-q")
+    assert "settings" in brake_cal("settings").err
