@@ -7,6 +7,7 @@ import typer
 
 from cli.grid import facts_grid
 from cli.inputs import channel_map_of
+from cli.logs import named, open_table, read, tell
 from cli.options import Json, Map, example
 
 if TYPE_CHECKING:
@@ -53,19 +54,20 @@ def _look(
     from calib.checks.check import check as look_at
     from calib.checks.computed_channels import computed_channels
     from calib.errors import InputError
-    from calib.logs.read import open_log, read_log, read_opened
+    from calib.logs.read import read_opened
     from calib.logs.recordings import RECORDINGS
     from calib.logs.tables import ending_of
 
     found, errors = [], []
-    for path in logs:
+    for path, name in zip(logs, named(logs), strict=True):
         try:
             # a bus has thousands of signals: no search for copies of a pressure among them
-            if ending_of(path) in RECORDINGS:
-                found.append(look_at(read_log(path, mapping, require=())))
+            if ending_of(name) in RECORDINGS:
+                found.append(look_at(read(path, mapping, require=())))
             else:
-                opened = open_log(path, mapping)
-                log = read_opened(opened, path, mapping, require=())
+                opened = open_table(path, mapping)
+                log = read_opened(opened, name, mapping, require=())
+                tell(log)
                 found.append(look_at(log, computed_channels(log, opened.source)))
         except InputError as error:
             errors.append((path, error))

@@ -8,6 +8,7 @@ from typer.core import TyperCommand
 
 from cli.console import emit, emit_json, say, stages
 from cli.inputs import channel_map_of, with_own_effects
+from cli.logs import named, read
 from cli.options import Json, Map, OwnEffects, example, needed_vehicle, out_folder
 from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
 
@@ -60,26 +61,25 @@ def diagnose(
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.document import text_of, to_dict
     from calib.diagnosis.folder import files_of, write_folder
-    from calib.logs.read import read_log
     from calib.physics.vehicle_file import read_vehicle
     from calib.reports.diagnosis import report_html
 
     kept = holdout or []
-    stems = stems_of(kept, HOLDOUT)
+    stems = stems_of(named([*logs, *kept])[len(logs) :], HOLDOUT)
     ready_folder(out)
     refuse_overwriting(
         (out / file for file in files_of(stems)), [*logs, *kept], [vehicle, *(effect or [])]
     )
     car = with_own_effects(read_vehicle(vehicle), effect)
     mapping = channel_map_of(channel_map)
-    paths, read = [*logs, *kept], []
+    paths, runs = [*logs, *kept], []
     with stages() as tell:
         for i, path in enumerate(paths):
             tell(f"reading {path.name}", i, len(paths))
-            read.append(read_log(path, mapping))
-    say(f"searching {len(logs)} logs, confirming on {len(kept)}")
+            runs.append(read(path, mapping))
+    say(f"searching {len(logs)} log{'s' * (len(logs) > 1)}, confirming on {len(kept)}")
     with stages() as tell:
-        found = find(car, read[: len(logs)], read[len(logs) :], tell)
+        found = find(car, runs[: len(logs)], runs[len(logs) :], tell)
         tell("drawing the report", 0, 1)
         report = report_html(found, car.name)
     with writing(out):

@@ -8,6 +8,7 @@ import typer
 import calib
 from cli.console import emit, emit_json, say, warn
 from cli.inputs import channel_map_of, mass_of, tell_kin, with_own_effects
+from cli.logs import read, refuse_stdin
 from cli.options import (
     STORE,
     Json,
@@ -52,18 +53,18 @@ def fit(
     new version; the same logs give the same version again.
     """
     from calib.fitting.fit import fit as fit_table
-    from calib.logs.read import read_log
     from calib.physics.mass import mass_used
     from calib.physics.model import with_model
     from calib.physics.model_file import read_model
     from calib.physics.vehicle_file import read_vehicle
 
+    refuse_stdin(logs)
     weight, car = mass_of(mass), with_own_effects(read_vehicle(vehicle), effect)
     mapping = channel_map_of(channel_map)
     say(f"fitting {car.name} from {len(logs)} log{'s' * (len(logs) > 1)}")
     known = read_model(model, car) if model else None
     given = with_model(car, known) if known else car
-    runs = [read_log(path, mapping) for path in logs]
+    runs = [read(path, mapping) for path in logs]
     stored = calib.Store(store).save(fit_table(given, runs, weight))
     told = mass_used(given, weight)
     if stored.existed:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.inputs import channel_map_of, limits_of_stops, tables_of, vehicle_of
+from cli.logs import is_stdin, named, read
 from cli.options import STORE, Json, Map, Store, example, limits_file, out_file, vehicle_file
 from cli.outputs import refuse_folder, writing
 from cli.project import from_settings
@@ -103,7 +104,7 @@ def _read(
     what: list[str], store: Path, vehicle: Path | None, channel_map: Path | None
 ) -> "PlotInput":
     """Read all inputs; a name that is no log and no result is a table."""
-    from calib.logs.read import FORMATS, REQUIRED, read_log
+    from calib.logs.read import FORMATS, REQUIRED
     from calib.logs.tables import ending_of
     from calib.plots.choose import PlotInput
     from calib.plots.result import is_result, read_result
@@ -117,15 +118,16 @@ def _read(
         if p not in results
         and p.name != RECORD
         and not p.is_dir()
-        and (ending_of(p) in FORMATS or p.is_file())
+        and (is_stdin(p) or ending_of(p) in FORMATS or p.is_file())
     ]
     names = [w for w, p in zip(what, files, strict=True) if p not in results and p not in logs]
     _check_usage(len(names), len(logs), len(results), vehicle is not None)
+    named(logs)
     mapping = channel_map_of(channel_map)
     needed = REQUIRED if names else ()  # a log alone is drawn with the channels that it has
     return PlotInput(
         tables=tables_of(store, names),
-        logs=tuple(read_log(path, mapping, require=needed) for path in logs),
+        logs=tuple(read(path, mapping, require=needed) for path in logs),
         results=tuple(read_result(path) for path in results),
         vehicle=vehicle_of(vehicle),
     )

@@ -8,6 +8,7 @@ import typer
 from cli.console import emit, emit_json, json_text, progress, say
 from cli.grid import grid
 from cli.inputs import channel_map_of
+from cli.logs import read
 from cli.options import Json, Map, example, limits_file, out_folder, vehicle_file
 from cli.outputs import ready_folder, writing
 from cli.project import from_settings
@@ -143,13 +144,12 @@ def _readings(
 ) -> "tuple[GaugeReading, ...]":
     from calib.fitting.fit import fit
     from calib.gauge.study import GaugeReading, metrics_of
-    from calib.logs.read import read_log
 
     cars = _vehicles(places, vehicle)
     readings = []
     with progress(f"fitting {len(places)} ramps one by one", len(places)) as done:
         for place in places:
-            log = read_log(place.log, mapping)
+            log = read(place.log, mapping)
             metrics = metrics_of(fit(cars[place.vehicle or vehicle], [log]), log, reference)
             kept = {name: metrics[name] for name in names}
             readings.append(

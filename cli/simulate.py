@@ -9,6 +9,7 @@ import typer
 
 from cli.console import emit, emit_json, say
 from cli.inputs import quantity_of, with_own_effects
+from cli.logs import named, read
 from cli.options import Json, OwnEffects, VehicleFile, example, map_file, out_file
 from cli.outputs import refuse_folder, refuse_overwriting
 from cli.project import from_settings
@@ -126,11 +127,10 @@ def _check_usage(
 
 
 def _replay(model: "Model", path: Path, channel_map: Path | None) -> "Log":
-    from calib.logs.read import read_log
     from calib.simulation.replay import replay
 
-    say(f"replaying the pressure of {path} with {model.vehicle.name}")
-    return replay(model, read_log(path, channel_map, require=("time", "p_mc")))
+    say(f"replaying the pressure of {named([path])[0]} with {model.vehicle.name}")
+    return replay(model, read(path, channel_map, require=("time", "p_mc")))
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from cli.inputs import (
     tell_kin,
     unknown_format,
 )
+from cli.logs import read, refuse_stdin
 from cli.options import (
     STORE,
     By,
@@ -176,7 +177,6 @@ def station(
     nothing. The same command gives the same bytes and no new version.
     """
     from calib.checks.gates import refuse_twice
-    from calib.logs.read import read_log
     from calib.physics.vehicle_file import read_vehicle
     from calib.publish import workshop
     from calib.station.folder import publish_run
@@ -186,6 +186,7 @@ def station(
     from calib.validation.validate import require_same_vehicle
 
     ramps, coasts = [ramp, *(more.ramps or [])], more.coasts or []
+    refuse_stdin([*ramps, *coasts, *holdouts])
     identity, forms, weight = line.identity(), ecu.forms(), mass_of(mass)
     public = signing.public()
     if accept is not None and not accept.strip():
@@ -202,11 +203,11 @@ def station(
         require_same_vehicle(reference.table, car, vehicle)
     mapping = channel_map_of(channel_map)
     with progress(f"fitting {car.name}, validating on {len(holdouts)}", len(holdouts) + 1) as done:
-        ramp_logs = [read_log(path, mapping) for path in ramps]
-        coast_logs = [read_log(path, mapping) for path in coasts]
+        ramp_logs = [read(path, mapping) for path in ramps]
+        coast_logs = [read(path, mapping) for path in coasts]
         table = table_of(car, ramp_logs, coast_logs, identity, weight)
         done()
-        stops, results = [read_log(path, mapping) for path in holdouts], []
+        stops, results = [read(path, mapping) for path in holdouts], []
         refuse_twice(stops)
         for log in stops:
             results.append(validated(table, log, held, weight))

@@ -9,6 +9,7 @@ import calib
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
 from cli.inputs import channel_map_of, limits_of_stops, mass_of, vehicle_of, with_own_effects
+from cli.logs import named, read
 from cli.options import (
     STORE,
     Json,
@@ -71,7 +72,6 @@ def validate(
     one that the table was fitted on.
     """
     from calib.checks.gates import refuse_twice
-    from calib.logs.read import read_log
     from calib.validation.validate import (
         all_warnings,
         require_same_vehicle,
@@ -79,6 +79,7 @@ def validate(
         validate_one,
     )
 
+    named(logs)
     _check_out(logs, out)
     weight, public = mass_of(mass), signing.public()
     stored = calib.Store(store).load(table)
@@ -94,7 +95,7 @@ def validate(
     plural = "s" * (len(logs) > 1)
     with progress(f"validating {told} on {len(logs)} log{plural}", len(logs)) as done:
         for path in logs:
-            runs.append(read_log(path, mapping))
+            runs.append(read(path, mapping))
             refuse_twice(runs)
             results.append(validate_one(used, runs[-1], car, held, mass=weight))
             done()
@@ -131,7 +132,7 @@ def _with_known(table: "Table", path: Path) -> "Table":
 def _check_out(logs: list[Path], out: Path | None) -> None:
     if out is None:
         return
-    stems = stems_of(logs, "LOG")
+    stems = stems_of(named(logs), "LOG")
     refuse_overwriting((out / f"{stem}.parquet" for stem in stems), logs)
     ready_folder(out)
 

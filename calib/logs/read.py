@@ -45,7 +45,7 @@ def open_log(path: Path, channel_map: ChannelMap | None = None) -> Opened:
     """
     path = Path(path)
     if ending_of(path) not in RECORDINGS:
-        return _open_table(log_bytes(path), path, channel_map)
+        return open_bytes(log_bytes(path), path, channel_map)
     refuse_no_log(path)
     digest = recording_digest(path)
     return Opened(as_source(opened_recording(path, channel_map), str(path)), digest)
@@ -60,7 +60,8 @@ def opened_recording(
     return RECORDINGS[ending_of(path)](path, dbc)
 
 
-def _open_table(data: bytes, path: Path, channel_map: ChannelMap | None) -> Opened:
+def open_bytes(data: bytes, path: Path, channel_map: ChannelMap | None = None) -> Opened:
+    """Open the bytes of a log that is a table; ``path`` names it. Else like `open_log`."""
     refuse_other_kind(data[:64], ending_of(path), path)
     text_format = channel_map.text if channel_map else LOOKED
     source = TABLES[ending_of(path)](data, str(path), text_format)
@@ -147,7 +148,7 @@ def log_of(
     """
     path, mapped = Path(path), _as_map(channel_map)
     if ending_of(path) not in RECORDINGS:
-        return read_opened(_open_table(data, path, mapped), path, mapped, require=require)
+        return read_opened(open_bytes(data, path, mapped), path, mapped, require=require)
     return _recorded(Path(file or path), hashlib.sha256(data).hexdigest(), path, mapped, require)
 
 

@@ -1,0 +1,85 @@
+"""Logs of the command line: files, and one log from stdin that is written as `-`."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from cli.console import detail
+
+if TYPE_CHECKING:
+    from calib.logs.channel_map import ChannelMap
+    from calib.logs.log import Log
+    from calib.logs.read import Opened
+
+STDIN = "-"
+NAMED = Path("stdin.csv")
+"""What a log from stdin is called in messages and results; it is text."""
+
+
+def is_stdin(path: Path) -> bool:
+    """Whether a log is to be read from stdin; ``./-`` is a file of that name."""
+    return str(path) == STDIN
+
+
+def named(paths: Sequence[Path]) -> list[Path]:
+    """The paths by which results name the logs; refuses stdin that is given twice."""
+    if sum(map(is_stdin, paths)) > 1:
+        raise typer.BadParameter("stdin holds one log; give - once", param_hint="LOG")
+    return [NAMED if is_stdin(path) else path for path in paths]
+
+
+def refuse_stdin(paths: Sequence[Path]) -> None:
+    """Refuse a log from stdin where a table will name its logs, so that they can be found again."""
+    if any(map(is_stdin, paths)):
+        raise typer.BadParameter(
+            "a table names the logs that it is made of: give a file, not -", param_hint="LOG"
+        )
+
+
+def read(
+    path: Path, mapping: "ChannelMap | Path | None", require: tuple[str, ...] | None = None
+) -> "Log":
+    """Read a log, a file or that on stdin, and tell with -v what was read.
+
+    Raises LogError as `calib.logs.read.read_log` does.
+    """
+    from calib.logs.read import REQUIRED, log_of, read_log
+
+    needed = REQUIRED if require is None else require
+    if is_stdin(path):
+        log = log_of(_stdin(), NAMED, mapping, require=needed)
+    else:
+        log = read_log(path, mapping, require=needed)
+    tell(log)
+    return log
+
+
+def open_table(path: Path, mapping: "ChannelMap | None") -> "Opened":
+    """Open a log that is a table, a file or that on stdin. Raises LogError."""
+    from calib.logs.read import open_bytes, open_log
+
+    return open_bytes(_stdin(), NAMED, mapping) if is_stdin(path) else open_log(path, mapping)
+
+
+def tell(log: "Log") -> None:
+    """Say with -v what was read."""
+    detail(
+        f"read {log.source}: {log.time.size} samples, {log.time[-1] - log.time[0]:.2f} s, "
+        f"{', '.join(log.channels)}; SHA-256 {log.digest[:12]}"
+    )
+
+
+def _stdin() -> bytes:
+    """The bytes on stdin. Raises LogError where there are none, or more than a log may have."""
+    from calib.bounded import LOG
+    from calib.errors import LogError
+
+    if sys.stdin.isatty():
+        raise LogError("stdin is a terminal", where=STDIN, expected="a log", do="cat LOG | ...")
+    data = sys.stdin.buffer.read(LOG.most + 1)
+    if len(data) > LOG.most:
+        raise LogError(f"not readable: {LOG.excess()}; {LOG.advice}", where=STDIN)
+    return data
