@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
+from cli.completion import table_names
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import STORE, Json, Store, example
@@ -20,8 +21,14 @@ PRINTED = ("name", "vehicle", "effects", "provenance", "quality")
 
 
 def diff(
-    a: Annotated[str, typer.Argument(metavar="A", help="name, name@version or path")],
-    b: Annotated[str, typer.Argument(metavar="B", help="name, name@version or path")],
+    a: Annotated[
+        str,
+        typer.Argument(metavar="A", help="name, name@version or path", autocompletion=table_names),
+    ],
+    b: Annotated[
+        str,
+        typer.Argument(metavar="B", help="name, name@version or path", autocompletion=table_names),
+    ],
     store: Store = STORE,
     json: Json = False,
 ) -> None:

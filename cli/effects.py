@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cli.completion import names_of
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import Json, OwnEffects, example
@@ -22,7 +23,12 @@ EPILOG = example(
 
 def effects(
     name: Annotated[
-        str | None, typer.Argument(metavar="NAME", help="One effect; if not given, all.")
+        str | None,
+        typer.Argument(
+            metavar="NAME",
+            help="One effect; if not given, all.",
+            autocompletion=names_of("calib.physics.effects.catalogue", "CATALOGUE"),
+        ),
     ] = None,
     effect: OwnEffects = None,
     json: Json = False,

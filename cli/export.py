@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
+from cli.completion import names_of
 from cli.console import emit, emit_json, say
 from cli.options import STORE, Json, Store, TableVersion, example, grouped, out_file
 from cli.outputs import refuse_folder, refuse_overwriting, writing
@@ -34,6 +35,7 @@ def export_table(
             "--format",
             metavar="F",
             help="json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv.",
+            autocompletion=names_of("calib.exports.formats", "ENDINGS"),
         ),
     ],
     out: Annotated[Path, out_file("File to write.")],

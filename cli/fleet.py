@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cli.completion import names_of
 from cli.console import emit, emit_json, json_text, progress, say
 from cli.group import command_group
 from cli.options import Json, example, out_folder
@@ -38,7 +39,12 @@ def report(
     ] = None,
     metric: Annotated[
         list[str] | None,
-        typer.Option("--figure", metavar="NAME", help="Only this metric; repeatable."),
+        typer.Option(
+            "--figure",
+            metavar="NAME",
+            help="Only this metric; repeatable.",
+            autocompletion=names_of("calib.validation.metrics", "METRICS"),
+        ),
     ] = None,
     out: Annotated[Path | None, out_folder("Write report.html, fleet.json, PNGs here.")] = None,
     json: Json = False,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from calib.fleet.command import Command
+from cli.completion import names_of, table_names
 from cli.inputs import channel_map_of, limits_of_stops, tables_of, vehicle_of
 from cli.options import NO_VEHICLE, STORE, Map, Store, limits_file, out_folder, vehicle_file
 from cli.outputs import ready_folder
@@ -33,6 +34,7 @@ Commands = Annotated[
     typer.Argument(
         parser=_command,
         metavar="COMMAND",
+        autocompletion=names_of("calib.fleet.command", "Command"),
         help="What to do with each log.",
     ),
 ]
@@ -59,7 +61,12 @@ class JobOptions:
 
     table: Annotated[
         str | None,
-        typer.Option("--table", metavar="TABLE", help="validate: name, name@version or path."),
+        typer.Option(
+            "--table",
+            metavar="TABLE",
+            help="validate: name, name@version or path.",
+            autocompletion=table_names,
+        ),
     ] = None
     store: Store = STORE
     vehicle: Annotated[

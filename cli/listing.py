@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
+from cli.completion import names_of
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.inputs import require_day
@@ -20,7 +21,12 @@ FIND = example("brake-cal tables find 0815")
 
 def list_tables(
     state: Annotated[
-        str | None, typer.Option(metavar="S", help="draft, released, rejected or withdrawn.")
+        str | None,
+        typer.Option(
+            metavar="S",
+            help="draft, released, rejected or withdrawn.",
+            autocompletion=names_of("calib.signing.statement", "STATES"),
+        ),
     ] = None,
     serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None,
     vin: Annotated[str | None, typer.Option(metavar="V", help="Vehicle identification.")] = None,

@@ -33,6 +33,7 @@ from cli import (
     vehicles,
     watch,
 )
+from cli.completion import VARIABLE, answer
 from cli.console import complain, emit_json, say
 from cli.failure import document_of, usage_document
 from cli.group import Group
@@ -100,6 +101,8 @@ def main() -> None:
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     begin()
     started = time.monotonic()
+    if os.environ.get(VARIABLE) == "complete_bash":
+        sys.exit(answer(lambda: app(prog_name="brake-cal")))
     code = _run(sys.argv[1:])
     if this_run().verbose:
         say(f"took {time.monotonic() - started:.1f} s, exit code {code}")

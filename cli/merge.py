@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
+from cli.completion import table_versions
 from cli.console import emit, emit_json, say
 from cli.grid import grid
 from cli.options import STORE, Json, Store, example
@@ -21,7 +22,11 @@ EPILOG = example("brake-cal tables merge car@1 car@2 car@3 --name golden")
 def merge(
     tables: Annotated[
         list[str],
-        typer.Argument(metavar="CAR@1 CAR@2 ...", help="name@version or path, one of each car"),
+        typer.Argument(
+            metavar="CAR@1 CAR@2 ...",
+            help="name@version or path, one of each car",
+            autocompletion=table_versions,
+        ),
     ],
     *,
     name: Annotated[str, typer.Option(metavar="NAME", help="Name of the mean table.")],

@@ -12,6 +12,7 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
+from cli.completion import table_names, table_versions
 from cli.project import from_settings
 
 STORE = Path("tables")
@@ -71,7 +72,12 @@ By = Annotated[
 ]
 Reason = Annotated[str, typer.Option("--reason", metavar="TEXT", help="Why, for the journal.")]
 TableVersion = Annotated[
-    str, typer.Argument(metavar="TABLE", help="name, name@version or path of a version")
+    str,
+    typer.Argument(
+        metavar="TABLE",
+        help="name, name@version or path of a version",
+        autocompletion=table_names,
+    ),
 ]
 
 PublicKey = Annotated[
@@ -84,7 +90,10 @@ PublicKey = Annotated[
     ),
 ]
 
-Version = Annotated[str, typer.Argument(metavar="TABLE@N", help="name@version")]
+Version = Annotated[
+    str,
+    typer.Argument(metavar="TABLE@N", help="name@version", autocompletion=table_versions),
+]
 
 
 def refuse_bare(table: str) -> None:

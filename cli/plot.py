@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cli.completion import table_names
 from cli.inputs import channel_map_of, limits_of_stops, tables_of, vehicle_of
 from cli.logs import is_stdin, named, read
 from cli.options import STORE, Json, Map, Store, example, limits_file, out_file, vehicle_file
@@ -33,6 +34,7 @@ def plot(
         typer.Argument(
             metavar="TABLE|RESULT|LOG...",
             help="A table (name, name@version or path), a log, a result of validate.",
+            autocompletion=table_names,
         ),
     ],
     out: Annotated[Path | None, out_file("File to write: .png, .svg or .pdf.")] = None,
@@ -108,7 +110,7 @@ def _read(
     from calib.logs.tables import ending_of
     from calib.plots.choose import PlotInput
     from calib.plots.result import is_result, read_result
-    from calib.store.version import RECORD
+    from calib.store.folders import RECORD
 
     files = [Path(w) for w in what]
     results = [p for p in files if is_result(p)]

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cli.completion import names_of
 from cli.console import emit, emit_json, json_text, progress, say
 from cli.grid import grid
 from cli.inputs import channel_map_of
@@ -50,10 +51,19 @@ def repeatability(
     ] = None,
     folders: Annotated[
         str | None,
-        typer.Option(metavar="LAYOUT", help="Folders name car, car/station or station/car."),
+        typer.Option(
+            metavar="LAYOUT",
+            help="Folders name car, car/station or station/car.",
+            autocompletion=names_of("calib.gauge.plan", "LAYOUTS"),
+        ),
     ] = None,
     quantity: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Judge only this metric; repeatable.")
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Judge only this metric; repeatable.",
+            autocompletion=names_of("calib.gauge.study", "METRICS"),
+        ),
     ] = None,
     eta: Annotated[
         float, typer.Option(metavar="PERCENT", help="eta - 1 where D, f1 and f2 are compared [%].")

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cli.completion import names_of
 from cli.console import emit, emit_json
 from cli.options import Json, example
 
@@ -16,7 +17,12 @@ EPILOG = example("brake-cal schema", "brake-cal schema vehicle")
 
 def schema(
     name: Annotated[
-        str | None, typer.Argument(metavar="NAME", help="One kind of file; if not given, the list.")
+        str | None,
+        typer.Argument(
+            metavar="NAME",
+            help="One kind of file; if not given, the list.",
+            autocompletion=names_of("cli.schema", "SCHEMAS"),
+        ),
     ] = None,
     json: Json = False,
 ) -> None:

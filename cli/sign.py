@@ -47,7 +47,7 @@ def sign(
 
 
 def _report(made: "Signed", json: bool) -> None:
-    from calib.store.version import RECORD
+    from calib.store.folders import RECORD
 
     stored, record = made.stored, made.stored.path / RECORD
     if json:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cli.completion import names_of
 from cli.console import emit, emit_json, say
 from cli.inputs import quantity_of, with_own_effects
 from cli.logs import named, read
@@ -46,7 +47,11 @@ def simulate(
     effect: OwnEffects = None,
     manoeuvre: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="ramp, stop, coast, step, wave or staircase."),
+        typer.Option(
+            metavar="NAME",
+            help="ramp, stop, coast, step, wave or staircase.",
+            autocompletion=names_of("calib.simulation.manoeuvre", "NAMES"),
+        ),
     ] = None,
     speed: Annotated[
         str | None, typer.Option(help=f'First speed of the manoeuvre, "{SPEED}" if not given.')

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
+from cli.completion import table_names
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import STORE, By, Json, Reason, Store, Version, example, refuse_bare
@@ -89,7 +90,10 @@ def withdraw(
 
 
 def log(
-    table: Annotated[str, typer.Argument(metavar="TABLE", help="name, or name@version")],
+    table: Annotated[
+        str,
+        typer.Argument(metavar="TABLE", help="name, or name@version", autocompletion=table_names),
+    ],
     store: Store = STORE,
     json: Json = False,
 ) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
+from cli.completion import names_of, table_names
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
 from cli.inputs import (
@@ -106,6 +107,7 @@ class ExportOptions:
             "--export",
             metavar="F",
             help="Export as `tables export`; repeatable.",
+            autocompletion=names_of("calib.exports.formats", "ENDINGS"),
             callback=from_settings("export"),
         ),
     ] = None
@@ -150,6 +152,7 @@ def station(
         typer.Option(
             metavar="TABLE",
             help="Golden table of the model; a bare name is its newest released version.",
+            autocompletion=table_names,
             callback=from_settings("golden"),
         ),
     ] = None,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
+from cli.completion import table_names
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
 from cli.inputs import channel_map_of, limits_of_stops, mass_of, vehicle_of, with_own_effects
@@ -44,7 +45,12 @@ FAILED = 1
 
 @grouped
 def validate(
-    table: Annotated[str, typer.Argument(metavar="TABLE", help="name, name@version or path")],
+    table: Annotated[
+        str,
+        typer.Argument(
+            metavar="TABLE", help="name, name@version or path", autocompletion=table_names
+        ),
+    ],
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Hold-out logs.")],
     *,
     store: Store = STORE,

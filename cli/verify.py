@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
+from cli.completion import bare_names
 from cli.console import emit, emit_json, say
 from cli.grid import grid
 from cli.options import STORE, Json, PublicKey, Store, example
@@ -18,7 +19,9 @@ DAMAGED = 4
 
 
 def verify(
-    name: Annotated[str | None, typer.Argument(help="one table; if not given, all")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="one table; if not given, all", autocompletion=bare_names)
+    ] = None,
     key: PublicKey = None,
     store: Store = STORE,
     json: Json = False,

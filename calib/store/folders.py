@@ -11,10 +11,10 @@ import re
 from pathlib import Path
 
 from calib.errors import StoreError, TableNotFound
-from calib.store.version import RECORD
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 FOLDER = re.compile(r"v(\d{4,6})")
+RECORD = "record.json"
 NEW = ".new-"
 """First letters of a version that is not in its place yet; no listing shows it."""
 SIGNATURE = ".minisig"

@@ -23,10 +23,10 @@ from calib.signing.secret_key import SecretKey
 from calib.signing.sign import sign, verify
 from calib.signing.signature import Signature, parse_signature
 from calib.signing.statement import Statement, parse_statement
-from calib.store.folders import SIGNATURE, folder_of, signature_files
+from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
 from calib.store.journal import SIGNED, Entry
 from calib.store.snapshot import Snapshot
-from calib.store.version import RECORD, Stored
+from calib.store.version import Stored
 
 NEWEST = "get the newest copy of the store"
 

@@ -23,6 +23,7 @@ from calib.digest import content_digest
 from calib.errors import DamagedTable, StoreError
 from calib.files import sync
 from calib.store.curve_file import Array, curve_bytes, read_curve
+from calib.store.folders import RECORD
 from calib.store.journal import JOURNAL, without_duplicates
 from calib.store.state import UNKNOWN, State
 from calib.table.table import Table
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
     S = TypeVar("S", bound=Section)
 
-RECORD = "record.json"
 CURVES = ("difference", "paper", "tyre")
 
 

@@ -39,4 +39,4 @@ def test_verbose_tells_what_was_read_and_the_time(brake_cal, tmp_path):
 
 def test_one_run_does_not_hush_the_next(brake_cal):
     brake_cal("tables", "list", "-q")
-    assert "settings" in brake_cal("settings").err
+    assert "brake-cal.toml" in brake_cal("settings").err
