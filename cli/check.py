@@ -8,6 +8,7 @@ import typer
 from cli.grid import facts_grid
 from cli.inputs import channel_map_of
 from cli.logs import named, open_table, read, tell
+from cli.loudness import this_run
 from cli.options import Json, Map, example
 
 if TYPE_CHECKING:
@@ -25,12 +26,14 @@ Logs = Annotated[list[Path], typer.Argument(metavar="LOG...", help="logs to chec
 
 
 def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
-    """Show what each log contains, and for what it can be used.
+    """Say for what each log can be used.
 
-    Exit code 1 if a log is usable for nothing, 3 if one cannot be read.
+    One line for each; -v shows what the log contains as well. Exit code 1 if a log is usable for
+    nothing, 3 if one cannot be read.
     """
     from calib.checks.check import to_dict
-    from cli.console import complain, emit, emit_json
+    from calib.checks.words import line
+    from cli.console import complain, emit, emit_json, say
 
     found, errors = _look(logs, channel_map_of(channel_map))
     if json:
@@ -38,9 +41,13 @@ def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
         emit_json({"schema": 1, "logs": [to_dict(f) for f in found], "unreadable": failed})
     else:
         for findings in found:
-            emit(_panel(findings))
+            emit(line(findings))
+            if this_run().verbose:
+                emit(_panel(findings))
         for _, error in errors:
             complain(str(error))
+        if found and not this_run().verbose:
+            say("-v shows what is in each log")
     if errors:
         raise typer.Exit(UNREADABLE)
     if not all(findings.usable for findings in found):

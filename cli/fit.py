@@ -101,6 +101,7 @@ def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
 
 
 def _report(stored: "Stored", mass: "MassUsed") -> None:
+    from calib.store.answer import verdict_lines
     from calib.table.budget import advice_lines
     from calib.table.pads_budget import pads_budget
 
@@ -131,3 +132,5 @@ def _report(stored: "Stored", mass: "MassUsed") -> None:
     )
     for remark in table.remarks:
         emit(f"note: {remark}")
+    for line in verdict_lines(stored):
+        emit(line)

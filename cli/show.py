@@ -24,6 +24,8 @@ def show(table: TableVersion, store: Store = STORE, json: Json = False) -> None:
 
     Prints its quality, its origin and its curves, and last the verdict.
     """
+    from calib.store.answer import verdict_lines
+
     stored = calib.Store(store).load(table)
     if json:
         emit_json(_document(stored))
@@ -34,6 +36,9 @@ def show(table: TableVersion, store: Store = STORE, json: Json = False) -> None:
     emit(_curves(stored.table))
     for remark in stored.table.remarks:
         emit(f"- {remark}")
+    emit("")
+    for line in verdict_lines(stored):
+        emit(line)
 
 
 def _document(stored: "Stored") -> dict[str, object]:

@@ -154,8 +154,13 @@ def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -
 
 def _report(stored: "Stored", results: "list[Validation]") -> None:
     from calib.table.budget import advice_lines
-    from calib.validation.validate import CALIBRATION, NO_HOLDOUT, agreement
+    from calib.validation import words
+    from calib.validation.validate import agreement
 
+    for result in results:
+        for line in words.lines(result):
+            emit(line)
+    emit("")
     emit(_grid(results))
     emit(f"table {stored.id}, {stored.state.words}")
     emit(f"mass {results[0].mass}")
@@ -167,8 +172,6 @@ def _report(stored: "Stored", results: "list[Validation]") -> None:
                 emit(f"{result.log}: {j.figure} {j.value:.4g} is {bound}")
         for why, share in result.refused.items():
             emit(f"{result.log}: {100 * share:.0f} % of the braked samples are not valid: {why}")
-        if result.role == CALIBRATION:
-            emit(f"{result.log}: {NO_HOLDOUT}")
         for time in result.estimate.split.changes:
             emit(f"{result.log}: the surface changed at {time:.2f} s")
         for axle, of in zip(("front", "rear"), result.budget or (), strict=False):
@@ -185,6 +188,7 @@ def _report(stored: "Stored", results: "list[Validation]") -> None:
                 f"on one road, {', '.join(road.stops)}: pad friction differs by up to "
                 f"{100 * road.spread_f:.1f} % front, {100 * road.spread_r:.1f} % rear"
             )
+    emit(words.conclusion(stored, results))
 
 
 def _grid(results: "list[Validation]") -> "Grid":

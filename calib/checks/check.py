@@ -122,7 +122,7 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
     >>> import calib
     >>> findings = calib.check(calib.read_log(calib.sample_logs() / "sedan" / "coast.csv"))
     >>> [verdict.purpose for verdict in findings.verdicts if verdict.usable]
-    ['diagnose']
+    ['coast', 'diagnose']
     >>> findings.verdicts[0].reasons
     ('no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition',)
     """
@@ -158,9 +158,9 @@ def _taken(log: Log, origin: Origin) -> Taken:
 
 
 def problems_for(log: Log, purpose: str) -> list[str]:
-    """Reasons to refuse a log for "fit", "validate" or "diagnose"; empty if it is usable.
+    """Reasons to refuse a log for one of `PURPOSES`; empty if it is usable.
 
-    For "fit" a log must contain a ramp; extra coast or stop logs are judged as "diagnose".
+    For "fit" a log must contain a ramp; the coast logs of a fit are judged as "coast".
     """
     return problems(observe(log, noise=False), purpose)
 

@@ -6,7 +6,8 @@ from calib.checks.observation import Observation
 from calib.checks.sensors import Sensor
 from calib.signals.driving_record import BITE_Z, BrakeEvent
 
-PURPOSES = ("fit", "validate", "diagnose")
+PURPOSES = ("fit", "validate", "coast", "diagnose")
+"""What a log may serve for; "coast": a fit, in addition to its ramps."""
 
 # The lowest and highest sample rates that must work, with a tolerance for inexact rates.
 RATES = (38.0, 1050.0)
@@ -26,9 +27,14 @@ HOLE = 0.1  # [s] longest gap within a braking
 def problems(seen: Observation, purpose: str) -> list[str]:
     """Reasons why a log is not usable for a purpose, each with what to do; empty if it is.
 
-    ``purpose`` is "fit", "validate" or "diagnose".
+    ``purpose`` is one of `PURPOSES`.
     """
-    rules = {"fit": _not_for_fit, "validate": _not_for_validate, "diagnose": _not_for_diagnose}
+    rules = {
+        "fit": _not_for_fit,
+        "validate": _not_for_validate,
+        "coast": _not_for_coast,
+        "diagnose": _not_for_diagnose,
+    }
     basic = list(_unusable(seen))
     return basic if seen.missing else basic + list(rules[purpose](seen))
 
@@ -196,7 +202,16 @@ def _not_for_validate(seen: Observation) -> Iterator[str]:
         yield f"{braking:.1f} s of braking above 3 m/s: brake for {BRAKING:g} s or more"
 
 
+def _not_for_coast(seen: Observation) -> Iterator[str]:
+    if seen.events:
+        yield "the brake is applied: a coast log has no braking"
+    elif seen.coasting < COASTING:
+        yield f"only {seen.coasting:.1f} s of coasting: coast for {COASTING:g} s or more"
+
+
 def _not_for_diagnose(seen: Observation) -> Iterator[str]:
+    if "v" not in seen.present:
+        yield "no reference speed v: log it, wheel speeds alone cannot tell slip from speed"
     if seen.events:
         yield from _not_for_validate(seen)
     elif seen.coasting < COASTING:

@@ -30,7 +30,7 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
     for log in sorted(logs, key=lambda item: item.digest):
         s = signals(log, vehicle)
         coasting = not brake_events(driving_record(log))
-        problems = problems_for(log, "diagnose" if coasting else "fit")
+        problems = problems_for(log, "coast" if coasting else "fit")
         if problems:
             raise LogError(
                 f"this {'coast' if coasting else 'run'} will not do for a fit: "

@@ -80,6 +80,7 @@ VALIDATE = (
 CHECK = (
     ResultColumn("usable_fit", Kind.YES_NO, "1", "usable for fit"),
     ResultColumn("usable_validate", Kind.YES_NO, "1", "usable for validate"),
+    ResultColumn("usable_coast", Kind.YES_NO, "1", "usable for a fit, as a coast log"),
     ResultColumn("usable_diagnose", Kind.YES_NO, "1", "usable for diagnose"),
     _number("samples", "1", "samples"),
     _number("duration", "s", "duration"),

@@ -6,6 +6,7 @@ import numpy as np
 
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
+from calib.table.pads_budget import pads_budget
 from calib.table.table import EXTRAPOLATED, Table
 
 
@@ -14,13 +15,14 @@ class Answer:
     """``usable`` where it is released; ``may`` says so in words.
 
     ``decelerations``, ``eta`` least and greatest of the rows that rest on measurements [1];
-    ``limit`` what ends the range; ``next`` the next step.
+    ``ends`` what ends the range, ``limit`` what is beyond it; ``next`` the next step.
     """
 
     usable: bool
     may: str
     decelerations: tuple[float, float]
     eta: tuple[float, float]
+    ends: str
     limit: str
     next: str
 
@@ -35,22 +37,53 @@ def answer(stored: Stored) -> Answer:
         may=("yes: " if state.released else "no: ") + state.words,
         decelerations=(float(np.min(z)), float(np.max(z))),
         eta=(float(np.min(eta)), float(np.max(eta))),
+        ends=_ends(table),
         limit=_limit(table),
         next=_next(stored),
     )
 
 
-def _limit(table: Table) -> str:
+USE = {
+    DRAFT: "for trials and for a validation, not for an ECU",
+    RELEASED: "for an ECU",
+    REJECTED: "for nothing: it is rejected",
+}
+"""What a version in a state is for; nothing in any other state."""
+
+
+def verdict_lines(stored: Stored) -> list[str]:
+    """The answer in two lines: for what it is usable and what limits it, and what comes next."""
+    return [f"{stored.id} is {verdict(stored)}", f"next: {answer(stored).next}"]
+
+
+def verdict(stored: Stored) -> str:
+    """For what a version is usable, up to how many g, what limits it, in one line."""
+    said = answer(stored)
+    use = USE.get(stored.state.word, f"for nothing: it is {stored.state.word}")
+    front, rear = pads_budget(stored.table)
+    widths = [f"{100.0 * of.half_width / of.pad_friction:.0f} %" for of in (front, rear)]
+    parts = dict.fromkeys(of.largest.replace("_", " ") for of in (front, rear))
+    return (
+        f"usable {use}, up to {said.decelerations[1]:.2f} g ({said.ends}); pads known to "
+        f"{widths[0]} front and {widths[1]} rear, limited by {' and '.join(parts)}"
+    )
+
+
+def _ends(table: Table) -> str:
+    """What ends the range, in a few words."""
     q = table.quality
     peak, end = q.get("eta_peak_deceleration"), q.get("deceleration_max")
     if peak is not None and q.get("eta_peak_is_real"):
-        return (
-            f"eta has its peak at {peak:.2f} g: beyond it two decelerations have one eta, "
-            "and an ECU uses the end value"
-        )
-    if end is not None:
-        return f"the ramp ends at {end:.2f} g: beyond it an ECU uses the end value"
-    return "the end of the ramp: beyond it an ECU uses the end value"
+        return f"eta has its peak at {peak:.2f} g"
+    return "the ramp ends" if end is None else f"the ramp ends at {end:.2f} g"
+
+
+def _limit(table: Table) -> str:
+    if table.quality.get("eta_peak_is_real"):
+        why = "beyond it two decelerations have one eta, and an ECU uses the end value"
+    else:
+        why = "beyond it an ECU uses the end value"
+    return f"{_ends(table)}: {why}"
 
 
 def _next(stored: Stored) -> str:

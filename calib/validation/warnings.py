@@ -39,11 +39,14 @@ def limit_warnings(log: str, judged: tuple[Judgement, ...]) -> Iterator[Plausibi
 
 def _pads(log: str, e: Estimate) -> Iterator[PlausibilityWarning]:
     """How the pads changed against each other, at the last valid sample."""
-    if not e.valid.any():
-        return
+    if e.valid.any():
+        yield from change_warnings(log, *pads_apart(e))
+
+
+def pads_apart(e: Estimate) -> tuple[float, float]:
+    """ln of the front pads' change over the rear ones', at the last valid sample, and its sigma."""
     last = int(np.flatnonzero(e.valid)[-1])
-    apart = math.log(float(e.front.change[last] / e.rear.change[last]))
-    yield from change_warnings(log, apart, _sigma(e, last))
+    return math.log(float(e.front.change[last] / e.rear.change[last])), _sigma(e, last)
 
 
 def _sigma(e: Estimate, at: int) -> float:

@@ -24,8 +24,25 @@ def run(*arguments):
 def test_usable_logs():
     result = run(SEDAN / "ramp_wet_asphalt.csv", SEDAN / "coast.csv")
     assert result.exit_code == 0
-    assert "ramp_wet_asphalt.csv" in result.stdout
-    assert "not usable" in result.stdout  # the coast, for a fit
+    first, second = result.stdout.splitlines()
+    assert first.startswith("usable for fit, validate, diagnose: ")
+    assert second.startswith("usable for fit as a coast log, diagnose: ")
+    assert "-v shows what is in each log" in result.stderr
+
+
+def test_details_with_v(brake_cal):
+    ran = brake_cal("check", SEDAN / "coast.csv", "-v")
+    assert "not usable" in ran.out  # for a fit alone
+    assert "2000 samples" in ran.out
+    assert "-v shows" not in ran.err
+
+
+def test_a_coast_without_v_is_a_coast_log_still(tmp_path):
+    path = tmp_path / "coast.csv"
+    write_csv(changed(made_run(lambda t: 0.0 * t), v=None), path)
+    result = run(path)
+    assert result.exit_code == 0
+    assert result.stdout.startswith("usable for fit as a coast log: ")
 
 
 def test_useless_log(tmp_path):
@@ -67,4 +84,4 @@ def test_broken_channel_map(tmp_path):
 
 @pytest.mark.parametrize("flag", ["--help"])
 def test_help(flag):
-    assert "usable for nothing" in run(flag).stdout
+    assert "Exit code 1" in run(flag).stdout

@@ -1,0 +1,127 @@
+"""A validation in words: the verdict, what the pads did, how well it is known, what comes next."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.estimation.axle_estimate import AxleEstimate
+from calib.statistics.intervals import Z95
+from calib.store.state import DRAFT
+from calib.store.version import Stored
+from calib.validation.metrics import METRICS
+from calib.validation.validate import CALIBRATION, NO_HOLDOUT, Validation
+from calib.validation.warnings import pads_apart
+
+Array = NDArray[np.float64]
+Change = tuple[float, float]
+"""Change of a pad friction since the ramp and half width of its 95 % interval, logarithmic [1]."""
+
+
+def lines(result: Validation) -> list[str]:
+    """Two or three sentences on one log, each a line."""
+    if result.role == CALIBRATION:
+        return [f"{result.log}: no verdict: {NO_HOLDOUT}"]
+    told = [f"{result.log}: {result.verdict}: {_pads(result)}"]
+    told += [text for text in (_known(result), _why(result)) if text]
+    return told
+
+
+def conclusion(stored: Stored, results: Sequence[Validation]) -> str:
+    """The verdict on the table by all logs, and what comes next."""
+    passed = sum(result.passed for result in results)
+    if passed == len(results):
+        head = f"passed: {_of(passed, len(results))} within the limits"
+        if stored.state.word == DRAFT:
+            return (
+                f"{head}; next: `brake-cal tables release {stored.id} --reason ... "
+                "--evidence DIR/summary.json`, with the DIR of --out"
+            )
+        return f"{head}; {stored.id} is {stored.state.word}"
+    head = f"failed: {_of(passed, len(results))} within the limits"
+    if any(result.role == CALIBRATION for result in results):
+        return f"{head}; next: validate again without the logs of the fit"
+    failed = ", ".join(result.log for result in results if not result.passed)
+    return f"{head}, not {failed}; next: look at it with `brake-cal check` and `brake-cal plot`"
+
+
+def _of(passed: int, all_: int) -> str:
+    if passed == all_:
+        return "the log is" if all_ == 1 else f"all {all_} logs are"
+    return f"{passed} of {all_} logs {'is' if passed == 1 else 'are'}"
+
+
+def _pads(result: Validation) -> str:
+    """The pads against those of the ramp."""
+    e = result.estimate
+    if not e.valid.any():
+        return "no sample of it is valid, so it says nothing of the pads"
+    front, rear = change_of(e.front, e.valid), change_of(e.rear, e.valid)
+    apart, sigma = pads_apart(e)
+    if abs(apart) > Z95 * sigma:
+        return f"front pads {_against(front)}, rear pads {_against(rear)} those of the ramp"
+    both = (0.5 * (front[0] + rear[0]), min(front[1], rear[1]))
+    as_far = f"front and rear alike (their ratio is known to {_percent(Z95 * sigma)})"
+    return f"pads {_against(both)} those of the ramp, {as_far}"
+
+
+def change_of(axle: AxleEstimate, valid: NDArray[np.bool_]) -> Change:
+    """Median change of the pads over the valid samples, and its half width."""
+    change = np.log(axle.change[valid])
+    half = 0.5 * np.log(axle.change_upper[valid] / axle.change_lower[valid])
+    return float(np.median(change)), float(np.median(half))
+
+
+def _against(change: Change) -> str:
+    """`20 % below`, `as`, with what they are known to.
+
+    >>> _against((math.log(0.8), 0.03)), _against((0.01, 0.03))
+    ('20 +- 2 % below', 'within 3 % of')
+    """
+    value, half = change
+    if abs(value) <= half:
+        return f"within {_percent(half)} of"
+    size = 100.0 * abs(math.expm1(value))
+    known = 100.0 * math.exp(value) * half
+    return f"{size:.0f} +- {max(known, 1.0):.0f} % {'below' if value < 0.0 else 'above'}"
+
+
+def _known(result: Validation) -> str:
+    """How well the pad friction itself is known, and how much of the braking is valid."""
+    f = result.figures
+    parts = []
+    if f["interval_f"] is not None and f["interval_r"] is not None:
+        widths = f"{_percent(f['interval_f'])} front and {_percent(f['interval_r'])} rear"
+        parts.append(f"their friction is known to {widths}")
+    if f["torque_error_f"] is not None and f["torque_error_r"] is not None:
+        off = f"{_percent(f['torque_error_f'])} front and {_percent(f['torque_error_r'])} rear"
+        parts.append(f"the torque is off the truth by {off}")
+    parts.append(f"{100.0 * (f['valid_share'] or 0.0):.0f} % of the braking is valid")
+    return f"{result.log}: {'; '.join(parts)}"
+
+
+def _why(result: Validation) -> str:
+    """Which limits are not held, in words; empty if all are."""
+    broken = [
+        f"{METRICS.get(j.figure, j.figure).removesuffix(' [1]')} is "
+        + ("not known" if j.value is None else f"{j.value:.3g}")
+        + (f", at least {j.low:g}" if _is_low(j.value, j.low) else f", at most {j.high:g}")
+        for j in result.judgements
+        if j.passed is False
+    ]
+    return f"{result.log}: {'; '.join(broken)}" if broken else ""
+
+
+def _is_low(value: float | None, low: float | None) -> bool:
+    return low is not None and (value is None or value < low)
+
+
+def _percent(share: float) -> str:
+    """A share as a percentage of one or two digits.
+
+    >>> _percent(0.0732), _percent(0.004)
+    ('7 %', '0.4 %')
+    """
+    percent = 100.0 * abs(share)
+    return f"{percent:.0f} %" if percent >= 1.0 else f"{percent:.1f} %"

@@ -1,0 +1,34 @@
+"""The answer on a table: for what it is usable, how far, what limits it."""
+
+import pytest
+
+from calib.store.answer import answer, verdict, verdict_lines
+from calib.store.state import Decision
+from calib.store.store import Store
+from tests.support.tables import made_table
+
+
+@pytest.mark.parametrize(
+    ("word", "use"),
+    [
+        ("draft", "usable for trials and for a validation, not for an ECU, up to 0.30 g"),
+        ("released", "usable for an ECU, up to 0.30 g"),
+        ("rejected", "usable for nothing: it is rejected, up to 0.30 g"),
+        ("withdrawn", "usable for nothing: it is withdrawn, up to 0.30 g"),
+    ],
+)
+def test_each_state_has_its_use(store, word, use):
+    stored = Store(store).save(made_table(), Decision(word, "made for a test"))
+    assert verdict(stored).startswith(f"{use} (the ramp ends")
+    first, last = verdict_lines(stored)
+    assert first == f"sedan@1 is {verdict(stored)}"
+    assert last == f"next: {answer(stored).next}"
+
+
+def test_the_widths_are_those_of_the_pads(store):
+    stored = Store(store).save(made_table())
+    for pads, axle in (
+        (stored.table.calibration.pad_friction_f, "front"),
+        (stored.table.calibration.pad_friction_r, "rear"),
+    ):
+        assert f"{100 * 1.96 * pads.sigma / pads.value:.0f} % {axle}" in verdict(stored)
