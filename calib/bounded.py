@@ -138,11 +138,23 @@ def read_bounded(path: Path, kind: Kind) -> bytes:
     return data
 
 
+POINTER = b"version https://git-lfs"
+"""First bytes of what git leaves where a file of LFS was not fetched."""
+
+
 def bytes_of(path: Path, kind: Kind, error: Callable[..., BrakeCalError], expected: str) -> bytes:
     """The bytes of a regular file. Raises ``error`` with what it is instead of ``expected``."""
     try:
-        return read_bounded(path, kind)
+        data = read_bounded(path, kind)
     except FileNotFoundError as cause:
         raise error("no such file", where=path, expected=expected, do="check the path") from cause
     except OSError as cause:
         raise error(f"cannot be read ({cause.strerror})", where=path, expected=expected) from cause
+    if data.startswith(POINTER):
+        raise error(
+            "a pointer of git LFS, not the file itself",
+            where=path,
+            expected=expected,
+            do="get the file: git lfs pull",
+        )
+    return data

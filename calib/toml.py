@@ -17,6 +17,9 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
 
+_DECIMALS = re.compile(r",\d")
+"""What follows the digits of a number with a decimal comma."""
+
 LONGEST_WORD = 60
 """Characters of a misspelt word for which a known one is looked for."""
 
@@ -52,12 +55,26 @@ def parse_toml(text: str) -> dict[str, Any]:
         raise ValueError(f"a key of more than {MOST_PARTS} parts in line {line}")
     try:
         return tomllib.loads(text.replace("\r\n", "\n"))
-    except tomllib.TOMLDecodeError:
-        raise
+    except tomllib.TOMLDecodeError as cause:
+        raise _with_comma(text, cause) from cause
     except RecursionError as cause:
         raise ValueError("it is nested too deep") from cause
     except ValueError as cause:  # of Python's int
         raise ValueError("an integer of thousands of digits") from cause
+
+
+_COMMA = re.compile(r"^[ \t]*[\w.\"-]+[ \t]*=[ \t]*[-+]?\d+(,)\d+[ \t]*(?:#.*)?$")
+"""A line whose number has a comma in the place of its point."""
+
+
+def _with_comma(text: str, cause: ValueError) -> ValueError:
+    """The error of a document that is not TOML; it names a decimal comma where there is one."""
+    for number, line in enumerate(text.splitlines(), start=1):
+        found = _COMMA.match(line)
+        if found:
+            right = f"{line[: found.start(1)]}.{line[found.end(1) :]}".strip()
+            return ValueError(f"a decimal comma in line {number}; write {right!r}")
+    return cause
 
 
 def toml_bytes(document: Mapping[str, Any]) -> bytes:
@@ -107,6 +124,12 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
         number, unit = _float(value), ""
     else:
         match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+        if match is not None and _DECIMALS.match(match[2]):
+            raise error(
+                f"{_short(value)} has a decimal comma",
+                where=where,
+                expected=f"a decimal point: {match[0].strip().replace(',', '.', 1)!r}",
+            )
         if match is None:
             wanted = "a number" if dimensionless else f'a quantity such as "1.5 {si}"'
             raise error(f"{_short(value)} is not a quantity", where=where, expected=wanted)

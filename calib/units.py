@@ -186,6 +186,15 @@ def _refusal(unit: str, written: str, quantity: str, table: dict[str, Unit]) -> 
     return f"{head}{hint}; known: {', '.join(table)}"
 
 
+def behind(unit: str) -> str:
+    """A unit as it stands behind a number; nothing behind one that has none.
+
+    >>> f"5{behind('bar')}", f"0.4{behind('1')}"
+    ('5 bar', '0.4')
+    """
+    return "" if unit == "1" else f" {unit}"
+
+
 def spellings(si: str | None) -> list[str]:
     """Return all spellings of the units of one quantity, or of all if ``si`` is None."""
     tables = [table for key, (_, table) in QUANTITIES.items() if si in (key, None)]

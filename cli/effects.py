@@ -78,6 +78,8 @@ def _card(card: "Card") -> str:
 
 
 def _range(p: "Parameter") -> str:
-    unit = "" if p.unit == "1" else f" {p.unit}"
+    from calib.units import behind
+
+    unit = behind(p.unit)
     typical = f"{p.typical:g} +- {p.spread:g}{unit}"
     return f"{typical}, from {p.low:g} to {p.high:g}{unit}"

@@ -67,8 +67,6 @@ def fit(
     runs = [read(path, mapping) for path in logs]
     stored = calib.Store(store).save(fit_table(given, runs, weight))
     told = mass_used(given, weight)
-    if stored.existed:
-        say(f"already stored as {stored.id}")
     tell_kin(store, stored)
     warn(stored.table.warnings)
     if json:
@@ -107,7 +105,8 @@ def _report(stored: "Stored", mass: "MassUsed") -> None:
 
     table, q = stored.table, stored.table.quality
     cal = table.calibration
-    emit(f"table      {stored.id}, {stored.state.word}  ({stored.path})")
+    known = ", already stored: the same logs gave the same table" if stored.existed else ""
+    emit(f"table      {stored.id}, {stored.state.word}{known}  ({stored.path})")
     budgets = pads_budget(table)
     for label, value in (
         ("front pads", cal.pad_friction_f),

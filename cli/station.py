@@ -112,23 +112,21 @@ class ExportOptions:
         ),
     ] = None
     date: Annotated[
-        str | None, typer.Option(metavar="YYYY-MM-DD", help="Date in the history of a cdfx.")
+        str | None,
+        typer.Option(
+            metavar="YYYY-MM-DD",
+            help="Date in the history of a cdfx, else that of storing the table.",
+        ),
     ] = None
 
     def forms(self) -> list[str]:
-        """The formats; refuses an unknown one, and a date that is missing or not valid."""
+        """The formats; refuses an unknown one, and a date that is not valid."""
         from calib.exports.formats import ENDINGS
-        from calib.station.write import DATED
 
         forms = self.exports or []
         for form in forms:
             if form not in ENDINGS:
                 raise unknown_format(form, form.lower(), ENDINGS, "--export")
-            if form in DATED and self.date is None:
-                raise typer.BadParameter(
-                    f"{form} holds a date; give one, so that the same run gives the same bytes",
-                    param_hint="--date",
-                )
         require_day(self.date, "--date")
         return forms
 

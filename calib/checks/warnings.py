@@ -71,7 +71,7 @@ def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if seen.standing > 0.0:
         yield PlausibilityWarning(
             "standing", log, seen.standing, NONE,
-            ("the car stands in a part of the log",), "nothing; that part is not used",
+            ("the car stands in a part of the log",), "do nothing: it is not used",
         )  # fmt: skip
 
 
@@ -91,7 +91,9 @@ def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
             yield PlausibilityWarning(
                 "eta_zero", log, eta.value, (-RADII, RADII),
                 ("tyres that are worn or filled unlike" if worn else "other tyres front and rear",),
-                "nothing: it is zeroed" if worn else "check sizes and pressures of the tyres",
+                "do nothing: it is zeroed"
+                if worn
+                else "check sizes and pressures of the tyres",
             )  # fmt: skip
         if eta.half > ZERO:
             yield PlausibilityWarning(

@@ -35,6 +35,7 @@ from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
 from calib.statistics.intervals import Z95
+from calib.units import behind
 
 Array = NDArray[np.float64]
 
@@ -126,7 +127,7 @@ class Diagnosis:
         for effect in self.effects:
             for name, p in effect.parameters.items():
                 low, high = p.ci95
-                interval = f"{p.value:.4g} {p.unit} (95 % {low:.4g} to {high:.4g})"
+                interval = f"{p.value:.4g}{behind(p.unit)} (95 % {low:.4g} to {high:.4g})"
                 lines.append(f"  {effect.name}: {name} = {interval}")
         if self.effects and self.unexplained is not None:
             lines.append(f"  and something else: {self.left.size:.1f} times the noise is left")

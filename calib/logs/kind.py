@@ -1,9 +1,9 @@
 """Name a file that is of another kind than its ending says."""
 
+from calib.bounded import POINTER
 from calib.errors import LogError
 
 MDF = (".mf4", ".mdf", ".dat")
-POINTER = b"version https://git-lfs"
 
 KINDS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
     (b"PAR1", "a Parquet file", (".parquet",)),

@@ -10,6 +10,7 @@ from calib.physics.magic_formula import MagicFormula
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
 from calib.toml import did_you_mean
+from calib.units import behind
 
 WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)
 """The tyre that is assumed when nothing is known: a passenger car on wet asphalt."""
@@ -106,8 +107,8 @@ def _believable(card: Card, values: Mapping[str, float], where: str) -> dict[str
             )
         if not known.low <= values[key] <= known.high:
             raise ModelError(
-                f"{values[key]:g} is not believable",
+                f"{values[key]:g}{behind(known.unit)} is not believable",
                 where=f"{where}.{key}",
-                expected=f"{known.low:g} to {known.high:g} {known.unit}",
+                expected=f"{known.low:g} to {known.high:g}{behind(known.unit)}",
             )
     return dict(values)

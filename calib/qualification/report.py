@@ -7,6 +7,7 @@ from calib.qualification.environment import PROGRAM
 from calib.qualification.suite import Qualification
 from calib.qualification.use_cases import USE_CASES, Malfunction
 from calib.reports.html import page
+from calib.units import behind
 
 
 def headline(found: Qualification) -> str:
@@ -57,8 +58,8 @@ def _malfunction(one: Malfunction, held: dict[str, bool]) -> tuple[str, ...]:
 
 def _failure(outcome: Outcome) -> tuple[str, ...]:
     check = outcome.check
-    wanted = f"{check.expected:.6g} +- {check.tolerance:.3g} {check.unit}"
-    came = outcome.error if outcome.value is None else f"{outcome.value:.6g} {check.unit}"
+    wanted = f"{check.expected:.6g} +- {check.tolerance:.3g}{behind(check.unit)}"
+    came = outcome.error if outcome.value is None else f"{outcome.value:.6g}{behind(check.unit)}"
     return check.name, check.quantity, wanted, came
 
 

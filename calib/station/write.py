@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +19,13 @@ from calib.store.version import Stored
 from calib.validation.results import SUMMARY, fill
 from calib.validation.validate import to_dict as validation_dict
 
-DATED = ("cdfx",)
-"""Formats that hold the date on which they were written."""
-
 
 def store_and_write(
     found: StationOutcome, store: Store, forms: Sequence[str], date: str, work: Path
 ) -> tuple[Stored, dict[str, Any]]:
     """Write everything into ``work``, then store the table; return it and the document.
+
+    ``date`` is that of a cdfx; empty for the day on which the version is stored.
 
     The version is entered with its state in one step, so none is without a verdict. Where another
     run has taken the version number meanwhile, the files are written again. Raises OSError,
@@ -33,11 +33,19 @@ def store_and_write(
     """
     while True:
         expected = store.foreseen(found.table, found.decision("to be written"))
-        document = write_all(found, expected, forms, date, work)
+        document = write_all(found, expected, forms, date or _day(expected), work)
         digest = hashlib.sha256((work / DOCUMENT).read_bytes()).hexdigest()
         stored = store.save(found.table, found.decision(digest))
         if (stored.id, stored.state.word) == (expected.id, expected.state.word):
             return stored, document
+
+
+def _day(stored: Stored) -> str:
+    """The day on which a version was stored [UTC]; today for a new one.
+
+    So the same run gives the same bytes on a later day, too.
+    """
+    return stored.state.stored_at[:10] or datetime.now(UTC).date().isoformat()
 
 
 def write_all(
@@ -45,7 +53,7 @@ def write_all(
 ) -> dict[str, Any]:
     """Write everything into ``work`` and return the document of `station.json`.
 
-    Only a released table is exported, so that no other reaches an ECU. ``date`` is for `DATED`.
+    Only a released table is exported, so that no other reaches an ECU. ``date`` is that of a cdfx.
     Raises OSError, ExchangeError.
     """
     results = list(found.results)

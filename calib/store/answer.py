@@ -43,11 +43,7 @@ def answer(stored: Stored) -> Answer:
     )
 
 
-USE = {
-    DRAFT: "for trials and for a validation, not for an ECU",
-    RELEASED: "for an ECU",
-    REJECTED: "for nothing: it is rejected",
-}
+USE = {DRAFT: "for trials and for a validation, not for an ECU", RELEASED: "for an ECU"}
 """What a version in a state is for; nothing in any other state."""
 
 
@@ -58,14 +54,18 @@ def verdict_lines(stored: Stored) -> list[str]:
 
 def verdict(stored: Stored) -> str:
     """For what a version is usable, up to how many g, what limits it, in one line."""
+    word, cal = stored.state.word, stored.table.calibration
+    if word not in USE:
+        return f"usable for nothing: it is {word}"
     said = answer(stored)
-    use = USE.get(stored.state.word, f"for nothing: it is {stored.state.word}")
-    front, rear = pads_budget(stored.table)
-    widths = [f"{100.0 * of.half_width / of.pad_friction:.0f} %" for of in (front, rear)]
-    parts = dict.fromkeys(of.largest.replace("_", " ") for of in (front, rear))
+    front, rear = (
+        f"{100.0 * (pads.ci95[1] / pads.value - 1.0):.0f} %"
+        for pads in (cal.pad_friction_f, cal.pad_friction_r)
+    )
+    parts = dict.fromkeys(of.largest.replace("_", " ") for of in pads_budget(stored.table))
     return (
-        f"usable {use}, up to {said.decelerations[1]:.2f} g ({said.ends}); pads known to "
-        f"{widths[0]} front and {widths[1]} rear, limited by {' and '.join(parts)}"
+        f"usable {USE[word]}, up to {said.decelerations[1]:.2f} g ({said.ends}); pads known to "
+        f"{front} front and {rear} rear, limited by {' and '.join(parts)}"
     )
 
 

@@ -240,7 +240,8 @@ def test_coarse_wheel_speeds_make_no_table():
 
 def test_no_reference_speed_is_warned_of():
     log = changed(made_run(), v=None)
-    assert usable(log) == FIT
+    assert usable(log) == ["fit", "validate"]
+    assert "no reference speed v" in reasons(log, "diagnose")
     assert "no reference speed" in warned(log)
 
 

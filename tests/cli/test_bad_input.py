@@ -51,7 +51,7 @@ def attempt(brake_cal, bench, tmp_path):
 
 def refused(ran, written, file, says, code=3):
     assert ran.code == code, ran.err
-    assert ran.out == ""
+    assert ran.result == ""
     errors = [line for line in ran.err.splitlines() if line.startswith("error: ")]
     assert len(errors) == 1
     assert ran.err.endswith(f"{errors[0]}\n")  # the last word
@@ -252,7 +252,7 @@ def test_all_that_is_wrong_with_a_vehicle_is_told_at_once(attempt, bench, tmp_pa
     text = (SEDAN / "vehicle.toml").read_text()
     path.write_text(text.replace("pad_friction = 0.38", 'pad_friction = "good"'))
     ran, written = attempt("fit", bench[0] / "fit.csv", "--json", vehicle=path)
-    assert (ran.code, ran.out, written) == (3, "", [])
+    assert (ran.code, ran.result, written) == (3, "", [])
     assert ran.err.splitlines()[-3:] == [
         f"error: {path}: 2 errors",
         "  front.pad_friction: 'good' is not a quantity; expected a number",

@@ -53,7 +53,7 @@ def test_the_document(tables, document):
 )
 def test_what_cannot_be_set_ends_with_2_and_stores_nothing(tables, store, words, says):
     ran = tables("derive", "sedan@1", *words)
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert says in ran.err
     assert [entry.id for entry in Store(store).list()] == ["sedan@1"]
 

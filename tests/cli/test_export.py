@@ -68,7 +68,7 @@ def test_errors_are_told_on_stderr(tables, tmp_path):
 def test_usage_errors_end_with_2_and_write_nothing(tables, tmp_path, monkeypatch, arguments, says):
     monkeypatch.chdir(tmp_path)
     ran = tables("export", "sedan", *arguments)
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert says in " ".join(ran.err.replace("│", " ").split())
     assert [p.name for p in tmp_path.iterdir()] == ["tables"]
 
@@ -86,7 +86,7 @@ def test_a_file_is_replaced_only_when_told_to(tables, tmp_path):
 
 def test_an_unknown_table_ends_with_2(tables, tmp_path):
     ran = tables("export", "sedna", "--format", "dcm", "--out", tmp_path / "a")
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert "did you mean 'sedan'" in ran.err
 
 
@@ -147,7 +147,7 @@ def test_a_program_that_does_not_fit_ends_with_3_and_writes_nothing(tables, tmp_
     (tmp_path / "ecu.map").write_text(" 0x00001000    _start\n")
     ran = tables("export", "sedan", "--format", "a2l", "--elf", tmp_path / "ecu.map", "--out",
                  tmp_path / "a")  # fmt: skip
-    assert (ran.code, ran.out) == (3, "")
+    assert (ran.code, ran.result) == (3, "")
     assert "has no symbol sedan_eta" in ran.err
     assert "SEDAN_DEFINE" in ran.err
     assert not (tmp_path / "a").exists()

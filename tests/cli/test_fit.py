@@ -89,6 +89,8 @@ def test_the_same_log_gives_the_same_version_and_another_the_next(brake_cal, log
         for x in (log, log, other)
     ]
     assert ids == ["sedan-2up@1", "sedan-2up@1", "sedan-2up@2"]
+    again = brake_cal("fit", log, "--vehicle", VEHICLE, "--store", store, "-q").out
+    assert again.startswith("table      sedan-2up@1, draft, already stored: ")
 
 
 def test_channel_map(brake_cal, log, store, tmp_path):
@@ -109,7 +111,7 @@ def test_channel_map(brake_cal, log, store, tmp_path):
 def test_what_is_missing_is_a_usage_error(brake_cal, log, store):
     for arguments in ((), (log,), ("--vehicle", VEHICLE)):
         ran = brake_cal("fit", *arguments, "--store", store)
-        assert (ran.code, ran.out) == (2, "")
+        assert (ran.code, ran.result) == (2, "")
     assert not store.exists()
 
 

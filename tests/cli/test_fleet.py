@@ -52,7 +52,7 @@ def test_json_is_one_document_and_says_the_order(brake_cal, tmp_path):
 )
 def test_mistakes(brake_cal, tmp_path, more, code, says):
     ran = brake_cal("fleet", "report", results(tmp_path / "r.parquet", 5), *more)
-    assert (ran.code, ran.out) == (code, "")
+    assert (ran.code, ran.result) == (code, "")
     assert says in ran.err
 
 
@@ -60,7 +60,7 @@ def test_bad_files_and_places(brake_cal, tmp_path):
     assert brake_cal("fleet", "report", tmp_path / "none.parquet").code == 3
     path = results(tmp_path / "r.parquet", 5)
     ran = brake_cal("fleet", "report", path, "--out", path)
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
 
 
 def test_an_earlier_picture_does_not_stay(brake_cal, tmp_path):

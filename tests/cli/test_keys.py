@@ -84,7 +84,7 @@ def test_an_empty_password_means_none(make, files):
 )
 def test_passwords_that_differ_and_that_are_missing(make, files, typed, says):
     ran = make(typed=typed)
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert says in ran.err
     assert "Bremse" not in ran.err
     assert not files[0].exists()
@@ -95,7 +95,7 @@ def test_an_existing_key_is_kept(make, files):
     assert make("--no-password").code == 0
     before = [path.read_bytes() for path in files]
     ran = make("--no-password")
-    assert (ran.code, ran.out) == (3, "")
+    assert (ran.code, ran.result) == (3, "")
     assert ran.err == (
         f"error: {files[0]}: exists already; choose another name: a key is not replaced\n"
     )

@@ -41,7 +41,7 @@ def test_the_maps_beside_the_logs_are_what_is_suggested(brake_cal, monkeypatch):
 def test_doubts_end_with_3_and_no_map(brake_cal, foreign, tmp_path):
     out = tmp_path / "map.toml"
     ran = brake_cal("map", "suggest", foreign, "--out", out)
-    assert (ran.code, ran.out) == (3, "")
+    assert (ran.code, ran.result) == (3, "")
     assert "p_mc: named a brake pressure" in ran.err
     assert "--take 'p_mc=NAME [bar]'" in ran.err
     assert not out.exists()
@@ -82,7 +82,7 @@ def test_json_is_one_document(brake_cal, foreign):
 )
 def test_slips(brake_cal, foreign, arguments, code, says):
     ran = brake_cal("map", "suggest", foreign, *arguments)
-    assert (ran.code, ran.out) == (code, "")
+    assert (ran.code, ran.result) == (code, "")
     assert says in ran.err
 
 
@@ -106,7 +106,7 @@ def test_a_log_without_any_channel_gets_no_map(brake_cal, tmp_path):
     rows = "\n".join(f"{i},{i % 7}" for i in range(100))
     path.write_text(f"time [s],humidity [%]\n{rows}\n")
     ran = brake_cal("map", "suggest", path, "--take", "time=")
-    assert (ran.code, ran.out) == (3, "")
+    assert (ran.code, ran.result) == (3, "")
     assert "no column is" in ran.err
 
 

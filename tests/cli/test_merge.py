@@ -60,7 +60,7 @@ def test_the_document(line, store, document):
 )
 def test_what_has_no_mean_ends_with_2_and_stores_nothing(line, store, words, says):
     ran = line("merge", *words)
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert says in ran.err
     assert [entry.id for entry in Store(store).list()] == list(CARS)
 

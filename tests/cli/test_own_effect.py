@@ -106,7 +106,7 @@ def test_a_wrong_file_is_one_line_and_bad_input(brake_cal, here, text, said):
         ("fit", SEDAN / "ramp_wet_asphalt.csv", *VEHICLE),
     ):
         ran = brake_cal(*command, "--effect", "mine.py")
-        assert (ran.code, ran.out) == (3, "")
+        assert (ran.code, ran.result) == (3, "")
         assert ran.err.startswith(f"error: {said}")
         assert len(ran.err.splitlines()) == 1
     assert {path.name for path in here.iterdir()} == {"sample_logs", "mine.py"}

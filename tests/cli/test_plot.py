@@ -59,7 +59,7 @@ def test_the_ending_names_the_format_and_the_bytes_are_the_same_again(plot, name
 def test_an_unknown_ending_is_a_usage_error_that_names_the_known(plot):
     for name in ("a.jpg", "a"):
         ran = plot("sedan@1", "--out", name)
-        assert (ran.code, ran.out) == (2, "")
+        assert (ran.code, ran.result) == (2, "")
         assert ".png, .svg, .pdf" in ran.err
     assert files() == []
 
@@ -136,7 +136,7 @@ def test_all_of_them_as_svg_are_a_file_each(plot):
 
 def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
     ran = plot("sedan@1", "--figure", "f3")
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert "torque-distribution, tyre, f1-f2" in ran.err
     assert files() == []
 
@@ -155,7 +155,7 @@ def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
 )
 def test_what_cannot_be_drawn_says_why(plot, arguments, code, says):
     ran = plot(*arguments)
-    assert (ran.code, ran.out) == (code, "")
+    assert (ran.code, ran.result) == (code, "")
     assert says in ran.err
     assert files() == []
 
@@ -168,7 +168,7 @@ def test_a_log_that_the_estimator_refuses_leaves_nothing(plot, tmp_path):
     braked = {name: x[400:] for name, x in whole.channels.items()}  # without its lead-in
     write_csv(Log("late", "late", "", braked), tmp_path / "late.csv")
     ran = plot("sedan-2up", STOP, tmp_path / "late.csv")
-    assert (ran.code, ran.out) == (3, "")
+    assert (ran.code, ran.result) == (3, "")
     assert "late.csv" in ran.err
     assert files() == []
 

@@ -69,11 +69,11 @@ def test_half_a_file_ends_with_3(tables, exported, form):
     out = exported(form)
     out.write_bytes(out.read_bytes()[: out.stat().st_size // 2])
     ran = tables("import", out)
-    assert (ran.code, ran.out) == (3, "")
+    assert (ran.code, ran.result) == (3, "")
     assert "has no END" in ran.err or "cut off" in ran.err
 
 
 def test_a_file_that_is_not_there_ends_with_3(tables, tmp_path):
     ran = tables("import", tmp_path / "none.dcm")
-    assert (ran.code, ran.out) == (3, "")
+    assert (ran.code, ran.result) == (3, "")
     assert "cannot be read" in ran.err

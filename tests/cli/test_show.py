@@ -38,12 +38,12 @@ def test_show_json_holds_the_whole_table(tables, two, document):
 
 def test_show_of_an_unknown_table_ends_with_2(tables, two):
     ran = tables("show", "sedna")
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert "did you mean 'sedan'" in ran.err
 
 
 def test_show_of_a_damaged_table_ends_with_4(tables, two):
     (two / "wagon" / "v0001" / "tyre.parquet").unlink()
     ran = tables("show", "wagon")
-    assert (ran.code, ran.out) == (4, "")
+    assert (ran.code, ran.result) == (4, "")
     assert "tyre.parquet: missing" in ran.err

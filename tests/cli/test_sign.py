@@ -91,7 +91,7 @@ def test_the_password_is_typed_and_shown_nowhere(tables, tmp_path, monkeypatch, 
 )
 def test_what_cannot_be_signed(tables, secret, store, arguments, code, says):
     ran = tables("sign", *arguments, "--key", secret)
-    assert (ran.code, ran.out) == (code, "")
+    assert (ran.code, ran.result) == (code, "")
     assert says in ran.err
     assert not list(store.rglob("*.minisig"))
 
@@ -127,7 +127,7 @@ def test_verify_names_what_was_withdrawn_and_an_older_store(tables, signed, stor
     assert tables("verify", "--key", public).code == 0
     set_back(Store(store), 1)
     ran = tables("verify", "--key", public)
-    assert (ran.code, ran.out) == (4, "")
+    assert (ran.code, ran.result) == (4, "")
     assert f"{store}: an older copy of the store" in ran.err
     assert str(seen) in ran.err
 
@@ -169,7 +169,7 @@ def use(brake_cal, store, tmp_path):
 @pytest.mark.parametrize("name", USES)
 def test_require_signed_refuses_what_is_not_signed(use, stored, tmp_path, name):
     ran = use(name, "--require-signed", "--key", ADA.public.text)
-    assert (ran.code, ran.out) == (4, "")
+    assert (ran.code, ran.result) == (4, "")
     assert f"sedan@1: has no signature of key {ADA.key_id}" in ran.err
     assert not (tmp_path / "out").exists()
 
@@ -217,7 +217,7 @@ def test_a_bare_name_is_not_an_older_version(tables, signed, two, secret, public
     Store(two).judge("sedan@2", Decision("rejected", "wet", by="Bob"))
     export = ("export", "--format", "json", "--out", tmp_path / "x.json", "--require-signed")
     ran = tables(*export, "sedan", "--key", public)
-    assert (ran.code, ran.out) == (4, "")
+    assert (ran.code, ran.result) == (4, "")
     assert "sedan@2: signed as released, rejected since (by Bob" in ran.err
     assert tables(*export, "sedan@1", "--key", public).code == 0
 
@@ -240,7 +240,7 @@ def test_the_settings_of_a_project_ask_for_signatures(
     assert tables(*export).code == 0
     settings.write_text(settings.read_text().replace("[keys]", "require_signed = true\n[keys]"))
     ran = tables(*export)
-    assert (ran.code, ran.out) == (4, "")
+    assert (ran.code, ran.result) == (4, "")
     assert "has no signature of key" in ran.err
     assert tables("sign", "sedan@1", "--key", secret).code == 0
     assert tables(*export).code == 0

@@ -61,7 +61,7 @@ def test_a_release_holds_who_why_and_the_digest_of_the_evidence(drafts, summary,
 def test_evidence_that_does_not_speak_for_the_version(drafts, summary, store, change, code, says):
     proof = summary(**change)
     ran = drafts("release", "sedan@1", "--reason", "a", "--evidence", proof)
-    assert (ran.code, ran.out) == (code, "")
+    assert (ran.code, ran.result) == (code, "")
     assert says in " ".join(ran.err.split())
     assert Store(store).load("sedan@1").state.word == "draft"
 
@@ -95,7 +95,7 @@ def test_the_document_of_a_station_is_evidence_for_its_table(drafts, store, tmp_
 def test_what_is_typed_wrong_changes_nothing(drafts, store, words, code, says):
     before = Store(store).journal().entries
     ran = drafts(*words)
-    assert (ran.code, ran.out) == (code, "")
+    assert (ran.code, ran.result) == (code, "")
     assert says in " ".join(ran.err.split())
     assert Store(store).journal().entries == before
 
@@ -127,7 +127,7 @@ def test_only_what_is_released_is_exported(drafts, tmp_path):
     out = tmp_path / "car.dcm"
     export = ("export", "sedan", "--format", "dcm", "--out", out)
     ran = drafts(*export)
-    assert (ran.code, ran.out) == (4, "")
+    assert (ran.code, ran.result) == (4, "")
     assert "there is sedan@1 draft, sedan@2 draft" in ran.err
     drafts("release", "sedan@1", "--reason", "good")
     assert drafts(*export).code == 0

@@ -31,5 +31,5 @@ def test_the_store_is_tables_unless_told_otherwise(brake_cal, two, monkeypatch):
 
 def test_without_a_store_it_ends_with_2(brake_cal, tmp_path):
     ran = brake_cal("tables", "list", "--store", tmp_path / "none", "--json")
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert "no table store here" in ran.err

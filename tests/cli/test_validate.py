@@ -68,7 +68,11 @@ def test_logs_that_pass(run):
     assert warned
     assert all(line.split(" is ")[0].endswith(": pads_changed_apart") for line in warned)
     assert all(line.startswith("warning: ") for line in warned)
-    rows = {line.split()[0]: line for line in ran.out.splitlines()}
+    words, _, figures = ran.out.partition("\n\n")
+    first, *_ = words.splitlines()
+    assert first.startswith("wet: passed: front pads ")
+    assert ran.out.splitlines()[-1].startswith("passed: all 2 logs are within the limits; next: ")
+    rows = {line.split()[0]: line for line in figures.splitlines()}
     assert rows["wet"].rstrip().endswith("passed, 1 warning")
     assert rows["harder"].rstrip().endswith("passed")
     assert "on one road, wet, harder: pad friction differs by up to" in ran.out
@@ -130,7 +134,7 @@ def test_a_bad_later_log_leaves_nothing_of_the_earlier_ones(run, tmp_path, there
     if there_before:
         out.mkdir()
     ran = run("wet.csv", "bad.csv", "--out", out, "--json")
-    assert (ran.code, ran.out) == (3, "")
+    assert (ran.code, ran.result) == (3, "")
     assert "bad.csv" in ran.err
     assert out.exists() == there_before
     assert not there_before or not list(out.iterdir())
@@ -140,7 +144,7 @@ def test_two_logs_of_one_name_have_no_place_in_out(run, bench, tmp_path):
     twin = tmp_path / "wet.parquet"
     twin.write_bytes((bench / "harder.parquet").read_bytes())
     ran = run("wet.csv", twin, "--out", tmp_path / "results")
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert "two logs are named wet" in " ".join(ran.err.split())
     assert not (tmp_path / "results").exists()
     assert run("wet.csv", twin).code == 0
@@ -177,7 +181,7 @@ def test_vehicle_with_another_mass_is_refused_by_its_file(run, tmp_path):
     path = tmp_path / "heavy.toml"
     write_vehicle(replace(CAR, mass=1900.0), path)
     ran = run("wet.csv", "--vehicle", path, "--out", tmp_path / "results")
-    assert (ran.code, ran.out) == (3, "")
+    assert (ran.code, ran.result) == (3, "")
     assert f"error: {path}: the table was fitted for another car: mass 1900 for 1744" in ran.err
     assert not (tmp_path / "results").exists()
 
@@ -189,7 +193,7 @@ def test_a_calibration_log_is_named_as_no_proof(brake_cal, tmp_path):
     assert brake_cal("fit", log, "--vehicle", SEDAN / "vehicle.toml", *where).code == 0
     ran = brake_cal("validate", "sedan-2up", log, *where)
     assert ran.code == 1
-    assert "ramp: the table was fitted on this log: it is no hold-out" in ran.out
+    assert "ramp: no verdict: the table was fitted on this log: it is no hold-out" in ran.out
 
 
 def test_a_surface_change_is_told(run, tmp_path):
@@ -213,14 +217,14 @@ def test_a_surface_change_is_told(run, tmp_path):
 )
 def test_an_unknown_table_ends_with_2(run, tmp_path, reference, says):
     ran = run("wet.csv", "--json", "--out", tmp_path / "results", table=reference)
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert says in ran.err
     assert not (tmp_path / "results").exists()
 
 
 def test_without_a_store_it_ends_with_2(brake_cal, bench, tmp_path):
     ran = brake_cal("validate", "sedan-2up", bench / "wet.csv", "--store", tmp_path / "none")
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert "no table store here" in ran.err
 
 
@@ -242,7 +246,7 @@ def test_a_damaged_table_ends_with_4_and_names_the_file(brake_cal, bench, tmp_pa
     ran = brake_cal(
         "validate", "sedan-2up@1", bench / "wet.csv", "--store", tmp_path / "tables", "--json"
     )
-    assert (ran.code, ran.out) == (4, "")
+    assert (ran.code, ran.result) == (4, "")
     assert file in ran.err
     assert "Traceback" not in ran.err
 
@@ -298,5 +302,5 @@ def test_a_vehicle_of_another_mass_is_refused_unless_the_mass_is_stated(run, loa
 )
 def test_a_mass_that_is_none_is_a_wrong_use(run, mass, says):
     ran = run("wet.csv", "--mass", mass)
-    assert (ran.code, ran.out) == (2, "")
+    assert (ran.code, ran.result) == (2, "")
     assert says in ran.err
