@@ -8,8 +8,8 @@ import typer
 import calib
 from cli.completion import names_of
 from cli.console import emit, emit_json, say
-from cli.options import STORE, Json, Store, TableVersion, example, grouped, out_file
-from cli.outputs import refuse_folder, refuse_overwriting, writing
+from cli.options import STORE, Force, Json, Store, TableVersion, example, grouped, out_file
+from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from calib.store.version import Stored
 
 EPILOG = example(
-    "brake-cal tables export sedan-2up --format dcm --out sedan.dcm",
+    "brake-cal tables export sedan-2up --out sedan.dcm",
     "brake-cal tables export sedan-2up --format c-header --fixed-point 16 --points 16 --out s.h",
-    "brake-cal tables export sedan-2up --format a2l --out sedan.a2l",
+    "brake-cal tables export sedan-2up --out sedan.a2l",
 )
 
 
@@ -30,14 +30,15 @@ def export_table(
     table: TableVersion,
     *,
     form: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--format",
             metavar="F",
-            help="json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv.",
+            help="json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv; else by the ending of "
+            "--out.",
             autocompletion=names_of("calib.exports.formats", "ENDINGS"),
         ),
-    ],
+    ] = None,
     out: Annotated[Path, out_file("File to write.")],
     points: Annotated[
         int | None,
@@ -63,9 +64,7 @@ def export_table(
             "--unreleased", help="Also a version that is not released; the file then says so."
         ),
     ] = False,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace FILE, whatever it holds.")
-    ] = False,
+    force: Force = False,
     signing: Signing,
     store: Store = STORE,
     json: Json = False,
@@ -76,7 +75,7 @@ def export_table(
     Every file states the table's id, version, digest and state, the checksum of its numbers, and
     which value holds beyond the ends of an axis.
     """
-    form = _known(form)
+    form = _known(form, out)
     _check_usage(form, out, bits, elf)
     public = signing.public()
     from calib.errors import ExchangeError
@@ -84,8 +83,8 @@ def export_table(
     opened = calib.Store(store)
     stored = opened.load(table) if unreleased else opened.released(table)
     check_signed(table, stored, public)
-    if not force:
-        _refuse_foreign(out, stored)
+    digest = stored.digest.encode()
+    refuse_foreign(out, lambda data: digest in data, f"an export of {stored.id}", force)
     quality = _quality(validation, stored)
     try:
         with writing(out):
@@ -99,31 +98,16 @@ def export_table(
     _report(written, bits, json)
 
 
-def _known(form: str) -> str:
+def _known(form: str | None, out: Path) -> str:
+    """The format that was named, or that of the ending of the file."""
     from calib.errors import ExchangeError
-    from calib.exports.formats import format_named
+    from calib.exports.formats import format_named, format_of
 
     try:
-        return format_named(form)
+        return format_of(out.name) if form is None else format_named(form)
     except ExchangeError as error:
-        raise typer.BadParameter(str(error), param_hint="--format") from None
-
-
-def _refuse_foreign(out: Path, stored: "Stored") -> None:
-    """Refuse to replace any file but an earlier export of the same version."""
-    from calib.bounded import CALIBRATION, read_bounded
-
-    try:
-        mine = stored.digest.encode() in read_bounded(out, CALIBRATION)
-    except FileNotFoundError:
-        return
-    except OSError:
-        mine = False
-    if not mine:
-        raise typer.BadParameter(
-            f"{out} exists and is not an export of {stored.id}; --force replaces it",
-            param_hint="--out",
-        )
+        hint = "--out" if form is None else "--format"
+        raise typer.BadParameter(str(error), param_hint=hint) from None
 
 
 def _check_usage(form: str, out: Path, bits: int | None, elf: Path | None) -> None:

@@ -7,8 +7,8 @@ import typer
 
 from cli.console import emit_json, say
 from cli.group import command_group
-from cli.options import Json, example, out_file
-from cli.outputs import refuse_folder, writing
+from cli.options import Force, Json, example, out_file
+from cli.outputs import refuse_folder, refuse_foreign, writing
 
 EXAMPLE = "brake-cal limits init --out line.toml"
 app = command_group("Limits of a car and of its stops.", EXAMPLE)
@@ -17,7 +17,7 @@ app = command_group("Limits of a car and of its stops.", EXAMPLE)
 @app.command(epilog=example(EXAMPLE))
 def init(
     out: Annotated[Path | None, out_file("File to write; else stdout.", "L.toml")] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Write a file of all limits, ready to be edited.
@@ -41,8 +41,7 @@ def _write(text: str, out: Path, force: bool) -> None:
     from calib.files import write_whole
 
     refuse_folder(out)
-    if out.exists() and not force:
-        raise typer.BadParameter(f"{out} exists; --force replaces it", param_hint="--out")
+    refuse_foreign(out, lambda data: data == text.encode(), "the file as it is written", force)
     with writing(out):
         write_whole(out, text.encode())
     say(f"wrote {out}")

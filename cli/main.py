@@ -15,6 +15,7 @@ from cli import (
     check,
     demo,
     diagnose,
+    doctor,
     effects,
     fit,
     fleet,
@@ -67,6 +68,7 @@ app.command(epilog=repeatability.EPILOG)(repeatability.repeatability)
 app.command(epilog=batch.EPILOG)(batch.batch)
 app.command(epilog=watch.EPILOG)(watch.watch)
 app.command(epilog=demo.EPILOG)(demo.demo)
+app.command(epilog=doctor.EPILOG)(doctor.doctor)
 app.command(epilog=qualify.EPILOG)(qualify.qualify)
 app.add_typer(vehicles.app, name="vehicle")
 app.add_typer(log.app, name="log")

@@ -10,8 +10,8 @@ from cli.console import complain, emit, emit_json, say
 from cli.grid import facts_grid
 from cli.group import command_group
 from cli.inputs import channel_map_of
-from cli.options import Json, example, map_file, out_file
-from cli.outputs import refuse_folder, refuse_overwriting, writing
+from cli.options import Force, Json, example, map_file, out_file
+from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -50,6 +50,7 @@ def suggest(
         Path | None, map_file("Its file format and DBC; not that of the settings.")
     ] = None,
     out: Annotated[Path | None, out_file("Map file to write.", "M.toml")] = None,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Propose a channel map for a log of foreign names.
@@ -70,6 +71,8 @@ def suggest(
     read_with = channel_map_of(channel_map)
     found = propose(open_log(log, read_with).source, str(log), told=taken, radius=radius)
     toml = to_toml(found, read_with, None if out is None else out.absolute().parent)
+    if out is not None:
+        refuse_foreign(out, lambda data: data == toml.encode(), "this map", force)
     written = not found.doubts and bool(found.proposals)
     if json:
         document = {**asdict(found), "toml": toml if written else None}

@@ -137,6 +137,10 @@ def out_file(text: str, metavar: str = "FILE") -> Any:
     return typer.Option("--out", metavar=metavar, help=text)
 
 
+Force = Annotated[
+    bool, typer.Option("--force", help="Replace the file of --out, whatever it holds.")
+]
+
 VehicleFile = Annotated[Path, needed_vehicle()]
 
 

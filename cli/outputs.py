@@ -1,8 +1,13 @@
-"""Checks of ``--out`` before the work, so that its files can be written after it."""
+"""`--out`: one rule for all commands, checked before the work.
+
+A folder is made with its parents; files of the same names in it are replaced, others stay. A file
+is made with its parents; one that exists is replaced if it is empty or this program wrote it, and
+anything else only with --force. No output ever replaces an input.
+"""
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import typer
@@ -20,18 +25,57 @@ def ready_folder(out: Path | None) -> None:
         return
     if out.exists() and not out.is_dir():
         raise typer.BadParameter(f"{out} is a file", param_hint=OUT)
-    with writing(out):
+    _refuse_parent(out)
+    try:
         settled = settle(out)
+    except OSError as error:
+        raise _unwritable(out, error) from error
     if settled:
         say(f"settled what a run that was killed had left in {out}")
 
 
 def refuse_folder(out: Path) -> None:
-    """Refuse a folder, and a file in a missing folder, where a file will be written."""
+    """Refuse a folder where a file will be written, and a place where nothing can be written."""
     if out.is_dir():
         raise typer.BadParameter(f"cannot write {out}: it is a directory", param_hint=OUT)
-    if not out.absolute().parent.is_dir():
-        raise typer.BadParameter(f"cannot write {out}: no directory {out.parent}", param_hint=OUT)
+    _refuse_parent(out)
+
+
+def _refuse_parent(out: Path) -> None:
+    """Refuse a place below a file, or below a folder that cannot be written."""
+    above = next(path for path in out.absolute().parents if path.exists())
+    if not above.is_dir():
+        raise typer.BadParameter(
+            f"cannot write {out}: {os.path.relpath(above)} is a file, not a directory",
+            param_hint=OUT,
+        )
+    if not os.access(above, os.W_OK):
+        raise typer.BadParameter(
+            f"cannot write {out}: no permission to write in {os.path.relpath(above)}",
+            param_hint=OUT,
+        )
+
+
+def refuse_foreign(out: Path, ours: Callable[[bytes], bool], what: str, force: bool) -> None:
+    """Refuse to replace a file unless it is empty, ``ours`` by its bytes, or --force is given.
+
+    ``what`` says what would be replaced without --force.
+    """
+    from calib.bounded import LOG, read_bounded
+
+    if force:
+        return
+    try:
+        data = read_bounded(out, LOG)
+        mine = not data or ours(data)
+    except FileNotFoundError:
+        return
+    except OSError:
+        mine = False
+    if not mine:
+        raise typer.BadParameter(
+            f"{out} exists and is not {what}; --force replaces it", param_hint=OUT
+        )
 
 
 def refuse_overwriting(
@@ -61,16 +105,32 @@ def stems_of(logs: Iterable[Path], param_hint: str, called: str = "logs") -> lis
 
 @contextmanager
 def writing(out: Path | None) -> Iterator[None]:
-    """Turn an OSError within the context into a usage error that names ``out``.
+    """Make the folder that ``out`` is in; turn an OSError into a usage error that names ``out``.
 
-    A BrokenPipeError, from a closed reader of stdout, is passed on.
+    A folder that was made here and stays empty is removed. A BrokenPipeError, from a closed reader
+    of stdout, is passed on.
     """
+    made: list[Path] = []
     try:
+        made = [] if out is None else _made(out.absolute().parent)
         yield
     except BrokenPipeError:
         raise
     except OSError as error:
-        what = f"cannot be written ({error.strerror})"
-        raise typer.BadParameter(
-            what if out is None else f"{out} {what}", param_hint=OUT
-        ) from error
+        raise _unwritable(out, error) from error
+    finally:
+        with suppress(OSError):
+            for folder in made:
+                folder.rmdir()
+
+
+def _made(folder: Path) -> list[Path]:
+    """Make a folder with its parents; those that were not there before, the innermost first."""
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    return missing
+
+
+def _unwritable(out: Path | None, error: OSError) -> typer.BadParameter:
+    what = f"cannot be written ({error.strerror})"
+    return typer.BadParameter(what if out is None else f"{out} {what}", param_hint=OUT)

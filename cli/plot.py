@@ -8,8 +8,18 @@ import typer
 from cli.completion import table_names
 from cli.inputs import channel_map_of, limits_of_stops, tables_of, vehicle_of
 from cli.logs import is_stdin, named, read
-from cli.options import STORE, Json, Map, Store, example, limits_file, out_file, vehicle_file
-from cli.outputs import refuse_folder, writing
+from cli.options import (
+    STORE,
+    Force,
+    Json,
+    Map,
+    Store,
+    example,
+    limits_file,
+    out_file,
+    vehicle_file,
+)
+from cli.outputs import refuse_folder, refuse_foreign, writing
 from cli.project import from_settings
 
 if TYPE_CHECKING:
@@ -53,6 +63,7 @@ def plot(
     compare: Annotated[
         bool, typer.Option("--compare", help="Draw other methods beside the estimate of a stop.")
     ] = False,
+    force: Force = False,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
@@ -66,7 +77,7 @@ def plot(
     One page for each; a PDF holds all pages, of PNG and SVG there is one file per page. Without
     --out they are PNG files in this directory, named after their content.
     """
-    _check_out(out)
+    _check_out(out, force)
     from dataclasses import replace
 
     from calib.plots.save import save
@@ -92,14 +103,15 @@ def plot(
         say(f"{sheet.title}: {', '.join(sheet.names)} (one alone with --figure NAME)")
 
 
-def _check_out(out: Path | None) -> None:
+def _check_out(out: Path | None, force: bool) -> None:
     if out is None:
         return
-    from calib.plots.save import ENDINGS
+    from calib.plots.save import ENDINGS, is_picture
 
     if out.suffix.lower() not in ENDINGS:
         raise typer.BadParameter(f"must end in {', '.join(ENDINGS)}", param_hint="--out")
     refuse_folder(out)
+    refuse_foreign(out, is_picture, "a picture", force)
 
 
 def _read(

@@ -11,8 +11,8 @@ from cli.completion import names_of
 from cli.console import emit, emit_json, say
 from cli.inputs import quantity_of, with_own_effects
 from cli.logs import named, read
-from cli.options import Json, OwnEffects, VehicleFile, example, map_file, out_file
-from cli.outputs import refuse_folder, refuse_overwriting
+from cli.options import Force, Json, OwnEffects, VehicleFile, example, map_file, out_file
+from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
 from cli.project import from_settings
 
 if TYPE_CHECKING:
@@ -73,6 +73,7 @@ def simulate(
         int | None,
         typer.Option(metavar="SEED", min=0, help="Add simulated sensor noise, drawn by this seed."),
     ] = None,
+    force: Force = False,
     channel_map: Annotated[
         Path | None, map_file(callback=from_settings("map", when=_with_log))
     ] = None,
@@ -88,6 +89,7 @@ def simulate(
     driving = {"--speed": speed, "--pressure": pressure, "--deceleration": deceleration,
                "--duration": duration, "--rate": rate}  # fmt: skip
     _check_usage(log, manoeuvre, driving, out)
+    refuse_foreign(out, lambda data: b"true_" in data, "a simulated log", force)
     if channel_map is not None and log is None:
         raise typer.BadParameter("only with a LOG; a manoeuvre has none", param_hint="--map")
     from calib.physics.model import default_model
@@ -178,7 +180,8 @@ def _pressure(model: "Model", how: Braking) -> float | None:
 def _write(log: "Log", out: Path) -> None:
     from calib.logs.write import write_csv, write_parquet
 
-    (write_csv if out.suffix.lower() == ".csv" else write_parquet)(log, out)
+    with writing(out):
+        (write_csv if out.suffix.lower() == ".csv" else write_parquet)(log, out)
 
 
 def _document(log: "Log", out: Path, model: Path | None) -> dict[str, object]:

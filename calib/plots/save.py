@@ -25,6 +25,15 @@ METADATA: dict[str, dict[str, Any]] = {
 ENDINGS = tuple(METADATA)
 
 
+BEGINS = (b"\x89PNG", b"<?xml", b"%PDF")
+"""First bytes of a file by each ending."""
+
+
+def is_picture(data: bytes) -> bool:
+    """Whether the bytes of a file are those of a picture as it is written here."""
+    return data.startswith(BEGINS)
+
+
 def render(figure: "Figure", ending: str) -> bytes:
     """Bytes of one figure as ``.png``, ``.svg`` or ``.pdf``. Raises KeyError for another ending."""
     with styled():

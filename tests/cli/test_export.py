@@ -47,12 +47,18 @@ def test_errors_are_told_on_stderr(tables, tmp_path):
     assert "rms" in ran.err
 
 
+def test_the_ending_names_the_format_and_folders_are_made(tables, tmp_path):
+    out = tmp_path / "ecu" / "new" / "sedan.dcm"
+    assert tables("export", "sedan", "--out", out).code == 0
+    assert out.read_text().startswith("* ") or "KONSERVIERUNG_FORMAT" in out.read_text()
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
         (("--format", "dmc", "--out", "a"), "did you mean 'dcm'? known: json, csv, parquet"),
         (("--format", "xyz", "--out", "a"), "inca-csv"),
-        (("--format", "dcm", "--out", "none/a"), "no directory none"),
+        (("--format", "dcm", "--out", "tables/journal.jsonl/a"), "is a file, not a directory"),
         (("--format", "dcm", "--out", "."), "is a directory"),
         (("--format", "dcm", "--out", "a", "--fixed-point", "16"), "only with c-header"),
         (("--format", "c-header", "--out", "a", "--fixed-point", "12"), "one of 8, 16, 32"),
@@ -62,7 +68,7 @@ def test_errors_are_told_on_stderr(tables, tmp_path):
         (("--format", "dcm", "--out", "a", "--points", "1"), "expected 2 to 21"),
         (("--format", "dcm", "--out", "a", "--points", "22"), "expected 2 to 21"),
         (("--format", "dcm"), "Missing option '--out'"),
-        (("--out", "a"), "Missing option '--format'"),
+        (("--out", "a"), "its ending names no format"),
     ],
 )
 def test_usage_errors_end_with_2_and_write_nothing(tables, tmp_path, monkeypatch, arguments, says):

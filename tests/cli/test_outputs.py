@@ -6,7 +6,14 @@ from pathlib import Path
 import pytest
 import typer
 
-from cli.outputs import ready_folder, refuse_folder, refuse_overwriting, stems_of, writing
+from cli.outputs import (
+    ready_folder,
+    refuse_folder,
+    refuse_foreign,
+    refuse_overwriting,
+    stems_of,
+    writing,
+)
 
 
 def test_a_file_where_a_folder_is_meant(tmp_path):
@@ -27,12 +34,47 @@ def test_what_a_killed_run_left_is_settled_and_told(tmp_path, capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_a_folder_or_no_folder_where_a_file_is_meant(tmp_path):
+def test_a_folder_where_a_file_is_meant(tmp_path):
     refuse_folder(tmp_path / "new.csv")
+    refuse_folder(tmp_path / "none" / "new.csv")
     with pytest.raises(typer.BadParameter, match="it is a directory"):
         refuse_folder(tmp_path)
-    with pytest.raises(typer.BadParameter, match=r"no directory .*none"):
-        refuse_folder(tmp_path / "none" / "new.csv")
+
+
+@pytest.mark.parametrize("refuse", [refuse_folder, ready_folder])
+def test_a_file_in_the_place_of_a_folder_above(tmp_path, refuse):
+    (tmp_path / "file").touch()
+    with pytest.raises(typer.BadParameter, match="file is a file, not a directory"):
+        refuse(tmp_path / "file" / "below" / "new")
+
+
+def test_folders_above_are_made_and_gone_again_if_nothing_was_written(tmp_path):
+    out = tmp_path / "a" / "b" / "new.csv"
+    with pytest.raises(KeyError), writing(out):
+        raise KeyError(out.parent.is_dir())
+    assert list(tmp_path.iterdir()) == []
+    with writing(out):
+        out.write_text("x")
+    assert out.is_file()
+
+
+@pytest.mark.parametrize(
+    ("content", "force", "refused"),
+    [
+        (None, False, False),
+        ("", False, False),
+        ("ours", False, False),
+        ("other", False, True),
+        ("other", True, False),
+    ],
+)
+def test_only_our_own_files_are_replaced(tmp_path, content, force, refused):
+    out = tmp_path / "x"
+    if content is not None:
+        out.write_text(content)
+    expected = pytest.raises(typer.BadParameter, match="is not a result; --force replaces it")
+    with expected if refused else nullcontext():
+        refuse_foreign(out, lambda data: data == b"ours", "a result", force)
 
 
 @pytest.mark.parametrize(

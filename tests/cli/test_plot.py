@@ -148,7 +148,7 @@ def test_an_unknown_figure_names_the_known_and_writes_nothing(plot):
         (("sedan@1", "sedan@2", "sedan@1"), 2, "two tables without logs"),
         (("sedan@1", "--vehicle", WRONG), 2, "only with a TABLE and a LOG"),
         (("sedan@1", "--compare"), 2, "only with a TABLE and a LOG"),
-        (("sedan@1", "--out", "none/a.png"), 2, "no directory none"),
+        (("sedan@1", "--out", f"{STOP}/a.png"), 2, "is a file, not a directory"),
         (("nothing.csv",), 3, "no such file"),
         (("sedna",), 2, "did you mean 'sedan'"),
     ],
