@@ -102,7 +102,12 @@ def _told(found: "Diagnosis") -> str:
         lines += [f"{effect.name}: {words.where(effect)}", words.evidence(effect, found)]
         lines += [f"  {n} = {value_of(v)}" for n, v in effect.parameters.items()]
         lines.append(words.rivals(effect))
-    lines += [words.groups(found), words.something_else(found), words.withdrawn(found)]
+    lines += [
+        words.groups(found),
+        words.something_else(found),
+        words.withdrawn(found),
+        words.own_effects(found),
+    ]
     if found.unexplained is not None:
         lines.append(words.unexplained(found.unexplained))
     lines += [words.noise(found), words.not_resolved(found), *words.drives(found)]

@@ -40,7 +40,7 @@ class Sensor:
     Attributes
     ----------
     low, high : range.
-    resolution : step of the values; 0 if none is detected.
+    resolution : step of the values; 0 if none is detected, or for a channel that was interpolated.
     noise : standard deviation of variations faster than 0.2 s, without braking; NaN if the
         unbraked part is too short.
     white : its uncorrelated part.
@@ -83,7 +83,7 @@ def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: 
         channel=name,
         low=float(x.min()),
         high=float(x.max()),
-        resolution=resolution_of(x) if full else UNKNOWN[0],
+        resolution=_resolution(name, x, log) if full else UNKNOWN[0],
         noise=noise,
         white=white,
         autocorrelation=colour,
@@ -91,6 +91,11 @@ def _sensor(name: str, x: Array, log: Log, driving: DrivingRecord | None, full: 
         stuck=() if driving is None else _stuck(name, x, log, driving),
         saturated=0.0 if idle else saturation(-x if name == "a_x" else x, step),
     )
+
+
+def _resolution(name: str, x: Array, log: Log) -> float:
+    """The step of a sensor; between two samples of another clock there is none to be seen."""
+    return 0.0 if name in log.interpolated else resolution_of(x)
 
 
 def resolution_of(x: Array) -> float:

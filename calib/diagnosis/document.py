@@ -24,6 +24,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "schema": SCHEMA,
         "verdict": found.verdict,
         "effects": [_effect(effect) | _defined(effect, found) for effect in found.effects],
+        "own_effects": _own(found),
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
         "groups": [asdict(group) for group in found.groups],
         "confusion": None if found.confusion is None else _confusion(found.confusion),
@@ -120,6 +121,15 @@ def _drive(found: Drive) -> dict[str, Any]:
         "sigma": found.sigma,
         "clear": found.clear,
     }
+
+
+def _own(found: Diagnosis) -> list[dict[str, Any]]:
+    """Every effect of the user's own that was tried, whether it was named or not."""
+    names = {effect.name for effect in found.effects}
+    return [
+        {"name": name, "file": one.file, "sha256": one.sha256, "named": name in names}
+        for name, one in found.model_after.effects.own.items()
+    ]
 
 
 def _defined(effect: Named, found: Diagnosis) -> dict[str, Any]:

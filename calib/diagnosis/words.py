@@ -137,6 +137,16 @@ def something_else(found: Diagnosis) -> str:
     )
 
 
+def own_effects(found: Diagnosis) -> str:
+    """Which own effects were tried besides the catalogue, in a sentence; empty without any."""
+    named = {effect.name for effect in found.effects}
+    told = [
+        f"{plain(name)} of {one.file} ({'named' if name in named else 'not named'})"
+        for name, one in found.model_after.effects.own.items()
+    ]
+    return f"Own effects that were tried as well: {', '.join(told)}." if told else ""
+
+
 def withdrawn(found: Diagnosis) -> str:
     """What fits the calibration logs and not the hold-outs; empty if there is nothing."""
     lines = []

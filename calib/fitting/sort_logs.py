@@ -47,7 +47,7 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
         raise LogError(
             "none of the logs holds a braking",
             where=", ".join(log.source for log in logs),
-            expected="at least one ramp: 1 s unbraked, then pressure rising over 5 s or more",
+            expected="at least one ramp: 1 s unbraked, then pressure rising over 3 to 8 s",
         )
     if all(braked_alone(b.p_f, b.p_r) for _, b, _ in ramps):
         raise LogError(

@@ -40,6 +40,8 @@ class Log:
     notes : what the reader changed or ignored, as text.
     origins : source and conversion of each channel; empty for a simulated log.
     bridged : gaps of single channels that were bridged, see `calib.logs.gaps`.
+    interpolated : channels that were recorded on another clock: between their samples the values
+        are interpolated.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Log:
     notes: tuple[str, ...] = ()
     origins: tuple[Origin, ...] = ()
     bridged: tuple[Gap, ...] = ()
+    interpolated: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         names = ", ".join(self.channels) + (" + truth" if self.truth else "")

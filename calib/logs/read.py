@@ -185,12 +185,15 @@ def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
         ignored=taken.ignored,
         notes=taken.notes + notes,
         bridged=tuple(gap for gap in taken.bridged if gap.channel in values),
+        interpolated=taken.interpolated,
     )
 
 
 @dataclass(frozen=True)
 class _Taken:
-    """Content of a file: digest, channels [SI], unused columns, notes, bridged gaps."""
+    """Content of a file: digest, channels [SI], unused columns, notes, bridged gaps; channels that
+    were interpolated.
+    """
 
     digest: str
     values: dict[str, Array]
@@ -198,6 +201,7 @@ class _Taken:
     ignored: tuple[str, ...]
     notes: tuple[str, ...]
     bridged: tuple[Gap, ...] = ()
+    interpolated: tuple[str, ...] = ()
 
 
 def _read_table(
@@ -236,7 +240,15 @@ def _read_recording(
     written = zip((clock, *others), (resampled.time, *resampled.values), strict=True)
     values = {item.channel: item.to_si(w) for item, w in written}
     notes = (*opened.notes, *without_unit(opened.columns, taken), *resampled.notes)
-    return _Taken(digest, values, _origins(taken), ignored, notes, resampled.bridged)
+    return _Taken(
+        digest,
+        values,
+        _origins(taken),
+        ignored,
+        notes,
+        resampled.bridged,
+        resampled.interpolated,
+    )
 
 
 def recorded_clock(taken: list[Assigned], channel_map: ChannelMap | None) -> Assigned:

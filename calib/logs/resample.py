@@ -52,7 +52,8 @@ class Resampled:
     """Channels on one clock.
 
     ``time`` [s]; one array of its shape for each wanted channel, NaN where it has no value; notes;
-    the gaps that were bridged; the sample rate of each channel that is not empty [Hz].
+    the gaps that were bridged; the sample rate of each channel that is not empty [Hz]; the names of
+    the channels that were interpolated.
     """
 
     time: Array
@@ -60,6 +61,7 @@ class Resampled:
     notes: tuple[str, ...]
     bridged: tuple[Gap, ...]
     rates: dict[str, float]
+    interpolated: tuple[str, ...]
 
 
 def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
@@ -93,6 +95,7 @@ def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
         (*notes, *_notes(full, master, rates), *gaps, *cut),
         tuple(gap for item in filled for gap in item.bridged),
         rates,
+        tuple(w.name for w in full if not (w.hold or _same(w, master))),
     )
 
 

@@ -53,6 +53,7 @@ def report_html(found: Diagnosis, title: str) -> str:
         colour=COLOURS[judged],
         something_else=words.something_else(found),
         withdrawn=words.withdrawn(found),
+        own_effects=words.own_effects(found),
         noise=words.noise(found),
         steps=_steps(found),
         confusion=found.confusion and _confusion(found.confusion),

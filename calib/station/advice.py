@@ -25,7 +25,9 @@ def _row(
     return Advice(Limit(figure, *fail, *warn, required), unit, reason, action)
 
 
-_DRIVE_RAMP = "Drive the ramp again: a second of coasting, then pressure rising over 5 s to 0.5 g."
+_DRIVE_RAMP = (
+    "Drive the ramp again: a second of coasting, then pressure rising over 3 to 8 s to 0.5 g."
+)
 _PADS = "Look at pads, discs and calipers of the car, and whether the vehicle file is of this model"
 _SAME = "Drive two stops again with warm, dry pads on one road; if they still differ, look at"
 _RARE = (

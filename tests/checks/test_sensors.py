@@ -1,5 +1,7 @@
 """Sensors with a known resolution, noise and defect."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -148,3 +150,13 @@ def test_a_pressure_that_hangs_to_the_end_is_stuck(value):
     log = made_run(stop(start=1.5, end=4.0))
     hanging = np.where(log.time > 2.0, value, log["p_mc"])
     assert "p_mc" in stuck(changed(log, p_mc=hanging))
+
+
+def test_a_channel_that_was_interpolated_has_no_step():
+    log = made_run()
+    coarse = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)
+    (found,) = [s for s in sensors_of(coarse, None) if s.channel == "p_mc"]
+    assert found.resolution == pytest.approx(1e5)
+    moved = replace(coarse, interpolated=("p_mc",))
+    (found,) = [s for s in sensors_of(moved, None) if s.channel == "p_mc"]
+    assert found.resolution == 0.0

@@ -45,12 +45,15 @@ def test_a_flap_of_the_plant_is_named_by_the_effect_of_the_file(logs):
     (told,) = to_dict(found)["effects"]
     assert told["defined_in"] == {"file": "air_brake_flap.py", "sha256": own.sha256}
     assert own.effect.card.cause in report_html(found, "sedan")
+    (tried,) = to_dict(found)["own_effects"]
+    assert tried == {"name": "air_brake_flap", **told["defined_in"], "named": True}
 
 
 def test_without_the_file_there_is_no_such_name(logs):
     found = answer(logs, [])
     assert found.verdict != "no_gap"
     assert "air_brake_flap" not in {effect.name for effect in found.effects}
+    assert to_dict(found)["own_effects"] == []
     assert all("defined_in" not in effect for effect in to_dict(found)["effects"])
 
 
@@ -62,3 +65,6 @@ def test_an_effect_of_ones_own_that_is_not_hidden_is_not_named():
     logs = [add_noise(run(car, name, rng), i, NOISE) for i, name in enumerate(names)]
     found = answer(logs, [read_own_effect(EXAMPLE)])
     assert [effect.name for effect in found.effects] == ["hydraulic_lag"]
+    (tried,) = to_dict(found)["own_effects"]
+    assert (tried["name"], tried["named"]) == ("air_brake_flap", False)
+    assert "air brake flap of air_brake_flap.py (not named)" in report_html(found, "sedan")
