@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from calib.checks.computed_channels import ComputedChannel
+from calib.checks.figures import figures
 from calib.checks.observation import OPTIONAL, Observation, observe
 from calib.checks.rules import PURPOSES, problems
 from calib.checks.sensors import Sensor
@@ -166,8 +167,13 @@ def problems_for(log: Log, purpose: str) -> list[str]:
 
 
 def to_dict(findings: Findings) -> dict[str, Any]:
-    """The findings as plain data, numbers in SI."""
-    return {"usable": findings.usable, **asdict(findings)}
+    """The findings as plain data, numbers in SI; ``figures`` as in the results of a batch."""
+    return {
+        "usable": findings.usable,
+        **asdict(findings),
+        "figures": figures(findings.seen),
+        "warned": list(dict.fromkeys(warning.code for warning in findings.warnings)),
+    }
 
 
 def facts(findings: Findings) -> Iterator[tuple[str, str]]:

@@ -94,7 +94,7 @@ CHECK = (
     _number("deceleration_max", "1", "highest deceleration, z"),
     _number("pressure_max", "Pa", "highest p_mc"),
     _number("eta_zero", "1", "eta - 1 without braking"),
-    _number("warnings", "1", "number of warnings"),
+    _text("warned", "codes of the warnings; null without any"),
 )
 
 DIAGNOSE = (

@@ -147,28 +147,12 @@ def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
 
 def _check(job: Job, item: Item, files: Files) -> Answer:
     from calib.checks.check import check
+    from calib.checks.figures import figures
 
     found = check(_log(job, item, files, require=()))
-    seen, clock = found.seen, found.seen.clock
-    pressure = seen.sensor("p_mc")
-    zero = seen.axles.front_rear if seen.axles else None
-    metrics = (
-        clock.samples,
-        clock.duration,
-        clock.rate,
-        clock.jitter,
-        len(clock.gaps),
-        len(seen.events),
-        seen.lead_in,
-        seen.coasting,
-        seen.speed,
-        seen.z,
-        pressure.high if pressure else None,
-        zero.value if zero else None,
-        len(found.warnings),
-    )
     usable = tuple(verdict.usable for verdict in found.verdicts)
-    return _verdict(found.usable), (*usable, *map(number, metrics))
+    metrics = map(number, figures(found.seen).values())
+    return _verdict(found.usable), (*usable, *metrics, _codes(found.warnings))
 
 
 def _diagnose(job: Job, item: Item, files: Files) -> Answer:

@@ -354,6 +354,8 @@ def to_dict(stored: Stored, results: list[Validation]) -> dict[str, object]:
                     }
                     for j in r.judgements
                 ],
+                "not_held": [j.figure for j in r.judgements if j.passed is False],
+                "warned": list(dict.fromkeys(warning.code for warning in r.all_warnings)),
                 "budget": None if r.budget is None else summary(*r.budget),
                 "not_valid": r.refused,
                 "surface_changes": list(r.estimate.split.changes),
