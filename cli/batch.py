@@ -1,7 +1,6 @@
 """`brake-cal batch`: one command on many logs, one row per log."""
 
 import signal
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,8 +24,6 @@ EPILOG = example(
     "brake-cal batch validate 'sample_logs/sedan/*pads.csv' --table sedan-2up --out validated",
 )
 FAILED, UNREADABLE = 1, 3
-QUIET = 5.0
-"""Seconds between two lines of progress where no terminal shows a bar."""
 
 
 @grouped
@@ -110,7 +107,7 @@ def _tell(done: "Batch", json: bool) -> None:
 
 @contextmanager
 def _progress() -> "Iterator[Callable[[Pace], None]]":
-    """Show rate and remaining time on stderr: a bar on a terminal, else lines at intervals."""
+    """Show rate and remaining time in a bar, on a terminal only."""
     from calib.fleet.pace import words
 
     if is_watched():
@@ -120,12 +117,4 @@ def _progress() -> "Iterator[Callable[[Pace], None]]":
                 task, description=words(pace), completed=pace.done, total=pace.total
             )
         return
-    shown = time.monotonic()
-
-    def report(pace: "Pace") -> None:
-        nonlocal shown
-        if time.monotonic() - shown >= QUIET:
-            shown = time.monotonic()
-            say(words(pace))
-
-    yield report
+    yield lambda _pace: None

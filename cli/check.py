@@ -1,5 +1,6 @@
 """`brake-cal check`: what a log contains, and for what it can be used."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -66,7 +67,7 @@ def _look(
     from calib.logs.tables import ending_of
 
     found, errors = [], []
-    for path, name in zip(logs, named(logs), strict=True):
+    for path, name in _watched(logs, named(logs)):
         try:
             # a bus has thousands of signals: no search for copies of a pressure among them
             if ending_of(name) in RECORDINGS:
@@ -79,6 +80,16 @@ def _look(
         except InputError as error:
             errors.append((path, error))
     return found, errors
+
+
+def _watched(logs: list[Path], names: list[Path]) -> "Iterator[tuple[Path, Path]]":
+    """Each log with the name that results have for it; a bar on a terminal meanwhile."""
+    from cli.console import stages
+
+    with stages() as tell:
+        for i, (path, name) in enumerate(zip(logs, names, strict=True)):
+            tell(f"reading {name.name}", i, len(logs))
+            yield path, name
 
 
 def _panel(findings: "Findings") -> "Panel":

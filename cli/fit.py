@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
-from cli.console import emit, emit_json, say, warn
+from cli.console import emit, emit_json, say, stages, warn
 from cli.inputs import channel_map_of, mass_of, tell_kin, with_own_effects
 from cli.logs import read, refuse_stdin
 from cli.options import (
@@ -64,8 +64,14 @@ def fit(
     say(f"fitting {car.name} from {len(logs)} log{'s' * (len(logs) > 1)}")
     known = read_model(model, car) if model else None
     given = with_model(car, known) if known else car
-    runs = [read(path, mapping) for path in logs]
-    stored = calib.Store(store).save(fit_table(given, runs, weight))
+    runs = []
+    with stages() as tell:
+        for i, path in enumerate(logs):
+            tell(f"reading {path.name}", i, len(logs) + 1)
+            runs.append(read(path, mapping))
+        tell(f"fitting {car.name}", len(logs), len(logs) + 1)
+        table = fit_table(given, runs, weight)
+    stored = calib.Store(store).save(table)
     told = mass_used(given, weight)
     tell_kin(store, stored)
     warn(stored.table.warnings)

@@ -56,9 +56,18 @@ class Outcome:
         return None if self.deviation is None else round(self.deviation)
 
 
-def run(checks: Iterable[Check], material: Material) -> tuple[Outcome, ...]:
-    """Make every check on ``material``; one that ends with an error has failed."""
-    return tuple(_outcome(check, material) for check in checks)
+def run(
+    checks: Iterable[Check], material: Material, done: Callable[[], None] = lambda: None
+) -> tuple[Outcome, ...]:
+    """Make every check on ``material``; one that ends with an error has failed.
+
+    ``done`` is called after each.
+    """
+    outcomes = []
+    for check in checks:
+        outcomes.append(_outcome(check, material))
+        done()
+    return tuple(outcomes)
 
 
 def _outcome(check: Check, material: Material) -> Outcome:

@@ -51,7 +51,7 @@ def test_what_is_told_is_written_and_read(brake_cal, foreign, tmp_path):
     out = tmp_path / "map.toml"
     told = ("--take", "p_mc=Brake pressure [bar]")
     assert brake_cal("map", "suggest", foreign, *told, "--out", out).code == 0
-    ran = brake_cal("check", foreign, "--map", out)
+    ran = brake_cal("check", foreign, "--map", out, "-v")
     assert ran.code == 0
     assert "from 'LongAcc' [m/s^2] x 1:" in ran.out
     assert "from 'Brake pressure' [bar] x 100000:" in ran.out
@@ -76,7 +76,7 @@ def test_json_is_one_document(brake_cal, foreign):
     [
         (("--take", "p_mc"), 2, "is not CHANNEL=NAME"),
         (("--take", "p_cm=x"), 3, "there is no channel 'p_cm'"),
-        (("--out", "/nowhere/map.toml"), 2, "cannot write"),
+        (("--out", "/dev/null/map.toml"), 2, "cannot write"),
         (("--radius", "31"), 2, "--radius"),
     ],
 )
@@ -93,11 +93,11 @@ def test_the_log_is_not_overwritten(brake_cal, foreign):
 
 
 def test_check_says_what_the_cars_can_and_cannot_give(brake_cal):
-    ran = brake_cal("check", REAL / "mustang_brake.csv", REAL / "toyota_brake.csv")
+    ran = brake_cal("check", REAL / "mustang_brake.csv", REAL / "toyota_brake.csv", "-v")
     assert ran.code == 1
     assert "p_mc in bar is 0.01 times T_b_req_oem [N*m]" in ran.out
     assert "p_mc is missing" in ran.out
-    assert ran.out.count("not usable") == 6
+    assert ran.out.count("not usable: ") == 2
     assert "the zero of eta" in ran.out
 
 

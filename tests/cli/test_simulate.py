@@ -123,7 +123,7 @@ def test_usage_errors_end_with_2_and_write_nothing(tmp_path, arguments, says):
 def test_where_it_cannot_write_is_a_usage_error(tmp_path):
     log = tmp_path / "log.csv"
     log.write_bytes((SEDAN / "coast.csv").read_bytes())
-    for out in (tmp_path / "sim.mat", tmp_path / "none" / "sim.csv", log):
+    for out in (tmp_path / "sim.mat", log / "sim.csv", log):
         result = run(log, "--vehicle", VEHICLE, "--out", out)
         assert result.exit_code == 2
     assert log.read_bytes() == (SEDAN / "coast.csv").read_bytes()
