@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from calib.bounded import KINDS, Kind, bytes_of, open_bounded, read_bounded
-from calib.errors import LogError, SettingsError
+from calib.bounded import KINDS, POINTER, TOML, Kind, bytes_of, open_bounded, read_bounded
+from calib.errors import InputError, LogError, SettingsError
 
 SMALL = Kind("small", 0.001)
 
@@ -87,3 +87,10 @@ def test_each_variable_is_in_the_manual():
     text = manual.read_text()
     for kind in KINDS:
         assert f"| `{kind.variable}` | {kind.megabytes:g} |" in text
+
+
+def test_a_pointer_of_git_lfs_is_named(tmp_path):
+    path = tmp_path / "car.toml"
+    path.write_bytes(POINTER + b".github.com/spec/v1\noid sha256:ab\nsize 1\n")
+    with pytest.raises(InputError, match=r"a pointer of git LFS.*expected a TOML.*git lfs pull"):
+        bytes_of(path, TOML, InputError, "a TOML file")
