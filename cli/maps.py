@@ -10,6 +10,7 @@ from cli.console import complain, emit, emit_json, say
 from cli.grid import facts_grid
 from cli.group import command_group
 from cli.inputs import channel_map_of
+from cli.loudness import this_run
 from cli.options import Force, Json, example, map_file, out_file
 from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
 
@@ -108,7 +109,8 @@ def _pair(text: str) -> tuple[str, str]:
 def _tell(found: "Suggestion") -> None:
     from cli.console import console
 
-    console().print(_grid(found))
+    if not this_run().quiet:
+        console().print(_grid(found))
 
 
 def _grid(found: "Suggestion") -> "Grid":

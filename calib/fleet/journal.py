@@ -27,7 +27,7 @@ NAME = "journal.sqlite"
 EARLIER = "journal.jsonl"
 """File name of the journal in versions up to 0.1; it is not read."""
 
-SCHEMA = "1"
+SCHEMA = "2"
 FOREIGN, DAMAGED = "not the journal of a batch of this version", "the journal is damaged"
 ANEW = "name another --out, or start again with --fresh"
 TABLES = (
