@@ -5,6 +5,7 @@ import re
 import pytest
 
 from calib.demo.samples import sample_logs
+from tests.support.terminal import on_a_terminal
 
 SEDAN = sample_logs() / "sedan"
 FIT = ("fit", SEDAN / "ramp_wet_asphalt.csv", "--vehicle", SEDAN / "vehicle.toml")
@@ -40,3 +41,14 @@ def test_verbose_tells_what_was_read_and_the_time(brake_cal, tmp_path):
 def test_one_run_does_not_hush_the_next(brake_cal):
     brake_cal("tables", "list", "-q")
     assert "brake-cal.toml" in brake_cal("settings").err
+
+
+def test_progress_is_drawn_on_a_terminal_and_never_with_q(tmp_path):
+    words = (*FIT, "--store", tmp_path)
+    told, seen = on_a_terminal(words, tmp_path, TERM="xterm")
+    assert "reading ramp_wet_asphalt.csv" in seen
+    assert "\u2501" in seen
+    quiet, nothing = on_a_terminal((*words, "-q"), tmp_path, TERM="xterm")
+    assert "\u2501" not in nothing
+    assert "reading" not in nothing
+    assert quiet.splitlines()[1:] == told.splitlines()[1:]  # the first says: already stored
