@@ -82,6 +82,7 @@ def fit(
 
 
 def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
+    from calib.store.answer import answer
     from calib.table.budget import summary
     from calib.table.pads_budget import pads_budget
     from calib.warning import to_dict
@@ -94,6 +95,7 @@ def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
         "path": stored.path,
         "state": stored.state.word,
         "new": not stored.existed,
+        "answer": answer(stored),
         "mass": mass,
         "calibration": table.calibration,
         "budget": summary(*pads_budget(table)),

@@ -38,11 +38,12 @@ class Group(TyperGroup):
 
     def __init__(self, **attributes: Any) -> None:
         super().__init__(**attributes)
-        self.params = [*self.params, *loudness_options()]
+        options = loudness_options()
+        self.params = [*self.params, *options]
         for command in self.commands.values():
             command.short_help = first_sentence(command.help or "")
             if not isinstance(command, Group):
-                command.params = [*command.params, *loudness_options()]
+                command.params = [*command.params, *options]
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write each subject with its commands; a summary is never cut."""

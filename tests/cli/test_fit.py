@@ -75,6 +75,7 @@ def test_json_is_one_document(brake_cal, log, store):
     assert document["calibration"]["pad_scale"]["value"] == stored.table.calibration.pad_scale.value
     assert set(document["effects"]) == {"aerodynamic_drag", "rolling_resistance"}
     assert document["quality"]["runs"] == 1.0
+    assert document["answer"]["usable"] is False  # a draft
     assert document["budget"] == summary(*pads_budget(stored.table))
     assert document["remarks"] == list(stored.table.remarks)
 
