@@ -158,7 +158,8 @@ class Store:
             now = self._with_older(self._snapshot())
             known = now.identical(table)
             if known is not None:
-                return replace(known, state=next_state(known.id, known.state, decision))
+                state = next_state(known.id, known.state, decision)
+                return replace(known, state=replace(state, stored_at=known.state.stored_at))
             version = now.next_number(table.name)
         read, path = from_content(*table.content()), placed_in(self.folder, table.name, version)
         state = (decision or Decision()).as_state()
