@@ -33,6 +33,8 @@ def conclusion(stored: Stored, results: Sequence[Validation]) -> str:
     passed = sum(result.passed for result in results)
     if passed == len(results):
         head = f"passed: {_of(passed, len(results))} within the limits"
+        count = sum(len(result.all_warnings) for result in results)
+        head += f", with {count} warning{'s' * (count > 1)}" if count else ""
         if stored.state.word == DRAFT:
             return (
                 f"{head}; next: `brake-cal tables release {stored.id} --reason ... "

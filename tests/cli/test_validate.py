@@ -71,7 +71,9 @@ def test_logs_that_pass(run):
     words, _, figures = ran.out.partition("\n\n")
     first, *_ = words.splitlines()
     assert first.startswith("wet: passed: front pads ")
-    assert ran.out.splitlines()[-1].startswith("passed: all 2 logs are within the limits; next: ")
+    assert ran.out.splitlines()[-1].startswith(
+        f"passed: all 2 logs are within the limits, with {len(warned)} warning"
+    )
     rows = {line.split()[0]: line for line in figures.splitlines()}
     assert rows["wet"].rstrip().endswith("passed, 1 warning")
     assert rows["harder"].rstrip().endswith("passed")
