@@ -5,6 +5,7 @@ tests/checks/test_check.py). Here each way to spoil an input goes through `fit` 
 user would type them.
 """
 
+import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -349,7 +350,7 @@ def test_an_own_process_ends_the_same_way(tmp_path):
         text=True,
         check=False,
     )
-    assert (ran.returncode, ran.stdout) == (3, "")
+    assert ran.returncode == json.loads(ran.stdout)["error"]["exit_code"] == 3
     assert ran.stderr.splitlines()[-1].startswith(f"error: {path}: the file is empty")
     assert "Traceback" not in ran.stderr
     assert list(tmp_path.iterdir()) == [path]
