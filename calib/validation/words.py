@@ -10,6 +10,7 @@ from calib.estimation.axle_estimate import AxleEstimate
 from calib.statistics.intervals import Z95
 from calib.store.state import DRAFT
 from calib.store.version import Stored
+from calib.validation.limits import Judgement
 from calib.validation.metrics import METRICS
 from calib.validation.validate import CALIBRATION, NO_HOLDOUT, Validation
 from calib.validation.warnings import pads_apart
@@ -63,7 +64,7 @@ def _pads(result: Validation) -> str:
     apart, sigma = pads_apart(e)
     if abs(apart) > Z95 * sigma:
         return f"front pads {_against(front)}, rear pads {_against(rear)} those of the ramp"
-    both = (0.5 * (front[0] + rear[0]), min(front[1], rear[1]))
+    both = (0.5 * (front[0] + rear[0]), max(front[1], rear[1]))
     as_far = f"front and rear alike (their ratio is known to {_percent(Z95 * sigma)})"
     return f"pads {_against(both)} those of the ramp, {as_far}"
 
@@ -105,18 +106,18 @@ def _known(result: Validation) -> str:
 
 def _why(result: Validation) -> str:
     """Which limits are not held, in words; empty if all are."""
-    broken = [
-        f"{METRICS.get(j.figure, j.figure).removesuffix(' [1]')} is "
-        + ("not known" if j.value is None else f"{j.value:.3g}")
-        + (f", at least {j.low:g}" if _is_low(j.value, j.low) else f", at most {j.high:g}")
-        for j in result.judgements
-        if j.passed is False
-    ]
+    broken = [_broken(one) for one in result.judgements if one.passed is False]
     return f"{result.log}: {'; '.join(broken)}" if broken else ""
 
 
-def _is_low(value: float | None, low: float | None) -> bool:
-    return low is not None and (value is None or value < low)
+def _broken(one: Judgement) -> str:
+    """Meaning and value of a metric that breaks its limit, and the limit."""
+    meaning = METRICS.get(one.figure, one.figure).removesuffix(" [1]")
+    if one.value is None:
+        return f"{meaning} is not known, and it is required"
+    below = one.low is not None and one.value < one.low
+    bound = f"at least {one.low:g}" if below else f"at most {one.high:g}"
+    return f"{meaning} is {one.value:.3g}, {bound}"
 
 
 def _percent(share: float) -> str:

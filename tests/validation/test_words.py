@@ -60,6 +60,15 @@ def test_a_limit_that_is_not_held_is_named_by_its_meaning(fitted):
     assert last.endswith("at least 0.999")
 
 
+def test_a_required_figure_that_is_not_known_is_told(fitted):
+    log = noisy(stop(WET), 3)
+    bare = replace(log, truth={})
+    (result,) = validate(
+        fitted, [bare], limits=(Limit("torque_error_f", None, None, required=True),)
+    )
+    assert lines(result)[-1].endswith(" is not known, and it is required")
+
+
 def test_the_conclusion_and_what_comes_next(fitted):
     stop_, run = noisy(stop(WET), 3), noisy(ramp(REAL), 1)
     results = validate(fitted, [stop_, run])
