@@ -113,18 +113,27 @@ class Candidate:
         return self.chi2 / self.count
 
     @cached_property
+    def whitened(self) -> list[list[Array]]:
+        """Innovations at ``x`` by run and channel; without a term."""
+        return self.problem.whitened(*unpack(self.problem.vehicle, self.names, self.x))
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """Derivatives (n, k) of the innovations by ``x``; without a term and its knots."""
+        problem = self.problem
+        own = bounds(problem.vehicle, self.names)[1]
+
+        def innovations(x: Array) -> Array:
+            return problem.flat(*unpack(problem.vehicle, self.names, x))
+
+        return columns(innovations, self.x[: own.size], joined(self.whitened), own)
+
+    @cached_property
     def covariance(self) -> Array:
         """Covariance (k, k) of ``x``, from the derivatives of the innovations and the priors."""
-        problem, names = self.problem, self.names
-        own = bounds(problem.vehicle, names)[1]
-
-        def rows(x: Array) -> Array:
-            innovations = problem.flat(*unpack(problem.vehicle, names, x))
-            return np.concatenate([innovations, prior_rows(problem.vehicle, names, x)])
-
-        x = self.x[: own.size]
-        J = columns(rows, x, rows(x), own)
-        return np.asarray(np.linalg.pinv(J.T @ J))
+        J = self.jacobian
+        priors = _prior_derivatives(self.problem.vehicle, self.names, J.shape[1])
+        return np.asarray(np.linalg.pinv(J.T @ J + priors.T @ priors))
 
 
 def derivatives(problem: Problem, at: Candidate, innovations: Array) -> Array:
@@ -240,6 +249,12 @@ def prior_rows(vehicle: Vehicle, names: tuple[str, ...], x: Array) -> Array:
         rows += [float(v) / SECOND_SIGMA for v in x[i + 1 : i + count]]
         i += count
     return np.asarray(rows)
+
+
+def _prior_derivatives(vehicle: Vehicle, names: tuple[str, ...], size: int) -> Array:
+    """Derivatives (m, k) of `prior_rows`, which are linear in the vector (k,)."""
+    rows = [prior_rows(vehicle, names, unit) for unit in np.eye(size)]
+    return np.stack(rows, axis=1)
 
 
 MakeTerm = Callable[[Array], EmpiricalTerm]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.checks.gates import require_same_wheels
+from calib.diagnosis.agreement import half_widths
 from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, problem_of
 from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.confirm import chi2_by_run, confirm, count_of
@@ -34,17 +35,9 @@ from calib.physics.model import Model
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
-from calib.statistics.intervals import Z95
 from calib.units import behind
 
 Array = NDArray[np.float64]
-
-INFLATION = 2.0
-"""Factor on the formal sigma of a parameter, for the error of the model itself; see
-tests/studies/naming.py."""
-
-SYSTEMATIC = 0.015
-"""Relative sigma of every parameter for common errors of all runs: air, geometry, sensors."""
 
 
 @dataclass(frozen=True)
@@ -257,7 +250,7 @@ def named(
     problem: Problem, held: Problem, decision: Decision, confusion: Confusion | None
 ) -> tuple[Named, ...]:
     """Every effect of the best explanation, with evidence; ``confusion`` with those like it."""
-    best, sigma = decision.best, standard_errors(decision.best)
+    best, half = decision.best, half_widths(decision.best)
     nearest = None if confusion is None else confusion.pair(0, 1)
     separate = "" if nearest is None else f"{nearest.drive} ({nearest.sigma:.0f} sigma apart)"
     like = confusable(best, decision.rivals)
@@ -267,7 +260,7 @@ def named(
         parameters = {}
         for p in definition(problem.vehicle.effects, name).card.parameters:
             value = best.effects.parameters[name][p.name]
-            spread = Z95 * float(np.hypot(sigma[i] * p.spread, SYSTEMATIC * value))
+            spread = float(half[i] * p.spread)
             parameters[p.name] = ParameterEstimate(value, p.unit, (value - spread, value + spread))
             i += 1
         others = sorted({n for c in like for n in c.names} - set(best.names))
@@ -287,12 +280,6 @@ def named(
             )
         )
     return tuple(out)
-
-
-def standard_errors(candidate: Candidate) -> Array:
-    """Sigma of a candidate's vector, the error of the model itself included."""
-    formal = np.sqrt(np.maximum(np.diag(candidate.covariance), 0.0))
-    return np.asarray(INFLATION * np.sqrt(max(candidate.reduced, 1.0)) * formal)
 
 
 def gain_without(problem: Problem, best: Candidate, name: str) -> float:
@@ -353,7 +340,7 @@ def _axle(problem: Problem, best: Candidate, name: str) -> str:
 
 def base_estimates(candidate: Candidate) -> dict[str, ParameterEstimate]:
     """Base parameters with intervals."""
-    sigma = standard_errors(candidate)
+    half = half_widths(candidate)
     b = candidate.base
     values = {
         "pad_friction_f": b.pad_friction_f,
@@ -363,6 +350,6 @@ def base_estimates(candidate: Candidate) -> dict[str, ParameterEstimate]:
     }
     out = {}
     for i, (name, value) in enumerate(values.items()):
-        factor = float(np.exp(Z95 * np.hypot(sigma[i], 0.005)))
+        factor = float(np.exp(half[i]))
         out[name] = ParameterEstimate(value, "1", (value / factor, value * factor))
     return out
