@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,3 +27,9 @@ def canonical_json(record: dict[str, Any]) -> bytes:
     Raises ValueError for NaN and infinite numbers.
     """
     return json.dumps(record, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
+def file_digest(path: Path) -> str:
+    """SHA-256 of a file's bytes [hex]. Raises OSError."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

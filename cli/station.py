@@ -115,7 +115,7 @@ class ExportOptions:
         str | None,
         typer.Option(
             metavar="YYYY-MM-DD",
-            help="Date in the history of a cdfx, else that of storing the table.",
+            help="Date of the report and in a cdfx, which else has that of storing the table.",
         ),
     ] = None
 
@@ -215,7 +215,8 @@ def station(
             done()
     judged = Car(table, ramp_logs, stops, results, reference.table if reference else None)
     named = reference.id if reference else ""
-    found = outcome(judged, coast_logs, held, identity, named, accept or "", by or "")
+    told = _limits_file(limits)
+    found = outcome(judged, coast_logs, held, identity, named, accept or "", by or "", told)
     with writing(out), workshop(out) as work:
         stored, document = store_and_write(found, calib.Store(store), forms, ecu.date or "", work)
         paths = publish_run(work, out)
@@ -229,6 +230,13 @@ def station(
         _report(found, stored, forms)
     if not found.passed:
         raise typer.Exit(FAILED)
+
+
+def _limits_file(path: Path | None) -> str:
+    """Name and digest of the limits, as the report tells them; empty for those of the program."""
+    from calib.digest import file_digest
+
+    return f"{path.name}, SHA-256 {file_digest(path)[:16]}" if path else ""
 
 
 def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:

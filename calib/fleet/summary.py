@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from calib.errors import InputError
 from calib.fleet.columns import Kind, ResultColumn, Status
 from calib.fleet.control_chart import Chart, LevelChange, change, chart, least_p
-from calib.fleet.outliers import Spread, named, spread
+from calib.fleet.outliers import Spread, named
 from calib.fleet.results import FleetFile
 from calib.toml import did_you_mean
 

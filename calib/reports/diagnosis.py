@@ -45,7 +45,7 @@ def report_html(found: Diagnosis, title: str) -> str:
         headline=headline(found),
         gap=found.gap,
         holdouts=[log.name for log in found.measured],
-        speed=drawn(sheet, ("speed",)),
+        speed=drawn(sheet, "speed"),
         speed_ends=_speed_ends(found, when),
         effects=[_effect(effect, found) for effect in found.effects],
         unexplained=found.unexplained and _unexplained(found.unexplained, sheet),
@@ -63,9 +63,9 @@ def report_html(found: Diagnosis, title: str) -> str:
             for i, group in enumerate(found.groups)
         ],
         drives=_drives(found),
-        evidence=drawn(sheet, ("evidence",)),
+        evidence=drawn(sheet, "evidence"),
         tried=[f"{label} leaves {left:.2f}" for label, left, _ in diagnosis.explanations(found)],
-        largest=drawn(sheet, ("acceleration", "split"), ("gap", "gap")),
+        largest=drawn(sheet, "acceleration", "split", "gap"),
         by_channel=[
             (f"{name} [{UNITS[name]}]", *(f"{getattr(c, key):.4f}" for key in (*when, "noise")))
             for name, c in found.gap.by_channel.items()
@@ -189,7 +189,7 @@ def _unexplained(found: UnexplainedTerm, sheet: Sheet) -> dict[str, object]:
     term, unit = found.term, DRIVERS[found.term.driver]
     return {
         "text": words.unexplained(found),
-        "picture": drawn(sheet, ("term",)),
+        "picture": drawn(sheet, "term"),
         "place": words.plain(term.place),
         "driver": term.driver,
         "unit": printed.unit_shown(unit) or "1",

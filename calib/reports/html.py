@@ -15,12 +15,20 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 
+PANEL = (4.6, 3.1)
+"""Size of a panel of a page [in]: legible on a telephone."""
+
+
 @dataclass(frozen=True)
 class Picture:
-    """A figure inside a page: ``key`` is the id of the box that enlarges it, empty without one."""
+    """A figure inside a page: ``key`` is the id of the box that enlarges it, empty without one.
+
+    ``more``: sources of the panels beside the first one, on a narrow screen below it.
+    """
 
     source: str
     key: str = ""
+    more: tuple[str, ...] = ()
 
 
 @cache
@@ -48,11 +56,17 @@ def picture(content: bytes, kind: str, key: str = "") -> Picture:
     return Picture(f"data:image/{kind};base64,{base64.b64encode(content).decode()}", key)
 
 
-def drawn(sheet: Sheet, *rows: tuple[str, ...]) -> Picture:
-    """Panels of the sheet as one picture that can be enlarged; ``rows`` as in `Sheet`."""
+def drawn(sheet: Sheet, *names: str) -> Picture:
+    """Panels of the sheet as one picture that can be enlarged.
+
+    Each panel is a drawing of its own, so that a narrow screen shows them one below the other.
+    Raises KeyError for a name that the sheet does not have.
+    """
     from calib.plots.save import render
 
-    names = dict.fromkeys(name for row in rows for name in row)
-    panels = tuple(panel for panel in sheet.panels if panel.name in names)
-    part = replace(sheet, title="", note="", panels=panels, rows=rows, heights=())
-    return picture(render(part.overview(), ".svg"), "svg+xml", "zoom-" + "-".join(names))
+    part, sources = replace(sheet, title="", note=""), []
+    for name in names:
+        figure = part.figure(name)
+        figure.set_size_inches(*PANEL)
+        sources.append(picture(render(figure, ".svg"), "svg+xml").source)
+    return Picture(sources[0], "zoom-" + "-".join(names), tuple(sources[1:]))

@@ -1,29 +1,32 @@
 """The report of a car: verdict, next steps, metrics and limits, curves, origin of the data."""
 
 from calib import __version__
-from calib.plots.sheet import Sheet
+from calib.plain import plain
 from calib.plots.station import sheet
-from calib.reports.html import Picture, drawn, page
+from calib.reports.html import drawn, page
+from calib.reports.judged import Row, row, sorted_rows, warned
 from calib.station.advice import action, reason
 from calib.station.identity import TITLES
+from calib.station.metrics import CUT
 from calib.station.station import Check, StationOutcome
-from calib.station.words import HEADINGS, bounds, in_full, summary, value_of
+from calib.station.words import HEADINGS, in_full, summary
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
 from calib.table.pads_budget import pads_budget
 from calib.table.table import Table
-from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING
+from calib.validation.limits import FAILED, NOT_KNOWN, WARNING
 from calib.validation.validate import Validation
-from calib.warning import PlausibilityWarning
 
 
-def report_html(found: StationOutcome, stored: Stored) -> str:
-    """Return the report as one HTML document, without a time or a path in it."""
+def report_html(found: StationOutcome, stored: Stored, date: str = "") -> str:
+    """Return the report as one HTML document, without a path in it.
+
+    ``date`` is the one that was stated for the run, "" for none: a clock would change the bytes.
+    """
     table, results, identity = found.table, found.results, found.identity
     given = [(TITLES[name], value) for name, value in identity.given().items()]
     bad = found.with_verdict(FAILED) + found.with_verdict(WARNING)
-    of_car = [check for check in found.checks if check.of_car]
-    of_stops = _by_figure([check for check in found.checks if not check.of_car])
+    of_car, of_stops, unjudged = _rows(found)
     meant = {check.figure: check.meaning for check in found.checks}
     pads = (table.calibration.pad_friction_f, table.calibration.pad_friction_r)
     sources = [(log.name, "ramp", log.digest) for log in found.ramps]
@@ -41,29 +44,33 @@ def report_html(found: StationOutcome, stored: Stored) -> str:
             ("Vehicle", table.vehicle.name),
             *given,
             ("Table", f"{stored.id}, {stored.state.why}"),
+            ("Date", date or "not stated (--date)"),
+            ("Operator", found.by or "not stated (--by)"),
+            ("Limits", found.limits or "those of the program"),
         ],
         next_steps=[(check.verdict, in_full(check), action(check.figure)) for check in bad],
-        warnings=[_warning(warning) for warning in found.warnings],
-        of_car=[(c.meaning, value_of(c), c.verdict, *_ranges(c)) for c in of_car],
-        car_kinds=["unjudged" if c.verdict == NOT_KNOWN else c.verdict for c in of_car],
-        of_stops=[(c[0].meaning, *map(_cell, c), *_ranges(c[0])) for c in of_stops],
-        stop_heads=[f"stop {i}" for i in range(1, len(results) + 1)],
-        stop_kinds=[_worst(checks) for checks in of_stops],
-        reasons=[(name, f"{text}: {reason(name)}.") for name, text in meant.items()],
+        warnings=[warned(warning) for warning in found.warnings],
+        of_car=of_car,
+        of_stops=of_stops,
+        unjudged=unjudged,
+        reasons=[
+            (plain(name).name, f"{name}: {text}. Why: {reason(name)}.")
+            for name, text in meant.items()
+        ],
         ramp_pads=[f"{v.value:.3f} ({v.ci95[0]:.3f} to {v.ci95[1]:.3f})" for v in pads],
-        pads=drawn(pictures, ("pads",)),
-        budget=drawn(pictures, ("budget",)),
+        pads=drawn(pictures, "pads"),
+        budget=drawn(pictures, "budget"),
         budget_words=[
             f"{axle} {of.words}" for axle, of in zip(("front", "rear"), budgets, strict=True)
         ],
         budget_advice=advice_lines(budgets),
-        stops=[f"{i}: {r.log}" for i, r in enumerate(results, 1)],
+        stops=[r.log for r in results],
         pad_rows=[
             (f"{i}: {r.log}", *_pad(r, "f"), *_pad(r, "r")) for i, r in enumerate(results, 1)
         ],
-        curves=drawn(pictures, ("f1-f2", "difference")),
+        curves=drawn(pictures, "f1-f2", "difference"),
         curve_rows=_curve_rows(table),
-        over_time=_over_time(pictures, len(results)),
+        over_time=drawn(pictures, *(f"stop-{i}" for i in range(1, len(results) + 1))),
         means=[f"{r.log}: front {_pad(r, 'f')[0]}, rear {_pad(r, 'r')[0]}" for r in results],
         surface_changes=[
             f"{r.log}: the surface changed at {time:.2f} s"
@@ -86,8 +93,16 @@ def _golden(found: StationOutcome) -> str:
     return f"{found.golden}{mean}" if found.golden else "none given"
 
 
-def _warning(w: PlausibilityWarning) -> tuple[str, ...]:
-    return w.code, w.log, w.amount, w.bounds, ", or ".join(w.causes), w.do
+def _rows(found: StationOutcome) -> tuple[list[Row], list[Row], list[str]]:
+    """Rows of the car, rows of the stops, and plain names of what is not known."""
+    of_car = [row([c.judgement], CUT.get(c.figure)) for c in found.checks if c.of_car]
+    of_stops = [
+        row([c.judgement for c in checks])
+        for checks in _by_figure([c for c in found.checks if not c.of_car])
+    ]
+    every = (*of_car, *of_stops)
+    known = [sorted_rows([r for r in rows if r.verdict != NOT_KNOWN]) for rows in (of_car, of_stops)]
+    return *known, [r.name for r in every if r.verdict == NOT_KNOWN]
 
 
 def _by_figure(checks: list[Check]) -> list[list[Check]]:
@@ -96,22 +111,6 @@ def _by_figure(checks: list[Check]) -> list[list[Check]]:
     for check in checks:
         groups.setdefault(check.figure, []).append(check)
     return list(groups.values())
-
-
-def _ranges(check: Check) -> tuple[str, str]:
-    j = check.judgement
-    return bounds(j.warn_low, j.warn_high), bounds(j.low, j.high)
-
-
-def _cell(check: Check) -> str:
-    """The value of one stop, with the verdict if it did not pass."""
-    value = value_of(check, 3)
-    return value if check.verdict in (PASSED, NOT_KNOWN) else f"{value} {check.verdict}"
-
-
-def _worst(checks: list[Check]) -> str:
-    words = {check.verdict for check in checks}
-    return next(word for word in (FAILED, WARNING, PASSED, NOT_KNOWN) if word in words)
 
 
 def _pad(result: Validation, axle: str) -> tuple[str, str]:
@@ -138,11 +137,3 @@ def _curve_rows(table: Table) -> list[tuple[str, ...]]:
         for i in sorted({round(i * (len(p.eta) - 1) / 15) for i in range(16)})
     ]
 
-
-def _over_time(pictures: Sheet, stops: int) -> Picture:
-    """Pad friction over time, two stops per row; a last single stop takes the whole row."""
-    names = [f"stop-{i}" for i in range(1, stops + 1)]
-    rows = [tuple(names[i : i + 2]) for i in range(0, stops - 1, 2)]
-    if stops % 2:
-        rows.append((names[-1],) * min(stops, 2))
-    return drawn(pictures, *rows)

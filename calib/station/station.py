@@ -67,7 +67,8 @@ class StationOutcome:
     ``caveats`` warnings of `brake-cal check` on a log, which are no verdict on the car; ``golden``
     the id of the golden table, "" without one; ``golden_cars`` of how many cars it is the mean, 0
     for a table of one car; ``accepted`` the reason why warnings are accepted, "" where they are
-    not; ``by`` the person who answers for it, "" for the user of the computer.
+    not; ``by`` the person who answers for it, "" for the user of the computer; ``limits`` the file
+    of limits with its digest, in words, "" for those of the program.
     """
 
     table: Table
@@ -82,6 +83,7 @@ class StationOutcome:
     accepted: str = ""
     by: str = ""
     golden_cars: int = 0
+    limits: str = ""
 
     @property
     def warnings(self) -> tuple[PlausibilityWarning, ...]:
@@ -172,10 +174,11 @@ def outcome(
     golden: str = "",
     accepted: str = "",
     by: str = "",
+    limits_file: str = "",
 ) -> StationOutcome:
     """Judge the car and collect all results. ``golden`` is the id of ``car.golden``.
 
-    ``accepted``, ``by`` as in `StationOutcome`.
+    ``accepted``, ``by`` as in `StationOutcome`; ``limits_file`` is its ``limits``.
     """
     logs = (*car.ramps, *coasts, *car.stops)
     figures = metrics_of(car)
@@ -194,5 +197,6 @@ def outcome(
         golden=golden,
         accepted=accepted,
         by=by,
+        limits=limits_file,
         golden_cars=car.golden.spread.cars if car.golden and car.golden.spread else 0,
     )

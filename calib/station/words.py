@@ -1,5 +1,6 @@
 """A check in words: value, limit and verdict, for people and for line systems."""
 
+from calib.plain import plain
 from calib.station.metrics import CUT
 from calib.station.station import Check, StationOutcome
 from calib.validation.limits import FAILED, NOT_KNOWN, WARNING
@@ -47,17 +48,22 @@ def sentence(check: Check) -> str:
 
 
 def in_full(check: Check) -> str:
-    """The same without the metric's name: meaning, value, limit."""
+    """The same in plain names and units: `Front brakes, left less right: 31 %; limit: ...`."""
     of = "" if check.of_car else f"stop {check.scope}, "
     kind = "no warning" if check.verdict == WARNING else "limit"
-    return f"{of}{check.meaning}: {value_of(check)}; {kind}: {_limit(check)}"
+    shown = plain(check.figure)
+    value = shown.with_unit(check.judgement.value)
+    return f"{of}{shown.name}: {value}; {kind}: {shown.bounds(*_ends(check))}"
 
 
 def _limit(check: Check) -> str:
+    return bounds(*_ends(check))
+
+
+def _ends(check: Check) -> tuple[float | None, float | None]:
     """The range that decided the verdict: that of the warning for a warning."""
     j = check.judgement
-    warns = check.verdict == WARNING
-    return bounds(j.warn_low, j.warn_high) if warns else bounds(j.low, j.high)
+    return (j.warn_low, j.warn_high) if check.verdict == WARNING else (j.low, j.high)
 
 
 def summary(found: StationOutcome) -> str:

@@ -53,7 +53,8 @@ def write_all(
 ) -> dict[str, Any]:
     """Write everything into ``work`` and return the document of `station.json`.
 
-    Only a released table is exported, so that no other reaches an ECU. ``date`` is that of a cdfx.
+    Only a released table is exported, so that no other reaches an ECU. ``date`` is that of a cdfx
+    and of the report.
     Raises OSError, ExchangeError.
     """
     results = list(found.results)
@@ -61,7 +62,7 @@ def write_all(
     if stored.state.released:
         _write_exports(stored, forms, date, work)
     write_whole(work / JUNIT, junit_xml(found, stored))
-    write_whole(work / REPORT, report_html(found, stored).encode())
+    write_whole(work / REPORT, report_html(found, stored, date).encode())
     document = to_dict(found, stored, sorted(p.name for p in work.iterdir() if p.name != DOCUMENT))
     write_whole(work / DOCUMENT, to_text(document).encode())
     return document
