@@ -6,6 +6,9 @@ The keys are those of the JSON files and of limits files; a page shows them smal
 import math
 from dataclasses import dataclass
 
+NBSP = "\xa0"
+"""Space at which no line ends."""
+
 
 @dataclass(frozen=True)
 class Plain:
@@ -41,17 +44,17 @@ class Plain:
         return text.removeprefix("-") if float(text) == 0.0 else text
 
     def with_unit(self, value: float | None) -> str:
-        """A value with its unit: `95.2 %`."""
+        """A value with its unit, which stay on one line: `95.2 %`."""
         text = self.value(value)
-        return f"{text} {self.unit}" if self.unit and text != "not known" else text
+        return f"{text}{NBSP}{self.unit}" if self.unit and text != "not known" else text
 
     def bounds(self, low: float | None, high: float | None) -> str:
-        """A range in the unit shown, as it was written: `step` rounds no limit.
+        r"""A range in the unit shown, as it was written: `step` rounds no limit.
 
         >>> Plain("Valid samples", "%", 100.0, 0.01).bounds(0.125, None)
-        'at least 12.5 %'
+        'at least 12.5\xa0%'
         """
-        unit = f" {self.unit}" if self.unit else ""
+        unit = f"{NBSP}{self.unit}" if self.unit else ""
         ends = [None if x is None else f"{self.factor * x:.10g}" for x in (low, high)]
         if ends == [None, None]:
             return "none"
@@ -112,7 +115,9 @@ METRICS: dict[str, Plain] = {
     "normalised_force_rmse_f": Plain("Error of F_x/F_z, front", "", 1.0, 0.001),
     "normalised_force_rmse_r": Plain("Error of F_x/F_z, rear", "", 1.0, 0.001),
     "truth_in_interval": _percent("Samples with the truth in the 95 % interval"),
-    "gain_over_nominal": Plain("Torque error of nominal pads over that of the estimate", "", 1, 0.1),
+    "gain_over_nominal": Plain(
+        "Torque error of nominal pads over that of the estimate", "", 1, 0.1
+    ),
     # of a fit
     "pad_friction_f_sigma": Plain("Front pads, one sigma", "", 1.0, 0.001),
     "pad_friction_r_sigma": Plain("Rear pads, one sigma", "", 1.0, 0.001),

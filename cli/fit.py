@@ -16,12 +16,15 @@ from cli.options import (
     Map,
     Mass,
     OwnEffects,
+    Report,
     Store,
     VehicleFile,
     example,
 )
+from cli.outputs import refuse_report, today, write_report
 
 if TYPE_CHECKING:
+    from calib.logs.log import Log
     from calib.physics.mass import MassUsed
     from calib.store.version import Stored
 
@@ -43,6 +46,7 @@ def fit(
     mass: Mass = None,
     store: Store = STORE,
     channel_map: Map = None,
+    report: Report = None,
     json: Json = False,
 ) -> None:
     """Make the look-up table of a car from ramped brakings.
@@ -59,6 +63,7 @@ def fit(
     from calib.physics.vehicle_file import read_vehicle
 
     refuse_stdin(logs)
+    refuse_report(report, logs, [vehicle, model, channel_map])
     weight, car = mass_of(mass), with_own_effects(read_vehicle(vehicle), effect)
     mapping = channel_map_of(channel_map)
     say(f"fitting {car.name} from {len(logs)} log{'s' * (len(logs) > 1)}")
@@ -75,10 +80,24 @@ def fit(
     told = mass_used(given, weight)
     tell_kin(store, stored)
     warn(stored.table.warnings)
+    if report is not None:
+        files = {"vehicle": vehicle, "model": model, "channel map": channel_map}
+        write_report(report, _page(stored, runs, told, files))
     if json:
         emit_json(_document(stored, told))
     else:
         _report(stored, told)
+
+
+def _page(
+    stored: "Stored", runs: "list[Log]", mass: "MassUsed", files: dict[str, Path | None]
+) -> str:
+    from calib.reports.fit import report_html
+    from calib.reports.origin import origin_of
+
+    braked = {log.digest for log in stored.table.provenance.logs if log.role == "ramp"}
+    ramps = [run for run in runs if run.digest in braked]
+    return report_html(stored, ramps, mass, origin_of(today(), files))
 
 
 def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:

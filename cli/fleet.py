@@ -13,10 +13,11 @@ from cli.outputs import ready_folder, writing
 
 if TYPE_CHECKING:
     from calib.fleet.summary import Summary
+    from calib.reports.html import Picture
 
 DOCUMENT = "fleet.json"
 SHOWN = 10
-"""Number of outliers that are printed; fleet.json has all."""
+"""Number of logs apart that are printed; fleet.json has all."""
 
 app = command_group(
     "Evaluate many cars together.", "brake-cal fleet report checked/results.parquet --out fleet"
@@ -66,6 +67,26 @@ def report(
         _report(found)
 
 
+@app.command(epilog=example("brake-cal fleet index runs"))
+def index(
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="DIR", help="Folder of station runs.", exists=True, file_okay=False),
+    ],
+) -> None:
+    """Write DIR/index.html: the last cars of the station with verdicts, next steps and trends.
+
+    DIR/live.html is the same page and loads itself again every 10 s. Each run is a folder below
+    DIR, as `station --out` writes it. `watch --index DIR` keeps both up to date.
+    """
+    from calib.station.index import INDEX
+    from calib.station.index_page import write_index
+
+    with writing(folder, "DIR"):
+        number = write_index(folder)
+    emit(f"{number} runs; {folder / INDEX}")
+
+
 def _write(found: "Summary", results: Path, out: Path) -> None:
     """Draw all files first, then write them."""
     from calib.files import write_whole
@@ -74,17 +95,17 @@ def _write(found: "Summary", results: Path, out: Path) -> None:
     from calib.publish import publish, workshop
     from calib.reports.fleet import document, report_html
 
-    pictures = _pictures(found)
+    drawings = _pictures(found)
     title = printable(f"{results.absolute().parent.name}/{results.name}")
-    contents = {picture_name(name): picture for name, picture in pictures.items()} | {
+    contents = {picture_name(name): png for name, (png, _) in drawings.items()} | {
         DOCUMENT: json_text(document(found)).encode(),
-        "report.html": report_html(found, title, pictures).encode(),
+        "report.html": report_html(found, title, {n: p for n, (_, p) in drawings.items()}).encode(),
     }
     with writing(out), workshop(out) as work:
         for name, content in contents.items():
             write_whole(work / name, content)
         publish(work, out, DOCUMENT, _earlier)
-    say(f"wrote {out}: report.html, fleet.json, {len(pictures)} pictures")
+    say(f"wrote {out}: report.html, fleet.json, {len(drawings)} pictures")
 
 
 def _earlier(out: Path) -> set[str]:
@@ -100,21 +121,25 @@ def _earlier(out: Path) -> set[str]:
         return set()
 
 
-def _pictures(found: "Summary") -> dict[str, bytes]:
+def _pictures(found: "Summary") -> "dict[str, tuple[bytes, Picture]]":
+    """For each metric its PNG file, and its picture in the page."""
     from calib.plots.fleet import sheet
     from calib.plots.save import render
+    from calib.reports.html import drawn
 
     looks = [look for look in found.looks if look.values.size]
     pictures = {}
     with progress(f"drawing {len(looks)} metrics", len(looks)) as done:
         for look in looks:
-            pictures[look.metric.name] = render(sheet(found, look).overview(), ".png")
+            one = sheet(found, look)
+            png = render(one.overview(), ".png")
+            pictures[look.metric.name] = png, drawn(one, "distribution", "order", key=(one.name,))
             done()
     return pictures
 
 
 def _report(found: "Summary") -> None:
-    from calib.reports.fleet import described, headline
+    from calib.reports.fleet import described, headline, reason
 
     emit(headline(found))
     emit(", ".join(f"{count} {name}" for name, count in found.status.items()))
@@ -123,7 +148,7 @@ def _report(found: "Summary") -> None:
     for look in found.looks:
         if look.drifts:
             emit(f"{look.metric.name} drifts: {described(found, look)}")
-    for outlier in found.outliers[:SHOWN]:
-        emit(f"{outlier.log}: {outlier.metric} {outlier.value:.4g} is {outlier.z:+.1f} scales off")
-    if len(found.outliers) > SHOWN:
-        emit(f"and {len(found.outliers) - SHOWN} more, see --json or fleet.json")
+    for car in found.apart[:SHOWN]:
+        emit(f"{car.log} stands apart: {'; '.join(reason(found, o) for o in car.reasons)}")
+    if len(found.apart) > SHOWN:
+        emit(f"and {len(found.apart) - SHOWN} more, see --json or fleet.json")

@@ -141,6 +141,10 @@ Force = Annotated[
     bool, typer.Option("--force", help="Replace the file of --out, whatever it holds.")
 ]
 
+Report = Annotated[
+    Path | None, typer.Option("--report", metavar="FILE.html", help="Write one page of HTML here.")
+]
+
 VehicleFile = Annotated[Path, needed_vehicle()]
 
 

@@ -34,25 +34,25 @@ def ready_folder(out: Path | None) -> None:
         say(f"settled what a run that was killed had left in {out}")
 
 
-def refuse_folder(out: Path) -> None:
+def refuse_folder(out: Path, option: str = OUT) -> None:
     """Refuse a folder where a file will be written, and a place where nothing can be written."""
     if out.is_dir():
-        raise typer.BadParameter(f"cannot write {out}: it is a directory", param_hint=OUT)
-    _refuse_parent(out)
+        raise typer.BadParameter(f"cannot write {out}: it is a directory", param_hint=option)
+    _refuse_parent(out, option)
 
 
-def _refuse_parent(out: Path) -> None:
+def _refuse_parent(out: Path, option: str = OUT) -> None:
     """Refuse a place below a file, or below a folder that cannot be written."""
     above = next(path for path in out.absolute().parents if path.exists())
     if not above.is_dir():
         raise typer.BadParameter(
             f"cannot write {out}: {os.path.relpath(above)} is a file, not a directory",
-            param_hint=OUT,
+            param_hint=option,
         )
     if not os.access(above, os.W_OK):
         raise typer.BadParameter(
             f"cannot write {out}: no permission to write in {os.path.relpath(above)}",
-            param_hint=OUT,
+            param_hint=option,
         )
 
 
@@ -79,14 +79,48 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], what: str, force: b
 
 
 def refuse_overwriting(
-    outputs: Iterable[Path], logs: Sequence[Path], others: Iterable[Path | None] = ()
+    outputs: Iterable[Path],
+    logs: Sequence[Path],
+    others: Iterable[Path | None] = (),
+    option: str = OUT,
 ) -> None:
     """Refuse an output that is one of the inputs: a log, or one of the other files."""
     written = {os.path.realpath(path) for path in outputs}
     for path in (*logs, *others):
         if path is not None and os.path.realpath(path) in written:
             what = "the log " if path in logs else ""
-            raise typer.BadParameter(f"would overwrite {what}{path}", param_hint=OUT)
+            raise typer.BadParameter(f"would overwrite {what}{path}", param_hint=option)
+
+
+REPORT = "--report"
+
+
+def refuse_report(
+    report: Path | None, logs: Sequence[Path], others: Iterable[Path | None] = ()
+) -> None:
+    """Refuse a page of another ending, in a missing folder, or in the place of an input."""
+    if report is None:
+        return
+    if report.suffix.lower() not in (".html", ".htm"):
+        raise typer.BadParameter(f"{report} must end in .html", param_hint=REPORT)
+    refuse_folder(report, REPORT)
+    refuse_overwriting([report], logs, others, REPORT)
+
+
+def write_report(report: Path, page: str) -> None:
+    """Write a page and say so."""
+    from calib.files import write_whole
+
+    with writing(report, REPORT):
+        write_whole(report, page.encode())
+    say(f"wrote {report}")
+
+
+def today() -> str:
+    """The date on a page, UTC."""
+    from datetime import UTC, datetime
+
+    return datetime.now(UTC).date().isoformat()
 
 
 def stems_of(logs: Iterable[Path], param_hint: str, called: str = "logs") -> list[str]:
@@ -104,7 +138,7 @@ def stems_of(logs: Iterable[Path], param_hint: str, called: str = "logs") -> lis
 
 
 @contextmanager
-def writing(out: Path | None) -> Iterator[None]:
+def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
     """Make the folder that ``out`` is in; turn an OSError into a usage error that names ``out``.
 
     A folder that was made here and stays empty is removed. A BrokenPipeError, from a closed reader
@@ -117,7 +151,7 @@ def writing(out: Path | None) -> Iterator[None]:
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise _unwritable(out, error) from error
+        raise _unwritable(out, error, option) from error
     finally:
         with suppress(OSError):
             for folder in made:
@@ -131,6 +165,6 @@ def _made(folder: Path) -> list[Path]:
     return missing
 
 
-def _unwritable(out: Path | None, error: OSError) -> typer.BadParameter:
+def _unwritable(out: Path | None, error: OSError, option: str = OUT) -> typer.BadParameter:
     what = f"cannot be written ({error.strerror})"
-    return typer.BadParameter(what if out is None else f"{out} {what}", param_hint=OUT)
+    return typer.BadParameter(what if out is None else f"{out} {what}", param_hint=option)

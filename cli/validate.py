@@ -18,6 +18,7 @@ from cli.options import (
     Map,
     Mass,
     OwnEffects,
+    Report,
     Store,
     example,
     grouped,
@@ -25,13 +26,23 @@ from cli.options import (
     out_folder,
     vehicle_file,
 )
-from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
+from cli.outputs import (
+    ready_folder,
+    refuse_overwriting,
+    refuse_report,
+    stems_of,
+    today,
+    write_report,
+    writing,
+)
 from cli.project import from_settings
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
+    from calib.logs.log import Log
+    from calib.physics.vehicle import Vehicle
     from calib.store.version import Stored
     from calib.table.table import Table
     from calib.validation.validate import Validation
@@ -66,6 +77,7 @@ def validate(
         limits_file("Limits that decide pass or fail.", callback=from_settings("limits")),
     ] = None,
     out: Annotated[Path | None, out_folder("Write LOG.parquet and summary.json here.")] = None,
+    report: Report = None,
     channel_map: Map = None,
     signing: Signing,
     json: Json = False,
@@ -87,6 +99,7 @@ def validate(
 
     named(logs)
     _check_out(logs, out)
+    refuse_report(report, logs, [vehicle, model, limits, channel_map])
     weight, public = mass_of(mass), signing.public()
     stored = calib.Store(store).load(table)
     check_signed(table, stored, public)
@@ -109,6 +122,9 @@ def validate(
     warn(all_warnings(used.warnings, results))
     if out is not None:
         _write(results, summary, out)
+    if report is not None:
+        files = {"vehicle": vehicle, "model": model, "limits": limits, "channel map": channel_map}
+        write_report(report, _page(stored, used, car, runs, results, files))
     if json:
         emit_json(summary)
     else:
@@ -150,6 +166,25 @@ def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -
         paths = write_results(results, summary, out)
     for path in paths:
         say(f"wrote {path}")
+
+
+def _page(
+    stored: "Stored",
+    used: "Table",
+    car: "Vehicle | None",
+    runs: "list[Log]",
+    results: "list[Validation]",
+    files: dict[str, Path | None],
+) -> str:
+    from calib.plots.trace import from_estimate
+    from calib.reports.origin import origin_of
+    from calib.reports.validation import report_html
+
+    traces = [
+        from_estimate(used, stored.id, run, result.estimate, car)
+        for run, result in zip(runs, results, strict=True)
+    ]
+    return report_html(stored, results, traces, origin_of(today(), files))
 
 
 def _report(stored: "Stored", results: "list[Validation]") -> None:

@@ -36,6 +36,16 @@ def watch(
     settle: Annotated[
         float, typer.Option(metavar="S", min=0.0, help="Seconds unchanged until a log is complete.")
     ] = 2,
+    index: Annotated[
+        Path | None,
+        typer.Option(
+            "--index",
+            metavar="RUNS",
+            help="Keep the index of these station runs up to date.",
+            exists=True,
+            file_okay=False,
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="One line of JSON per log.")] = False,
 ) -> None:
     """Process each log that appears in a folder, until stopped.
@@ -67,11 +77,37 @@ def watch(
                 every=every,
                 settle=settle,
                 fresh=fresh,
+                each=_indexer(index),
             )
     finally:
         pool.close()
     counts = ", ".join(f"{n} {status}" for status, n in sorted(done.counts.items()))
     say(f"{counts}; {done.results}" if done.results else "no log came")
+
+
+def _indexer(runs: Path | None) -> Callable[[], None]:
+    """The function that is called after each scan: it writes the index, if there is one.
+
+    A disk that is full for a while must not end the watch: the next scan tries again.
+    """
+    if runs is None:
+        return lambda: None
+    from calib.station.index_page import write_index
+
+    troubled = False
+
+    def write() -> None:
+        nonlocal troubled
+        try:
+            write_index(runs)
+        except OSError as error:
+            if not troubled:
+                complain(f"{runs}: the index cannot be written ({error.strerror})")
+            troubled = True
+        else:
+            troubled = False
+
+    return write
 
 
 @contextmanager

@@ -28,8 +28,11 @@ from calib.fleet.shapes import TAIL_PRIOR, Bulk, evidence, log_likelihood, two_s
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-SHARE = 0.04
+SHARE = 0.05
 """Expected share of false ones among the named cars, and of fleets that name a good one."""
+
+MANY = 30
+"""Cars from which on `SHARE` holds; of fewer the tails are so little known that less is named."""
 
 FEWEST = 8
 """Fewest cars for a scale that can name outliers."""
@@ -40,13 +43,12 @@ FAR = 3.0
 OUTSIDE = 0.1
 """Share of the cars, the outermost, that must prove that they belong to the bulk."""
 
-ALONE = 0.3
+ALONE = 0.015
 """Weight of the prior against what the other metrics say of the tails of this one."""
 
 SPIKE = 0.05
 """Width of the narrowest half of the cars, over that of 5 to 95 %, below which it is one value."""
 
-PASSES = 12
 _MAD = 1.4826
 
 
@@ -98,7 +100,7 @@ def judge(values: Array, least: Sequence[float] | None = None) -> Judged:
     car = np.full(n, np.nan)
     some = np.isfinite(p).any(axis=0)
     car[some] = np.minimum(together * np.nanmin(p[:, some], axis=0), 1.0)
-    cars = named(car)
+    cars = named(car, _share(n))
     limit = car[cars].max() if cars.any() else 0.0
     spreads = tuple(_spread(x, row) for x, row in zip(values, p, strict=True))
     return Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car, together)
@@ -116,6 +118,10 @@ def named(p: Array, share: float = SHARE) -> Mask:
     out = np.zeros(p.shape, dtype=np.bool_)
     out[known] = false_discovery_control(p[known]) <= share
     return out
+
+
+def _share(n: int) -> float:
+    return SHARE * min(1.0, n / MANY)
 
 
 def effective(values: Array) -> float:
@@ -213,20 +219,22 @@ def _narrowest_half(x: Array) -> tuple[float, float]:
 def _p(metrics: list[_Metric], together: float) -> Array:
     """Two-sided p (m, n): cars join the bulk until those outside do not belong to it."""
     n = metrics[0].size
-    limit = SHARE / (n * max(together, 1.0))
+    limit = _share(n) / (n * max(together, 1.0))
     found = np.full((len(metrics), n), np.nan)
-    for _ in range(PASSES):
-        bulks = [metric.bulk() for metric in metrics]
-        likelihoods = [log_likelihood(bulk) for bulk in bulks]
+    bulks = [metric.bulk() for metric in metrics]
+    likelihoods = [log_likelihood(bulk) for bulk in bulks]
+    while True:
         priors = _priors([evidence(x) for x in likelihoods], together)
         joined = False
         for i, metric in enumerate(metrics):
             p = two_sided(bulks[i], likelihoods[i], priors[i], metric.distance)
             found[i, metric.rows] = p
-            joined |= metric.join(p, limit)
+            if metric.join(p, limit):
+                joined = True
+                bulks[i] = metric.bulk()
+                likelihoods[i] = log_likelihood(bulks[i])
         if not joined:
-            break
-    return found
+            return found
 
 
 def _priors(evidences: list[Array], together: float) -> list[Array]:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from calib.errors import InputError
 from calib.fleet.columns import Kind, ResultColumn, Status
 from calib.fleet.control_chart import Chart, LevelChange, change, chart, least_p
-from calib.fleet.outliers import Spread, named
+from calib.fleet.outliers import Spread, judge, named
 from calib.fleet.results import FleetFile
+from calib.plain import plain
 from calib.toml import did_you_mean
 
 Array = NDArray[np.float64]
@@ -29,13 +30,22 @@ SHORTEST = 3
 
 @dataclass(frozen=True)
 class Outlier:
-    """A log that is an outlier in one metric: its value, robust z and two-sided p."""
+    """A reason why a log stands apart: a metric, its value, its z and two-sided p."""
 
     log: str
     metric: str
     value: float
     z: float
     p: float
+
+
+@dataclass(frozen=True)
+class Apart:
+    """A log that stands apart: ``p`` over all its metrics, and its reasons, the strongest first."""
+
+    log: str
+    p: float
+    reasons: tuple[Outlier, ...]
 
 
 @dataclass(frozen=True)
@@ -76,15 +86,25 @@ class Shares:
 
 @dataclass(frozen=True)
 class Summary:
-    """The whole fleet; ``status``: number of logs for each; ``outliers``: largest first."""
+    """The whole fleet; ``status``: number of logs for each; ``apart``: the farthest first.
+
+    ``together``: number of judged metrics that say new things.
+    """
 
     logs: tuple[str, ...]
     ordered_by: str
     status: dict[Status, int]
     looks: tuple[Look, ...]
     shares: tuple[Shares, ...]
-    outliers: tuple[Outlier, ...]
+    apart: tuple[Apart, ...]
     failures: tuple[Failure, ...]
+    together: float = 1.0
+
+    @property
+    def outliers(self) -> tuple[Outlier, ...]:
+        """All reasons of all logs that stand apart, the strongest first."""
+        found = [reason for car in self.apart for reason in car.reasons]
+        return tuple(sorted(found, key=lambda o: (o.p, -abs(o.z), o.log)))
 
 
 def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
@@ -92,9 +112,10 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     metrics = _chosen(fleet, wanted)
     numbers = [m for m in metrics if m.kind == Kind.NUMBER]
     values = {m.name: fleet.numbers(m.name) for m in numbers}
-    spreads = {name: spread(x) for name, x in values.items()}
-    p = np.array([s.p for s in spreads.values()]).reshape(len(numbers), len(fleet.logs))
-    hits = dict(zip(values, named(p), strict=True))
+    every = np.array(list(values.values())).reshape(len(numbers), len(fleet.logs))
+    judged = judge(every, [plain(name).step for name in values])
+    spreads = dict(zip(values, judged.spreads, strict=True))
+    hits = dict(zip(values, judged.named, strict=True))
     known = {name: np.flatnonzero(np.isfinite(x)) for name, x in values.items()}
     # the column that orders the line always increases along it
     along = {name: x[known[name]] for name, x in values.items() if name != fleet.ordered_by}
@@ -121,8 +142,9 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         {name: status[name] for name in Status if status[name]},
         looks,
         tuple(_shares(fleet, m) for m in metrics if _is_class(fleet, m)),
-        _outliers(fleet, looks),
+        _apart(fleet, looks, judged.p),
         failures(fleet.logs, fleet.values("error")),
+        judged.together,
     )
 
 
@@ -161,19 +183,20 @@ def _shares(fleet: FleetFile, metric: ResultColumn) -> Shares:
     return Shares(metric, tuple(Counter(texts).most_common()))
 
 
-def _outliers(fleet: FleetFile, looks: tuple[Look, ...]) -> tuple[Outlier, ...]:
-    found = [
-        Outlier(
-            fleet.logs[look.rows[i]],
-            look.metric.name,
-            float(look.values[i]),
-            float(look.spread.z[look.rows[i]]),
-            float(look.spread.p[look.rows[i]]),
-        )
-        for look in looks
-        for i in np.flatnonzero(look.outlying)
+def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[Apart, ...]:
+    """The logs that stand apart, each with its metrics; ``p`` (n,) of all logs."""
+    reasons: dict[int, list[Outlier]] = {}
+    for look in looks:
+        for i in np.flatnonzero(look.outlying):
+            row, s = int(look.rows[i]), look.spread
+            told = float(look.values[i]), float(s.z[row]), float(s.p[row])
+            found = Outlier(fleet.logs[row], look.metric.name, *told)
+            reasons.setdefault(row, []).append(found)
+    cars = [
+        Apart(fleet.logs[row], float(p[row]), tuple(sorted(why, key=lambda o: (o.p, -abs(o.z)))))
+        for row, why in reasons.items()
     ]
-    return tuple(sorted(found, key=lambda o: (o.p, -abs(o.z), o.log)))
+    return tuple(sorted(cars, key=lambda car: (car.p, -abs(car.reasons[0].z), car.log)))
 
 
 def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[Failure, ...]:

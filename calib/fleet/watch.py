@@ -96,6 +96,7 @@ def watch(
     every: float = 1.0,
     settle: float = 2.0,
     fresh: bool = False,
+    each: Callable[[], None] = lambda: None,
     clock: Callable[[], float] = time.monotonic,
 ) -> Watched:
     """Run the job on every log that appears in ``folder`` or below, until ``stop`` is set.
@@ -111,6 +112,7 @@ def watch(
     trouble : called once when a folder cannot be read, and again only after it was readable.
     every, settle : time between two scans [s]; time for which a file must not change [s].
     fresh : delete earlier results in ``out``.
+    each : called after each scan of the folder.
     clock : monotonic time [s].
 
     A log is repeated only if its digest has changed, so a watch that was stopped or killed
@@ -131,6 +133,7 @@ def watch(
             for where in sorted(found.keys() - troubled):
                 trouble(f"{where}: cannot be read ({found[where]})")
             troubled = set(found)
+            each()
             if ready:
                 over.do(ready)
             else:

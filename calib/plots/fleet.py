@@ -1,11 +1,13 @@
 """One metric of a fleet: its distribution, and its values in the order of the line.
 
 distribution   bars of cars, median, 5 to 95 %, outliers as marks below, beyond the axis as arrows
-in order       cars as points, centre and 3 sigma, alarms of the run rules, change of level
+in order       cars as points, centre and 3 sigma; where the level changes, both levels and the
+               alarms of the run rules
 """
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 
 from calib.fleet.control_chart import FEWEST, RULES
 from calib.fleet.summary import Look, Summary
+from calib.plain import plain
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import BODY, DASHED, FRONT, IDENTIFIED, NOMINAL, REAR, SHADE
 
@@ -22,12 +25,15 @@ if TYPE_CHECKING:
 DOTS = 2000
 """Above this number of cars the points are drawn as a raster image, not as vectors."""
 
+LIMITS = "3 sigma (1 log in 370 outside)"
+
 TAIL = 6.0
 """Range of the axes about the median, in scales; a value beyond is a mark at the edge."""
 
 
 def sheet(found: Summary, look: Look) -> Sheet:
-    """Return the sheet of one metric."""
+    """Return the sheet of one metric, in the unit that is shown."""
+    look = in_unit(look)
     return Sheet(
         kind="fleet",
         name=look.metric.name,
@@ -35,7 +41,7 @@ def sheet(found: Summary, look: Look) -> Sheet:
         note="",
         panels=(
             Panel("distribution", "Distribution", lambda ax: distribution(ax, look), 2),
-            Panel("order", "In the order of the line", lambda ax: in_order(ax, found, look), 4),
+            Panel("order", "In the order of the line", lambda ax: in_order(ax, found, look), 2),
         ),
         rows=(("distribution", "order", "order"),),
         heights=(1.05,),
@@ -49,7 +55,7 @@ def distribution(ax: "Axes", look: Look) -> None:
     bins = int(np.clip(2.0 * np.sqrt(inside.size), 5, 60))
     ax.hist(inside, bins=bins, range=(low, high), color="#8DB9DA", linewidth=0.0)
     five, _, _, ninety = look.spread.quantiles
-    ax.axvspan(five, ninety, color=SHADE, linewidth=0.0, zorder=0, label="5 to 95 %")
+    ax.axvspan(five, ninety, color=SHADE, linewidth=0.0, zorder=0, label="90 % of the logs")
     ax.axvline(look.spread.median, color=FRONT["color"], label="median")
     for part, marker, label in _outliers(look, low, high, "<>"):
         # x in axes coordinates and not clipped: marks at the edge for values beyond it
@@ -69,10 +75,11 @@ def in_order(ax: "Axes", found: Summary, look: Look) -> None:
     many = x.size > DOTS
     ax.plot(x, y, ".", color=NOMINAL["color"], ms=2.0 if many else 4.0, alpha=0.5, rasterized=many)
     if look.chart is not None:
-        ax.axhline(look.chart.centre, color=BODY["color"], linewidth=0.8)
+        ax.axhline(look.chart.centre, color=BODY["color"], linewidth=0.8, label="median")
         shown = [end for end in look.chart.limits if low <= end <= high]
-        for end, label in zip(shown, ("3 sigma", None), strict=False):
+        for end, label in zip(shown, (LIMITS, None), strict=False):
             ax.axhline(end, color=BODY["color"], linestyle=DASHED, linewidth=0.8, label=label)
+    if look.chart is not None and look.drifts:
         alarm = np.logical_or.reduce([look.chart.alarms[rule] for rule in RULES])
         if alarm.any():
             label = "run rule broken"
@@ -96,13 +103,17 @@ def _outliers(
 ) -> Iterator[tuple[NDArray[np.bool_], str, str]]:
     """Outliers within the axes, then those below and above: mask, mark and label of each group."""
     below, above = look.values < low, look.values > high
-    groups = ((~below & ~above, "D", "outlier"), (below, arrows[0], ""), (above, arrows[1], ""))
+    groups = (
+        (~below & ~above, "D", "stands apart"),
+        (below, arrows[0], ""),
+        (above, arrows[1], ""),
+    )
     for where, marker, label in groups:
         part = look.outlying & where
         values = np.unique(look.values[part])
         if values.size:
             ends = f"{values[0]:.4g}" + (f" to {values[-1]:.4g}" if values.size > 1 else "")
-            yield part, marker, label or f"beyond: {ends}"
+            yield part, marker, label or f"stands apart: {ends}"
 
 
 def window(look: Look) -> tuple[float, float]:
@@ -120,9 +131,24 @@ def _room(low: float, high: float) -> tuple[float, float]:
     return low - 0.06 * (high - low), high + 0.06 * (high - low)
 
 
+def in_unit(look: Look) -> Look:
+    """The metric with all numbers in the unit that is shown."""
+    k, s, chart, c = plain(look.metric.name).factor, look.spread, look.chart, look.change
+    if k == 1.0:
+        return look
+    q = (k * s.quantiles[0], k * s.quantiles[1], k * s.quantiles[2], k * s.quantiles[3])
+    return replace(
+        look,
+        values=k * look.values,
+        spread=replace(s, median=k * s.median, scale=k * s.scale, quantiles=q),
+        chart=chart and replace(chart, centre=k * chart.centre, sigma=k * chart.sigma),
+        change=c and replace(c, before=k * c.before, after=k * c.after),
+    )
+
+
 def _axis(look: Look) -> str:
-    name = look.metric.name.replace("$", r"\$")  # a dollar in a name must not start a formula
-    return f"{name} [{look.metric.unit}]"
+    heading = plain(look.metric.name, look.metric.unit).heading
+    return heading.replace("$", r"\$")  # a dollar in a name must not start a formula
 
 
 def picture_name(figure: str) -> str:

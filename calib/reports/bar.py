@@ -1,7 +1,7 @@
 """A value within its limits as a bar: where it may be, where a warning begins, where it is.
 
-    failed | warning |        passed        | warning | failed
-    ░░░░░░░▒▒▒▒▒▒▒▒▒▒████████████▼███████████▒▒▒▒▒▒▒▒▒▒░░░░░░░░
+failed | warning |        passed        | warning | failed
+░░░░░░░▒▒▒▒▒▒▒▒▒▒████████████▼███████████▒▒▒▒▒▒▒▒▒▒░░░░░░░░
 """
 
 import math
@@ -59,7 +59,9 @@ def bar(
 
 
 def _axis(
-    known: list[float], fail: tuple[float | None, float | None], warn: tuple[float | None, float | None]
+    known: list[float],
+    fail: tuple[float | None, float | None],
+    warn: tuple[float | None, float | None],
 ) -> tuple[float, float]:
     """Ends of the bar: all limits with room beyond them; zero, if only one side has a limit."""
     lows = [x for x in (fail[0], warn[0]) if x is not None]

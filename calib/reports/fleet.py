@@ -1,18 +1,19 @@
 """The report of a fleet: one HTML file with its pictures, and a JSON document."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-from calib.fleet import control_chart, outliers, tails
+from calib.fleet import control_chart, outliers
 from calib.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
 from calib.fleet.outliers import Spread
-from calib.fleet.summary import DRIFT, Look, Summary
-from calib.reports.html import page, picture
+from calib.fleet.summary import DRIFT, Look, Outlier, Summary
+from calib.plain import METRICS, NBSP, plain
+from calib.reports.html import Picture, page
 
 NAMES = 50
-"""Number of outliers in the page; fleet.json has all."""
+"""Number of logs that stand apart in the page; fleet.json has all."""
 
 
 def headline(found: Summary) -> str:
@@ -22,8 +23,10 @@ def headline(found: Summary) -> str:
         why = "too few to judge outliers or drift" if some else "none has a metric"
         text = f"{_count(len(found.logs), 'log', 'logs')}: {why}"
         return text + f"; {_errors(found)}." if found.failures else text + "."
-    drifting = [look.metric.name for look in found.looks if look.drifts]
-    logs = len({outlier.log for outlier in found.outliers})
+    drifting = [
+        plain(look.metric.name, look.metric.unit).name for look in found.looks if look.drifts
+    ]
+    logs = len(found.apart)
     steady = "No drift" if _drift_tested(found) else "Drift not tested"
     parts = [
         f"{', '.join(drifting)} {'drift' if len(drifting) > 1 else 'drifts'}"
@@ -50,8 +53,13 @@ def _drift_tested(found: Summary) -> bool:
     return any(look.change is not None for look in found.looks)
 
 
-def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> str:
-    """Return the page; ``pictures`` PNG by name of metric."""
+def report_html(found: Summary, title: str, pictures: Mapping[str, Picture]) -> str:
+    """Return the page; ``pictures`` by name of metric."""
+    told, calm = [], []
+    for look in _first(found):
+        one = plain(look.metric.name, look.metric.unit)
+        entry = (one.name, look.metric.name, pictures[look.metric.name], described(found, look))
+        (told if look.drifts or look.outlying.any() else calm).append(entry)
     return page(
         "fleet",
         title=f"{title}: fleet",
@@ -61,28 +69,59 @@ def report_html(found: Summary, title: str, pictures: Mapping[str, bytes]) -> st
         status=[("logs", len(found.logs)), *found.status.items()],
         errors=[(f.message, f.count, ", ".join(f.logs)) for f in found.failures],
         too_few=_too_few(found),
-        outliers=len(found.outliers),
+        apart=len(found.apart),
         farthest=[
-            (o.log, o.metric, f"{o.value:.4g}", f"{o.z:+.1f}", f"{o.p:.1e}")
-            for o in found.outliers[:NAMES]
+            (car.log, [reason(found, o) for o in car.reasons]) for car in found.apart[:NAMES]
         ],
-        overview=[_row(look) for look in found.looks],
-        figures=[
-            (look.metric.name, picture(pictures[look.metric.name], "png"), described(found, look))
-            for look in _first(found)
-        ],
+        overview=[_row(look) for look in found.looks if look.spread.count],
+        told=told,
+        calm=calm,
         classes=[
-            (s.metric.name, ", ".join(f"{text}: {count}" for text, count in s.counts))
+            (
+                plain(s.metric.name).name,
+                ", ".join(f"{_class(text)}: {count}" for text, count in s.counts),
+            )
             for s in found.shares
         ],
-        ordered_by=found.ordered_by,
+        ordered_by=_ordered_by(found),
         share=outliers.SHARE,
         fewest=outliers.FEWEST,
-        fewest_tails=tails.FEWEST,
         fewest_by_chance=FEWEST_BY_CHANCE,
+        together=round(found.together),
         drift=DRIFT,
         rules=RULES,
     )
+
+
+def reason(found: Summary, o: Outlier) -> str:
+    """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
+    look = next(look for look in found.looks if look.metric.name == o.metric)
+    s, shown = look.spread, _shown(look)
+    low, high = shown(s.quantiles[0]), shown(s.quantiles[3])
+    side = "above" if o.value > s.median else "below"
+    return (
+        f"{plain(o.metric).name} {shown(o.value)}: {side} the others, "
+        f"90 % of them from {low} to {high}"
+    )
+
+
+def _class(text: str) -> str:
+    """A value of a text column; keys of metrics in it in plain names."""
+    keys = [key.strip() for key in text.split(",")]
+    return "; ".join(plain(key).name if key in METRICS else key for key in keys)
+
+
+def _ordered_by(found: Summary) -> str:
+    return plain(found.ordered_by).name if found.ordered_by in METRICS else found.ordered_by
+
+
+def _shown(look: Look) -> Callable[[float], str]:
+    """The function that writes a value of a metric with its unit."""
+    one = plain(look.metric.name, look.metric.unit)
+    if one.step:
+        return one.with_unit
+    unit = f"{NBSP}{one.unit}" if one.unit else ""
+    return lambda value: number(one.factor * value, look.spread) + unit
 
 
 def _first(found: Summary) -> list[Look]:
@@ -93,7 +132,7 @@ def _first(found: Summary) -> list[Look]:
 
 def _kind(found: Summary) -> str:
     """The verdict that sets the colour of the page's head."""
-    calm = not (any(look.drifts for look in found.looks) or found.outliers or found.failures)
+    calm = not (any(look.drifts for look in found.looks) or found.apart or found.failures)
     if _too_few(found) or (calm and not _drift_tested(found)):
         return "unknown"
     return "no_gap" if calm else "ambiguous"
@@ -101,47 +140,38 @@ def _kind(found: Summary) -> str:
 
 def _row(look: Look) -> tuple[str, ...]:
     """One metric as a row of the table of all metrics."""
-    s, judged = look.spread, bool(np.isfinite(look.spread.z).any())
-    if not s.count:
-        return (look.metric.name, look.metric.unit, "0", *("",) * 6)
-    tested = look.change and f"{'yes' if look.drifts else 'no'}, p {look.change.p:.1e}"
+    s, shown = look.spread, _shown(look)
+    judged = bool(np.isfinite(s.z).any())
+    drift = "not tested" if look.change is None else "yes" if look.drifts else "no"
     return (
-        look.metric.name,
-        look.metric.unit,
+        plain(look.metric.name, look.metric.unit).name,
         str(s.count),
-        number(s.median, s),
-        f"{s.scale:.2g}",
-        f"{number(s.quantiles[0], s)} to {number(s.quantiles[3], s)}",
-        f"{s.beyond} / {s.expected:.1f}" if judged else "",
+        shown(s.median),
+        f"{shown(s.quantiles[0])} to {shown(s.quantiles[3])}",
         str(int(look.outlying.sum())) if judged else "not judged",
-        tested or "not tested",
+        drift,
     )
 
 
 def described(found: Summary, look: Look) -> str:
-    """One metric in words: median and range, drift, number of broken run rules."""
-    s, unit = look.spread, "" if look.metric.unit == "1" else f" {look.metric.unit}"
-    low, high = number(s.quantiles[0], s), number(s.quantiles[3], s)
-    parts = [f"Median {number(s.median, s)}{unit}, 90 % of the logs from {low} to {high}{unit}."]
+    """One metric in words: median and range, change of level, limits of the line."""
+    s, shown = look.spread, _shown(look)
+    low, high = shown(s.quantiles[0]), shown(s.quantiles[3])
+    parts = [f"Median {shown(s.median)}, 90 % of the logs from {low} to {high}."]
     if look.drifts and look.change is not None:
         c = look.change
         parts.append(
-            f"The level changes from {number(c.before, s)} to {number(c.after, s)}{unit} about "
+            f"The level changes from {shown(c.before)} to {shown(c.after)} about "
             f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1} of the line "
             f"(p {c.p:.1e})."
         )
     if look.chart is not None:
-        broken_rules = []
-        for rule in RULES:
-            broken, chance = int(look.chart.alarms[rule].sum()), _by_chance(look, rule)
-            broken_rules.append(
-                f"rule {rule}: {broken}" + ("" if chance is None else f" ({chance:.1f} by chance)")
-            )
-        parts.append(f"Run rules broken: {'; '.join(broken_rules)}.")
+        low, high = map(shown, look.chart.limits)
+        parts.append(f"Limits of a steady line: {low} to {high}, three sigma from log to log.")
     elif look.metric.name == found.ordered_by:
-        parts.append("The logs are ordered by it, so it has no control chart and cannot drift.")
+        parts.append("The logs are ordered by it, so it has no limits and cannot drift.")
     else:
-        parts.append("No control chart: too few logs, or no scatter.")
+        parts.append("No limits: too few logs, or no scatter.")
     return " ".join(parts)
 
 
@@ -174,6 +204,10 @@ def document(found: Summary) -> dict[str, Any]:
             for o in found.outliers
         ],
         "outliers_by_chance": outliers.SHARE * len(found.outliers),
+        "apart": [
+            {"log": car.log, "p": car.p, "figures": [o.metric for o in car.reasons]}
+            for car in found.apart
+        ],
         "figures": {look.metric.name: _entry(found, look) for look in found.looks},
         "classes": {s.metric.name: dict(s.counts) for s in found.shares},
     }

@@ -56,10 +56,11 @@ def picture(content: bytes, kind: str, key: str = "") -> Picture:
     return Picture(f"data:image/{kind};base64,{base64.b64encode(content).decode()}", key)
 
 
-def drawn(sheet: Sheet, *names: str) -> Picture:
+def drawn(sheet: Sheet, *names: str, key: tuple[str, ...] = ()) -> Picture:
     """Panels of the sheet as one picture that can be enlarged.
 
     Each panel is a drawing of its own, so that a narrow screen shows them one below the other.
+    ``key`` makes the id of the box unique, where a page shows panels of one name more than once.
     Raises KeyError for a name that the sheet does not have.
     """
     from calib.plots.save import render
@@ -69,4 +70,4 @@ def drawn(sheet: Sheet, *names: str) -> Picture:
         figure = part.figure(name)
         figure.set_size_inches(*PANEL)
         sources.append(picture(render(figure, ".svg"), "svg+xml").source)
-    return Picture(sources[0], "zoom-" + "-".join(names), tuple(sources[1:]))
+    return Picture(sources[0], "zoom-" + "-".join((*key, *names)), tuple(sources[1:]))

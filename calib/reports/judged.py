@@ -38,7 +38,7 @@ def row(judgements: Sequence[Judgement], most: float | None = None) -> Row:
     values = [_value(shown, j.value, most) for j in judgements]
     words = {j.verdict for j in judgements}
     verdict = next(word for word in WORST_FIRST if word in words)
-    text = ", ".join(dict.fromkeys(values)) if len(set(values)) == 1 else ", ".join(values)
+    text = values[0] if len({*values}) == 1 else ", ".join(values)
     limit = shown.bounds(first.low, first.high)
     warn = shown.bounds(first.warn_low, first.warn_high)
     unit = f" {shown.unit}" if shown.unit and text != "not known" else ""
@@ -53,8 +53,8 @@ def row(judgements: Sequence[Judgement], most: float | None = None) -> Row:
         first.figure,
         text + unit,
         drawn,
-        limit,
-        warn,
+        "" if limit == "none" else limit,
+        "" if warn == "none" else warn,
         verdict,
         KINDS[verdict],
     )

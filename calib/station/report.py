@@ -101,7 +101,9 @@ def _rows(found: StationOutcome) -> tuple[list[Row], list[Row], list[str]]:
         for checks in _by_figure([c for c in found.checks if not c.of_car])
     ]
     every = (*of_car, *of_stops)
-    known = [sorted_rows([r for r in rows if r.verdict != NOT_KNOWN]) for rows in (of_car, of_stops)]
+    known = [
+        sorted_rows([r for r in rows if r.verdict != NOT_KNOWN]) for rows in (of_car, of_stops)
+    ]
     return *known, [r.name for r in every if r.verdict == NOT_KNOWN]
 
 
@@ -136,4 +138,3 @@ def _curve_rows(table: Table) -> list[tuple[str, ...]]:
         )
         for i in sorted({round(i * (len(p.eta) - 1) / 15) for i in range(16)})
     ]
-

@@ -1,0 +1,114 @@
+"""The report of a fit: may the table be used, what limits it, its curves, its inputs."""
+
+from collections.abc import Sequence
+
+from calib.logs.log import Log
+from calib.physics.mass import MassUsed
+from calib.physics.own_effects.own_effect import definition
+from calib.plots.measured import measure
+from calib.plots.table import sheet
+from calib.reports.html import drawn, page
+from calib.reports.judged import warned
+from calib.reports.origin import Origin, origin_view
+from calib.store.answer import answer
+from calib.store.version import Stored
+from calib.table.budget import advice_lines
+from calib.table.pads_budget import pads_budget
+from calib.table.table import Value
+
+
+def report_html(stored: Stored, ramps: Sequence[Log], mass: MassUsed, origin: Origin) -> str:
+    """Return the report as one HTML document; ``ramps`` are the logs with braking of the fit.
+
+    Equal inputs give equal bytes but for the date of ``origin``.
+    """
+    table, found = stored.table, answer(stored)
+    cal, q = table.calibration, table.quality
+    budgets = pads_budget(table)
+    panels = sheet(table, stored.id, tuple(measure(table, log) for log in ramps))
+    of_ramps = [n for n in panels.names if n.startswith(("ramp", "pressure", "forces"))]
+    return page(
+        "fit",
+        title=f"Table {stored.id}",
+        name=stored.id,
+        kind="warning" if table.warnings else "passed",
+        heading=_heading(len(table.warnings)),
+        headline=_headline(found.decelerations, stored.state.why),
+        key_figures=[
+            ("front pads", _with_interval(cal.pad_friction_f)),
+            ("rear pads", _with_interval(cal.pad_friction_r)),
+            ("over the vehicle file", f"{100.0 * cal.pad_scale.value:.1f} %"),
+            ("reaches", f"{q['deceleration_max']:.2f} g"),
+        ],
+        limits=[
+            ("Range", found.limit),
+            ("Front pads", budgets[0].words),
+            ("Rear pads", budgets[1].words),
+            ("Next", found.next.replace("`", "")),
+        ],
+        advice=advice_lines(budgets),
+        warnings=[warned(warning) for warning in table.warnings],
+        figures=_figures(stored),
+        curves=drawn(panels, "f1-f2", "difference"),
+        tyre=drawn(panels, "tyre", "torque-distribution"),
+        budget=drawn(panels, "budget"),
+        measured=drawn(panels, *of_ramps) if of_ramps else None,
+        remarks=table.remarks,
+        settings=[(name, f"{value:g}") for name, value in table.provenance.settings.items()],
+        **origin_view(
+            origin,
+            table.vehicle,
+            [(log.role, log.name, log.digest) for log in table.provenance.logs],
+            str(mass),
+        ),
+    )
+
+
+def _heading(warnings: int) -> str:
+    if not warnings:
+        return "Fitted"
+    return f"Fitted, with {warnings} warning{'s' * (warnings > 1)}"
+
+
+def _headline(reach: tuple[float, float], state: str) -> str:
+    return f"The table holds from {reach[0]:.2f} to {reach[1]:.2f} g. It is {state}" + (
+        "." if state.startswith("released") else ", so not yet for an ECU."
+    )
+
+
+def _with_interval(value: Value) -> str:
+    low, high = value.ci95
+    return f"{value.value:.3f} \N{PLUS-MINUS SIGN} {0.5 * (high - low):.3f}"
+
+
+def _figures(stored: Stored) -> list[tuple[str, ...]]:
+    """Name, value, 95 % interval and unit of everything that was estimated."""
+    cal, q = stored.table.calibration, stored.table.quality
+    rows = [
+        _row("Pad friction, front", cal.pad_friction_f, "1"),
+        _row("Pad friction, rear", cal.pad_friction_r, "1"),
+        _row("Pad friction over that of the vehicle file", cal.pad_scale, "1"),
+    ]
+    for effect, values in stored.table.effect_values.items():
+        rows += [
+            _row(f"{effect}: {name}".replace("_", " "), value, _unit(stored, effect, name))
+            for name, value in values.items()
+        ]
+    eta, peak = 100.0 * (q["eta_peak"] - 1.0), q["eta_peak_deceleration"]
+    return [
+        *rows,
+        ("Deceleration that the ramp reached", f"{q['deceleration_max']:.2f}", "", "g"),
+        ("Largest eta - 1", f"{eta:.2f}", "", "%"),
+        ("Deceleration at the largest eta", f"{peak:.2f}", "", "g"),
+        ("Front axle locks first up to", f"{q['front_biased_up_to']:.2f}", "", "g"),
+    ]
+
+
+def _unit(stored: Stored, effect: str, name: str) -> str:
+    card = definition(stored.table.vehicle.effects, effect).card
+    return next((p.unit for p in card.parameters if p.name == name), "1")
+
+
+def _row(name: str, value: Value, unit: str) -> tuple[str, ...]:
+    low, high = value.ci95
+    return name, f"{value.value:.4g}", f"{low:.4g} to {high:.4g}", unit
