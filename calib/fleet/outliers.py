@@ -74,7 +74,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class Judged:
-    """All metrics of a fleet: ``spreads``; ``named`` (m, n) metrics by which a car is named.
+    """All metrics of a fleet: ``spreads``; ``named`` (m, n) the reasons for which a car is named.
 
     ``p`` (n,) of each car over its metrics; ``together`` number of metrics that say new things.
     """
@@ -101,9 +101,8 @@ def judge(values: Array, least: Sequence[float] | None = None) -> Judged:
     some = np.isfinite(p).any(axis=0)
     car[some] = np.minimum(together * np.nanmin(p[:, some], axis=0), 1.0)
     cars = named(car, _share(n))
-    limit = car[cars].max() if cars.any() else 0.0
     spreads = tuple(_spread(x, row) for x, row in zip(values, p, strict=True))
-    return Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car, together)
+    return Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= SHARE), car, together)
 
 
 def named(p: Array, share: float = SHARE) -> Mask:

@@ -55,7 +55,8 @@ def _drift_tested(found: Summary) -> bool:
 
 def report_html(found: Summary, title: str, pictures: Mapping[str, Picture]) -> str:
     """Return the page; ``pictures`` by name of metric."""
-    told, calm = [], []
+    told: list[tuple[object, ...]] = []
+    calm: list[tuple[object, ...]] = []
     for look in _first(found):
         one = plain(look.metric.name, look.metric.unit)
         entry = (one.name, look.metric.name, pictures[look.metric.name], described(found, look))

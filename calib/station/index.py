@@ -1,7 +1,7 @@
 """The index of a folder of runs: the operator's screen, last cars first.
 
     DIR/index.html       the page; DIR/live.html, the same, loads itself again every few seconds
-    DIR/.index.json      one line of each run that was read, so that the next index reads new runs only
+    DIR/.index.json      what was read of each run, so that the next index reads new ones only
 
 A run is a folder below DIR with a station.json; a run inside a run is not looked for. All three
 files are written whole: a browser never sees a part.

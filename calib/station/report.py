@@ -100,11 +100,12 @@ def _rows(found: StationOutcome) -> tuple[list[Row], list[Row], list[str]]:
         row([c.judgement for c in checks])
         for checks in _by_figure([c for c in found.checks if not c.of_car])
     ]
-    every = (*of_car, *of_stops)
-    known = [
-        sorted_rows([r for r in rows if r.verdict != NOT_KNOWN]) for rows in (of_car, of_stops)
-    ]
-    return *known, [r.name for r in every if r.verdict == NOT_KNOWN]
+    unjudged = [r.name for r in (*of_car, *of_stops) if r.verdict == NOT_KNOWN]
+    return _known(of_car), _known(of_stops), unjudged
+
+
+def _known(rows: list[Row]) -> list[Row]:
+    return sorted_rows([r for r in rows if r.verdict != NOT_KNOWN])
 
 
 def _by_figure(checks: list[Check]) -> list[list[Check]]:

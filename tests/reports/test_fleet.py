@@ -3,12 +3,12 @@ from html.parser import HTMLParser
 
 import pytest
 
-from calib.fleet.outliers import spread
+from calib.fleet.outliers import judge
 from calib.fleet.results import open_fleet
 from calib.fleet.summary import summarise
 from calib.plots.fleet import sheet
-from calib.plots.save import render
-from calib.reports.fleet import described, document, headline, number, report_html
+from calib.reports.fleet import document, headline, number, reason, report_html
+from calib.reports.html import Picture, drawn
 from cli.console import plain
 from tests.support.fleet_results import results
 
@@ -36,21 +36,21 @@ class Page(HTMLParser):
 
 
 def test_the_page_fetches_nothing_and_escapes_everything(found):
-    picture = render(sheet(found, found.looks[0]).overview(), ".png")
+    picture = drawn(sheet(found, found.looks[0]), "distribution", "order")
     text = report_html(found, "<i>a & b</i>", {one.metric.name: picture for one in found.looks})
     page = Page(text)
     assert "b" not in page.tags
     assert "i" not in page.tags
     assert "script" not in page.tags
     assert "LOG: <b>ends</b> at # s" in page.text
-    assert len(page.alts) == 3
-    assert all(page.alts)
+    assert len(page.alts) == 6  # two panels of each metric; the first has the text of both
+    assert sum(bool(alt) for alt in page.alts) == 3
     assert all(source.startswith("data:") for source in page.sources)
-    assert sum(source.startswith("data:image/png;base64,") for source in page.sources) == 3
+    assert sum(source.startswith("data:image/svg+xml;base64,") for source in page.sources) == 6
 
 
 def test_the_headline_names_what_drifts(found):
-    assert headline(found).startswith("pad_friction_f, built drift; ")
+    assert headline(found).startswith("Pad friction, front, built drift; ")
     assert "3 logs with an error" in headline(found)
 
 
@@ -68,25 +68,32 @@ def test_the_document_is_json_and_says_what_chance_gives(found):
 def test_a_short_line_is_not_called_steady_and_has_no_counts_by_chance(tmp_path):
     short = summarise(open_fleet(results(tmp_path / "r.parquet", 15)), ("settling",))
     assert headline(short) == "Drift not tested; no log stands apart."
-    page = report_html(short, "t", {"settling": b""})
+    page = report_html(short, "t", {"settling": Picture("data:,")})
     assert '<header class="unknown">' in page
-    assert "<td>not tested</td>" in page
+    assert ">not tested</td>" in page
     told = document(short)["figures"]["settling"]
     assert told["change"] is None
     assert told["chart"]["rules"]["1"]["by_chance"] is None
-    assert "by chance" not in described(short, short.looks[0])
 
 
 def test_numbers_show_their_scatter():
     import numpy as np
 
     eta = 1.003 + 1e-5 * np.linspace(-1.0, 1.0, 21)
-    assert number(1.0030052, spread(eta)) == "1.003005"
-    assert number(0.38123, spread(np.linspace(0.3, 0.5, 9))) == "0.3812"
+    assert number(1.0030052, judge(eta[None]).spreads[0]) == "1.003005"
+    assert number(0.38123, judge(np.linspace(0.3, 0.5, 9)[None]).spreads[0]) == "0.3812"
 
 
 def test_a_few_logs_are_not_called_steady(tmp_path):
     few = summarise(open_fleet(results(tmp_path / "r.parquet", 3)))
     assert headline(few) == "3 logs: too few to judge outliers or drift."
-    page = report_html(few, "t", {one.metric.name: b"" for one in few.looks})
+    page = report_html(few, "t", {one.metric.name: Picture("data:,") for one in few.looks})
     assert '<header class="unknown">' in page
+
+
+def test_a_car_is_told_once_in_plain_names_and_units(found):
+    (car,) = found.apart
+    assert car.log == "line/car134.csv"
+    text = reason(found, car.reasons[0])
+    assert text.startswith("Pad friction, front 0.550: above the others, 90 % of them from 0.3")
+    assert document(found)["apart"] == [{"log": car.log, "p": car.p, "figures": ["pad_friction_f"]}]
