@@ -130,7 +130,7 @@ def _trend(told: dict[str, object]) -> Trend:
 
 def _known(folder: Path) -> dict[str, list[object]]:
     """What an earlier index has read; nothing if it is damaged or of another version."""
-    with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
+    with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):
         told = json.loads((folder / KNOWN).read_bytes())
         if told["schema"] == SCHEMA:
             runs: dict[str, list[object]] = {

@@ -46,7 +46,7 @@ def report_html(found: StationOutcome, stored: Stored, date: str = "") -> str:
             ("Table", f"{stored.id}, {stored.state.why}"),
             ("Date", date or "not stated (--date)"),
             ("Operator", found.by or "not stated (--by)"),
-            ("Limits", found.limits or "those of the program"),
+            ("Limits file", found.limits or "none: those of the program"),
         ],
         next_steps=[(check.verdict, in_full(check), action(check.figure)) for check in bad],
         warnings=[warned(warning) for warning in found.warnings],
