@@ -31,6 +31,9 @@ Mask = NDArray[np.bool_]
 SHARE = 0.05
 """Expected share of false ones among the named cars, and of fleets that name a good one."""
 
+REASON = 0.01
+"""p over its metrics at which a further metric of a named car is told as a reason, too."""
+
 MANY = 30
 """Cars from which on `SHARE` holds; of fewer the tails are so little known that less is named."""
 
@@ -101,8 +104,9 @@ def judge(values: Array, least: Sequence[float] | None = None) -> Judged:
     some = np.isfinite(p).any(axis=0)
     car[some] = np.minimum(together * np.nanmin(p[:, some], axis=0), 1.0)
     cars = named(car, _share(n))
+    limit = max(REASON, float(car[cars].max())) if cars.any() else 0.0
     spreads = tuple(_spread(x, row) for x, row in zip(values, p, strict=True))
-    return Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= SHARE), car, together)
+    return Judged(spreads, cars & (together * np.nan_to_num(p, nan=1.0) <= limit), car, together)
 
 
 def named(p: Array, share: float = SHARE) -> Mask:

@@ -1,5 +1,6 @@
 """`brake-cal fit` as the shell runs it."""
 
+import hashlib
 import json
 import shlex
 from dataclasses import replace
@@ -201,3 +202,16 @@ def test_a_stated_mass_gives_the_pads_of_a_loaded_car(brake_cal, store, tmp_path
     assert "mass       1744 kg, known to 3 %: nobody wrote down the load" in untold.out
     pads = Store(store).load(CAR.name).table.calibration.pad_friction_f.value
     assert pads == pytest.approx(0.38 / 1.2, rel=0.02)
+
+
+def test_a_report_holds_the_inputs_and_is_refused_in_their_place(brake_cal, tmp_path):
+    told = ("--vehicle", SEDAN / "vehicle.toml", "--store", tmp_path / "tables")
+    bad = brake_cal("fit", SEDAN / "ramp_wet_asphalt.csv", *told, "--report", tmp_path / "x.pdf")
+    assert bad.code == 2
+    assert "must end in .html" in bad.err
+    page = tmp_path / "fit.html"
+    assert brake_cal("fit", SEDAN / "ramp_wet_asphalt.csv", *told, "--report", page).code == 0
+    text = page.read_text()
+    for file in ("ramp_wet_asphalt.csv", "vehicle.toml"):
+        assert hashlib.sha256((SEDAN / file).read_bytes()).hexdigest() in text
+    assert text.index("Fitted") < text.index("What limits it") < text.index("Key figures")

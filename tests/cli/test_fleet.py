@@ -12,7 +12,7 @@ def test_a_report_is_written_and_told(brake_cal, tmp_path):
     path, out = results(tmp_path / "r.parquet"), tmp_path / "out"
     ran = brake_cal("fleet", "report", path, "--figure", "pad_friction_f", "--out", out)
     assert ran.code == 0, ran.err
-    assert ran.out.startswith("pad_friction_f drifts; ")
+    assert ran.out.startswith("Pad friction, front drifts; ")
     assert "line/car134.csv: pad_friction_f 0.55" in ran.out
     assert "3 x LOG: <b>ends</b> at # s" in ran.out
     assert sorted(p.name for p in out.iterdir()) == [

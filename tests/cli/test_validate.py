@@ -306,3 +306,14 @@ def test_a_mass_that_is_none_is_a_wrong_use(run, mass, says):
     ran = run("wet.csv", "--mass", mass)
     assert (ran.code, ran.result) == (2, "")
     assert says in ran.err
+
+
+def test_a_report_has_a_section_for_each_stop(brake_cal, bench):
+    page = bench / "validate.html"
+    stops = (bench / "wet.csv", bench / "harder.parquet")
+    ran = brake_cal("validate", CAR.name, *stops, "--store", bench / "tables", "--report", page)
+    assert ran.code == 0, ran.err
+    text = page.read_text()
+    assert "<h1>Validation of" in text
+    assert [text.count(f"{path.stem}: <span") for path in stops] == [1, 1]
+    assert text.index("What limits it") < text.index("wet: <span") < text.index("Where it comes")
