@@ -176,12 +176,12 @@ def _page(
     results: "list[Validation]",
     files: dict[str, Path | None],
 ) -> str:
-    from calib.plots.trace import from_estimate
+    from calib.plots.trace import from_validation
     from calib.reports.origin import origin_of
     from calib.reports.validation import report_html
 
     traces = [
-        from_estimate(used, stored.id, run, result.estimate, car)
+        from_validation(used, stored.id, run, result, car)
         for run, result in zip(runs, results, strict=True)
     ]
     return report_html(stored, results, traces, origin_of(today(), files))

@@ -13,7 +13,7 @@ def test_a_report_is_written_and_told(brake_cal, tmp_path):
     ran = brake_cal("fleet", "report", path, "--figure", "pad_friction_f", "--out", out)
     assert ran.code == 0, ran.err
     assert ran.out.startswith("Pad friction, front drifts; ")
-    assert "line/car134.csv: pad_friction_f 0.55" in ran.out
+    assert "line/car134.csv stands apart: Pad friction, front 0.550" in ran.out
     assert "3 x LOG: <b>ends</b> at # s" in ran.out
     assert sorted(p.name for p in out.iterdir()) == [
         "fleet.json",
