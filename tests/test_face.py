@@ -13,7 +13,7 @@ import calib
 
 ROOT = Path(__file__).parents[1]
 FACE = ROOT / "calib" / "__init__.py"
-README = (ROOT / "README.md").read_text()
+PAGE = (ROOT / "calib" / "manual" / "python.md").read_text()
 
 
 def homes() -> dict[str, str]:
@@ -55,8 +55,8 @@ def test_an_unknown_name_is_an_attribute_error():
         _ = calib.fitt
 
 
-def test_the_lines_of_the_readme_make_a_table(tmp_path):
-    block = README.split("## From Python\n")[1].split("```python\n")[1].split("```")[0]
+def test_the_lines_of_the_manual_make_a_table(tmp_path):
+    block = PAGE.split("```python\n")[1].split("```")[0]
     assert len([line for line in block.splitlines() if line]) == 5
     run = subprocess.run(
         [sys.executable, "-c", block],

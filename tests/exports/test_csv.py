@@ -11,7 +11,7 @@ from calib.exports.csv import write_csv
 from calib.exports.parquet import TEXTS
 from tests.exports.conftest import bits
 
-README = Path(__file__).parents[2] / "README.md"
+PAGE = Path(__file__).parents[2] / "calib" / "manual" / "table.md"
 NUMBERS = ("x", "value", "lower", "upper", "count", "flag")
 
 
@@ -76,11 +76,11 @@ def test_no_text_can_be_taken_for_a_number(stored):
         ("polars", 'polars.read_csv("car.csv", comment_prefix="#")'),
     ],
 )
-def test_the_line_of_the_readme_reads_it(stored, tmp_path, monkeypatch, module, line):
+def test_the_line_of_the_manual_reads_it(stored, tmp_path, monkeypatch, module, line):
     library = pytest.importorskip(module)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "car.csv").write_bytes(write_csv(build(stored)))
-    assert f"`{line}`" in README.read_text()
+    assert f"`{line}`" in PAGE.read_text()
     frame = eval(line, {module: library})
     units = dict(zip(frame["label"], frame["unit"], strict=True))
     assert (units["sedan_f1"], units["sedan_mass"]) == ("-", "kg")
