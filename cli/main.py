@@ -21,6 +21,7 @@ from cli import (
     fleet,
     limits,
     log,
+    manual,
     maps,
     plot,
     qualify,
@@ -72,6 +73,7 @@ app.command(epilog=doctor.EPILOG)(doctor.doctor)
 app.command(epilog=qualify.EPILOG)(qualify.qualify)
 app.add_typer(vehicles.app, name="vehicle")
 app.add_typer(log.app, name="log")
+app.command(epilog=manual.EPILOG)(manual.manual)
 app.add_typer(maps.app, name="map")
 app.add_typer(tables.app, name="tables")
 app.add_typer(fleet.app, name="fleet")

@@ -35,6 +35,7 @@ ROOMS = """
     reports
     station
     demo
+    manual
     qualification
 """
 """The house, from the ground floor up: a file imports from its own room or from a lower floor."""

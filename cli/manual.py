@@ -1,0 +1,107 @@
+"""`brake-cal manual`: the list of pages, one page, or all of them as a site."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cli.console import emit, emit_json, say
+from cli.grid import grid
+from cli.options import Json, example
+from cli.outputs import ready_folder, writing
+
+if TYPE_CHECKING:
+    from rich.table import Table as Grid
+
+    from calib.manual.page import Page
+
+EPILOG = example("brake-cal manual", "brake-cal manual ramp", "brake-cal manual --html manual")
+
+
+def manual(
+    page: Annotated[
+        str | None,
+        typer.Argument(metavar="PAGE", help="One page, or the beginning of its name; else a list."),
+    ] = None,
+    html: Annotated[
+        Path | None,
+        typer.Option("--html", metavar="DIR", help="Write all pages as a linked site here."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Show the manual: the list of its pages, or one page.
+
+    On a terminal a page is laid out; elsewhere it is the Markdown as it was written. --html writes
+    all of them with a search; open index.html of that folder, no server is needed.
+    """
+    if page is not None and html is not None:
+        raise typer.BadParameter("writes all pages; give no PAGE with it", param_hint="--html")
+    if html is not None:
+        _write(html, json)
+    elif page is not None:
+        _show(_found(page), json)
+    else:
+        _list(json)
+
+
+def _list(json: bool) -> None:
+    from calib.manual.page import contents
+
+    if json:
+        emit_json({"schema": 1, "pages": contents()})
+    else:
+        emit(_grid(contents()))
+        say("brake-cal manual PAGE shows one")
+
+
+def _grid(pages: "tuple[Page, ...]") -> "Grid":
+    table = grid("page", "what it is about", fold=True)
+    table.columns[0].no_wrap = True
+    for page in pages:
+        table.add_row(page.name, f"{page.title}: {page.about}")
+    return table
+
+
+def _found(asked: str) -> "Page":
+    from calib.manual.page import contents, find, plain_name
+    from calib.toml import did_you_mean
+
+    pages = find(asked)
+    if len(pages) == 1:
+        return pages[0]
+    names = [page.name for page in pages]
+    hint = f"it may be {' or '.join(names)}" if names else ""
+    hint = hint or did_you_mean(plain_name(asked), [page.name for page in contents()])
+    hint = hint or "'brake-cal manual' lists the pages"
+    raise typer.BadParameter(f"no page {asked!r}; {hint}", param_hint="PAGE")
+
+
+def _show(page: "Page", json: bool) -> None:
+    if json:
+        emit_json({"schema": 1, "page": page, "text": page.text})
+    elif sys.stdout.isatty():
+        from rich.markdown import Markdown
+
+        from calib.manual.page import for_terminal
+
+        emit(Markdown(for_terminal(page.text), hyperlinks=False))
+    else:
+        emit(page.text.rstrip("\n"))
+
+
+def _write(out: Path, json: bool) -> None:
+    from calib.files import write_whole
+    from calib.manual.site import START, site
+    from calib.publish import publish, workshop
+
+    ready_folder(out)
+    files = site()
+    with writing(out), workshop(out) as work:
+        for name, content in files.items():
+            (work / name).parent.mkdir(exist_ok=True)
+            write_whole(work / name, content)
+        publish(work, out, START)
+    say(f"wrote {len(files)} files; open {out / START}")
+    if json:
+        emit_json({"schema": 1, "files": [str(out / name) for name in files]})
