@@ -59,7 +59,7 @@ def anchor(title: str) -> str:
 def _parser() -> "MarkdownIt":
     from markdown_it import MarkdownIt
 
-    parser = MarkdownIt("commonmark").enable("table")
+    parser = MarkdownIt("commonmark", {"html": False}).enable("table")
     for kind, rule in RULES.items():
         parser.add_render_rule(kind, rule)
     return parser

@@ -1,4 +1,4 @@
-"""Each promise of `calib/manual/store.md` by a test of its name; more in two other files."""
+"""Each promise of two pages of the manual by a test of its name; more in two other files."""
 
 import json
 import os
@@ -24,7 +24,7 @@ from tests.support.tables import made_table
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
-PAGE = ROOT / "calib" / "manual" / "store.md"
+PAGES = [ROOT / "calib" / "manual" / name for name in ("store.md", "signatures.md")]
 
 RELEASE = Decision("released", "four stops agree", by="Ada")
 REJECT = Decision("rejected", "front pads wet", by="Ada")
@@ -57,7 +57,11 @@ def rewrite(store, lines):
 
 
 def test_every_promise_has_its_test():
-    promises = re.findall(r"^## (.*)$", PAGE.read_text(), flags=re.MULTILINE)
+    promises = [
+        promise
+        for page in PAGES
+        for promise in re.findall(r"^## (.*)$", page.read_text(), flags=re.MULTILINE)
+    ]
     assert len(promises) > 20
     names = {"test_" + re.sub(r"\W+", "_", promise.lower()).strip("_") for promise in promises}
     texts = [(HERE / f"test_{file}.py").read_text() for file in ("promises", "signatures", "seen")]

@@ -1,4 +1,4 @@
-"""Each promise of signatures in `calib/manual/store.md` by a test of its name."""
+"""Each promise of signatures in `calib/manual/signatures.md` by a test of its name."""
 
 import hashlib
 import shutil

@@ -1,0 +1,57 @@
+"""`brake-cal manual`."""
+
+import json
+
+from calib.manual.page import contents
+
+
+def test_without_a_name_it_lists_the_pages(brake_cal):
+    ran = brake_cal("manual")
+    assert ran.code == 0
+    first = [line.split()[0] for line in ran.out.splitlines()]
+    assert first == ["page", *(page.name for page in contents())]
+    listed = json.loads(brake_cal("manual", "--json").out)["pages"]
+    assert [page["name"] for page in listed] == first[1:]
+    assert set(listed[0]) == {"name", "title", "about", "group"}
+
+
+def test_a_page_is_printed_as_it_was_written_where_nobody_watches(brake_cal):
+    ran = brake_cal("manual", "Vehicle-File")
+    (page,) = [page for page in contents() if page.name == "vehicle_file"]
+    assert (ran.code, ran.out) == (0, page.text)
+    told = json.loads(brake_cal("manual", "vehicle_file", "--json").out)
+    assert (told["page"]["title"], told["text"]) == ("The vehicle file", page.text)
+
+
+def test_a_misspelt_page_is_told_the_right_one(brake_cal):
+    for asked, told in (
+        ("vehicel", "did you mean 'vehicle_file'?"),
+        ("v", "it may be vehicle_file or validation"),
+        ("xyzzy", "'brake-cal manual' lists the pages"),
+    ):
+        ran = brake_cal("manual", asked)
+        assert ran.code == 2
+        assert told in " ".join(ran.err.split())
+
+
+def test_the_site_is_written_whole(brake_cal, tmp_path):
+    out = tmp_path / "made" / "site"
+    ran = brake_cal("manual", "--html", out)
+    assert ran.code == 0
+    assert f"open {out / 'index.html'}" in ran.err
+    assert {"index.html", "ramp.html", "style.css", "search.js"} <= {p.name for p in out.iterdir()}
+    assert (out / "figures" / "table.png").read_bytes()[:4] == b"\x89PNG"
+    assert not [path for path in out.iterdir() if path.name.startswith(".")]
+    files = json.loads(brake_cal("manual", "--html", out, "--json").out)["files"]
+    assert sorted(files) == sorted(str(p) for p in out.rglob("*") if p.is_file())
+
+
+def test_the_site_takes_no_page_and_no_file(brake_cal, tmp_path):
+    ran = brake_cal("manual", "ramp", "--html", tmp_path / "site")
+    assert ran.code == 2
+    assert "give no PAGE with it" in ran.err
+    (tmp_path / "file").write_text("mine")
+    ran = brake_cal("manual", "--html", tmp_path / "file")
+    assert ran.code == 2
+    assert "is a file" in ran.err
+    assert (tmp_path / "file").read_text() == "mine"

@@ -1,0 +1,112 @@
+"""The examples of the manual: blocks of code of a page, and a folder in which they run."""
+
+import re
+import shlex
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from calib.demo.samples import sample_logs
+from cli.main import main
+
+FOLDER = Path(__file__).parents[2] / "calib" / "manual"
+PAGES = sorted(FOLDER.glob("*.md"))
+
+LANGUAGES = ("sh", "python", "toml", "json", "text")
+"""Of a block of code; text is output or a drawing, and nobody runs or reads it."""
+
+_BLOCK = re.compile(
+    r"(?:<!-- (?P<mark>[^\n]*?) -->\n)?```(?P<head>[^\n]*)\n(?P<text>.*?)^```$",
+    re.MULTILINE | re.DOTALL,
+)
+
+
+@dataclass(frozen=True)
+class Example:
+    """A block: ``language``, ``kind`` of the file it shows, ``text``, and the comment before it."""
+
+    language: str
+    kind: str
+    text: str
+    mark: str
+
+    @property
+    def is_run(self) -> bool:
+        return self.language in ("sh", "python") and not self.mark.startswith("not run: ")
+
+    @property
+    def ends_with(self) -> int:
+        """Exit code that its last command must have."""
+        found = re.fullmatch(r"exit code (\d)", self.mark)
+        return int(found[1]) if found else 0
+
+    @property
+    def commands(self) -> list[str]:
+        """The lines of a shell, continued ones joined."""
+        return self.text.replace("\\\n", " ").splitlines()
+
+
+def examples(page: Path) -> Iterator[Example]:
+    """The blocks of a page, in their order."""
+    for found in _BLOCK.finditer(page.read_text(encoding="utf-8")):
+        language, _, kind = found["head"].partition(" ")
+        yield Example(language, kind, found["text"], found["mark"] or "")
+
+
+def run(folder: Path, line: str) -> int:
+    """Run one printed line in a folder as a shell would: globs filled, options split."""
+    words = shlex.split(line)
+    assert words[0] == "brake-cal"
+    arguments = []
+    for word, as_typed in zip(words[1:], shlex.split(line, posix=False)[1:], strict=True):
+        quoted = as_typed.startswith(("'", '"'))
+        found = sorted(str(p.relative_to(folder)) for p in folder.glob(word)) if "*" in word else []
+        arguments += found if found and not quoted else [word]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.setattr("sys.argv", ["brake-cal", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+    return int(ended.value.code or 0)
+
+
+LOGS = {
+    "ramp.csv": "ramp_wet_asphalt.csv",
+    "coast.csv": "coast.csv",
+    "stop.csv": "basalt_wet_pads.csv",
+    "stop_1.csv": "dry_asphalt_stop.csv",
+    "stop_2.csv": "transition_dry_to_basalt.csv",
+}
+
+FOREIGN = {
+    "time [s]": "Zeit [s]",
+    "p_mc [bar]": "Bremsdruck [bar]",
+    "a_x [m/s^2]": "Laengsbeschleunigung [m/s^2]",
+    "v [m/s]": "Geschwindigkeit [m/s]",
+}
+
+
+MODEL = """schema = 1
+
+[effects.aerodynamic_drag]
+drag_area = "0.66 m^2"
+"""
+
+
+def working_folder(folder: Path) -> None:
+    """What the examples begin with: logs, a vehicle, a table `car@1`, and results of one stop."""
+    (folder / "sample_logs").symlink_to(sample_logs())
+    for name, source in LOGS.items():
+        shutil.copy(sample_logs() / "sedan" / source, folder / name)
+    frame = pd.read_csv(folder / "ramp.csv").rename(columns=FOREIGN)
+    frame.to_csv(folder / "run.csv", index=False)
+    vehicle = (sample_logs() / "sedan" / "vehicle.toml").read_text().replace("sedan-2up", "car")
+    (folder / "car.toml").write_text(vehicle)
+    (folder / "found").mkdir()
+    (folder / "found" / "model.toml").write_text(MODEL)
+    assert run(folder, "brake-cal fit ramp.csv coast.csv --vehicle car.toml") == 0
+    assert run(folder, "brake-cal validate car stop.csv --out results") == 0
