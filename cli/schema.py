@@ -1,4 +1,4 @@
-"""`brake-cal schema`: the JSON Schema of a file that is read, for editors and validators."""
+"""`brake-cal schema`: the JSON Schema of a file that is read, or of a document that is written."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated
@@ -12,7 +12,7 @@ from cli.options import Json, example
 if TYPE_CHECKING:
     from calib.schema import Section
 
-EPILOG = example("brake-cal schema", "brake-cal schema vehicle")
+EPILOG = example("brake-cal schema", "brake-cal schema vehicle", "brake-cal schema fit-json")
 
 
 def schema(
@@ -26,31 +26,41 @@ def schema(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Print the JSON Schema of a file.
+    """Print the JSON Schema of a file or a document.
 
-    Without a NAME it lists the files that have one, in draft 2020-12. It gives keys, units and
-    ranges. Conditions between two values, such as a disc that fits into the wheel, are checked by
-    the program only.
+    Without a NAME it lists those that there are, in draft 2020-12. Of a file that is read it gives
+    keys, units and ranges. Conditions between two values, such as a disc that fits into the wheel,
+    are checked by the program only. Of a document that --json prints or a command writes it gives
+    the keys of the first level.
     """
+    from calib.manual.documents import documents
+
     if name is None:
         _list(json)
-        return
-    if name not in SCHEMAS:
+    elif name in SCHEMAS:
+        from calib.schema import json_schema
+
+        emit_json(json_schema(SCHEMAS[name][1]()))
+    elif name in documents():
+        emit_json(documents()[name].schema)
+    else:
         from calib.toml import did_you_mean
 
-        hint = did_you_mean(name, SCHEMAS) or "'brake-cal schema' lists the known ones"
+        known = [*SCHEMAS, *documents()]
+        hint = did_you_mean(name, known) or "'brake-cal schema' lists the known ones"
         raise typer.BadParameter(f"unknown file {name!r}; {hint}", param_hint="NAME")
-    from calib.schema import json_schema
-
-    emit_json(json_schema(SCHEMAS[name][1]()))
 
 
 def _list(json: bool) -> None:
+    from calib.manual.documents import documents
+
+    files = {name: about for name, (about, _) in SCHEMAS.items()}
+    written = {name: one.title for name, one in documents().items()}
     if json:
-        emit_json({"schema": 1, "files": {name: about for name, (about, _) in SCHEMAS.items()}})
+        emit_json({"schema": 1, "files": files, "documents": written})
         return
-    width = max(map(len, SCHEMAS))
-    emit("\n".join(f"{name:<{width}}  {about}" for name, (about, _) in SCHEMAS.items()))
+    width = max(map(len, [*files, *written]))
+    emit("\n".join(f"{name:<{width}}  {about}" for name, about in (files | written).items()))
 
 
 def _vehicle() -> "type[Section]":

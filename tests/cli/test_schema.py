@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
+from calib.manual.documents import documents
+
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "sample_logs"
 VEHICLES = sorted(SAMPLES.rglob("vehicle*.toml"))
@@ -54,8 +56,16 @@ def refusals():
 
 def test_without_a_name_it_lists_the_files(brake_cal):
     lines = brake_cal("schema").out.splitlines()
-    assert [line.split()[0] for line in lines] == [*KINDS, "error"]
-    assert list(json.loads(brake_cal("schema", "--json").out)["files"]) == [*KINDS, "error"]
+    assert [line.split()[0] for line in lines] == [*KINDS, "error", *documents()]
+    listed = json.loads(brake_cal("schema", "--json").out)
+    assert list(listed["files"]) == [*KINDS, "error"]
+    assert list(listed["documents"]) == list(documents())
+
+
+def test_the_schema_of_a_document_is_printed(brake_cal):
+    printed = json.loads(brake_cal("schema", "fit-json").out)
+    assert printed == documents()["fit-json"].schema
+    assert "did you mean 'fit-json'?" in brake_cal("schema", "fit-jsn").err
 
 
 def test_a_misspelt_name_is_a_usage_error_with_a_hint(brake_cal):

@@ -1,5 +1,6 @@
 """diagnosis.json and the page that explains it."""
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -7,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from calib.diagnosis.confusion import Confusion, Explanation, Pair
-from calib.diagnosis.document import to_dict
+from calib.diagnosis.document import text_of, to_dict
 from calib.diagnosis.drives import Drive
 from calib.diagnosis.headline import KINDS
 from calib.physics.effects.catalogue import effect_named
+from tests.support.documents import missing_and_unknown
 from tests.support.written_diagnosis import MARKUP, named_drag
 
 PAGE = Path(__file__).parents[2] / "calib" / "manual" / "diagnosis.md"
@@ -69,6 +71,11 @@ def test_the_manual_has_every_headline_and_names_keys_that_exist(named):
     names = {name for group in keys for name in re.findall(r"\w+", group.replace(" and ", " "))}
     assert len(names) >= 7
     assert names <= set(told)
+
+
+def test_it_has_the_keys_of_the_page_of_documents(named):
+    document = json.loads(text_of(named))
+    assert missing_and_unknown("diagnose-json", document) == []
 
 
 def test_the_readme_leads_to_the_manual():

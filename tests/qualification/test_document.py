@@ -12,6 +12,7 @@ from calib.qualification.report import headline, report_html
 from calib.qualification.suite import qualify
 from calib.qualification.use_cases import USE_CASES
 from cli.console import plain
+from tests.support.documents import missing_and_unknown
 
 DATE = "2025-03-31T12:00:00+00:00"
 
@@ -41,6 +42,7 @@ def test_the_digest_is_that_of_results_rounded_to_their_tolerance(found):
 
 def test_the_document_says_with_what_it_was_computed(found):
     told = json.loads(json.dumps(plain(to_dict(found, surroundings(DATE))), allow_nan=False))
+    assert missing_and_unknown("qualification-json", told) == []
     assert (told["schema"], told["tool"], told["version"]) == (1, "brake-cal", __version__)
     assert (told["date"], told["verdict"]) == (DATE, "passed")
     assert told["environment"]["interpreter"].endswith(platform.python_version())

@@ -1,0 +1,15 @@
+"""Whether a JSON document is what the page of the manual says."""
+
+from jsonschema import Draft202012Validator
+
+from calib.manual.documents import SEVERAL, documents
+
+
+def missing_and_unknown(name: str, document: dict[str, object]) -> list[str]:
+    """What is wrong with a document, in the judgement of another program's validator."""
+    one = documents()[name]
+    errors = [error.message for error in Draft202012Validator(one.schema).iter_errors(document)]
+    starts = tuple(key.name.removesuffix(SEVERAL) for key in one.keys if SEVERAL in key.name)
+    known = {"schema", *(key.name for key in one.keys)}
+    left = {key for key in document if key not in known and not key.startswith(starts or ("\0",))}
+    return errors + [f"{name}: the page has no key {key}" for key in sorted(left)]
