@@ -2,7 +2,6 @@
 
 import json
 import re
-import shlex
 import shutil
 from pathlib import Path
 
@@ -11,25 +10,10 @@ import pytest
 import typer.main
 
 from calib.demo.samples import sample_logs
-from cli.main import app, main
+from cli.main import app
+from tests.support.manual import run
 
 ROOT = Path(__file__).parents[2]
-
-
-def run(folder: Path, line: str) -> int:
-    """Run one printed line in a folder as a shell would: globs filled, options split."""
-    words = shlex.split(line)
-    assert words[0] == "brake-cal"
-    arguments = []
-    for word in words[1:]:
-        found = sorted(str(p.relative_to(folder)) for p in folder.glob(word)) if "*" in word else []
-        arguments += found or [word]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        patch.setattr("sys.argv", ["brake-cal", *arguments])
-        with pytest.raises(SystemExit) as ended:
-            main()
-    return int(ended.value.code or 0)
 
 
 @pytest.fixture(scope="module")
