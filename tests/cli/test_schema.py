@@ -8,6 +8,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from calib.manual.documents import documents
+from cli.schema import SCHEMAS
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "sample_logs"
@@ -56,9 +57,10 @@ def refusals():
 
 def test_without_a_name_it_lists_the_files(brake_cal):
     lines = brake_cal("schema").out.splitlines()
-    assert [line.split()[0] for line in lines] == [*KINDS, "error", *documents()]
+    assert [line.split()[0] for line in lines] == [*SCHEMAS, *documents()]
     listed = json.loads(brake_cal("schema", "--json").out)
-    assert list(listed["files"]) == [*KINDS, "error"]
+    assert list(listed["files"]) == list(SCHEMAS)
+    assert {*KINDS} <= {*SCHEMAS}
     assert list(listed["documents"]) == list(documents())
 
 
