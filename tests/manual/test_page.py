@@ -1,9 +1,12 @@
 """The contents of the manual, and every link and anchor in it and in the README."""
 
+import io
 import re
 from pathlib import Path
 
 import pytest
+from rich.console import Console
+from rich.markdown import Markdown
 
 from calib.manual.html import anchor, body
 from calib.manual.page import FOLDER, contents, find, for_terminal, front
@@ -82,3 +85,12 @@ def test_a_terminal_is_told_the_page_that_a_link_leads_to():
     assert for_terminal(text) == (
         "see the line (page `line`), [minisign](https://a.b) *(picture: a table)*"
     )
+
+
+@pytest.mark.parametrize("page", contents(), ids=lambda page: page.name)
+def test_a_page_fits_a_terminal_of_80_columns(page):
+    shown = io.StringIO()
+    Console(file=shown, width=80).print(Markdown(for_terminal(page.text), hyperlinks=False))
+    lines = shown.getvalue().splitlines()
+    assert page.title in shown.getvalue()
+    assert max(len(line) for line in lines) <= 80
