@@ -15,7 +15,7 @@ _BLOCK = struct.Struct("<4s4xQQ")
 _COUNT = struct.Struct("<8xQHHLLL")
 _UNPACKED = struct.Struct("<8xQ")
 _VARIABLE = 1
-"""Flag of a group whose records differ in length."""
+"""Flag of a group whose records differ in length; such a group has no channels."""
 
 
 def check_records(path: Path) -> None:
@@ -78,9 +78,9 @@ def _needed(file: BinaryIO, place: int, id_size: int, seen: set[int]) -> int:
     total = 0
     while place:
         _once(place, seen)
-        (place, *_), content = _block(file, place)
+        (place, channels, *_), content = _block(file, place)
         count, flags, _, _, size, invalid = _COUNT.unpack_from(content)
-        if not flags & _VARIABLE:
+        if channels or not flags & _VARIABLE:
             total += count * (size + invalid + id_size)
     return total
 

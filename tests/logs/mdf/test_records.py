@@ -47,3 +47,16 @@ def test_many_blocks(tmp_path):
         path = mdf.save(tmp_path / "long.mf4")
     assert path.read_bytes().count(b"##DT") > 1
     check_records(path)
+
+
+def test_a_group_with_channels_that_says_its_records_differ_in_length(tmp_path):
+    """Its count is still asked, or asammdf makes room for all that it counts."""
+    path = write_mdf(tmp_path / "run.mf4")
+    with asammdf.MDF(path) as mdf:
+        record = mdf.groups[0].channel_group
+        place = record.address + 24 + 8 * record.links_nr
+    data = bytearray(path.read_bytes())
+    struct.pack_into("<QH", data, place + 8, 10**15, 1)
+    path.write_bytes(data)
+    with pytest.raises(LogError, match="data group 0 unpacks to"):
+        check_records(path)
