@@ -220,7 +220,7 @@ def _report(stored: "Stored", results: "list[Validation]") -> None:
     for road in together.roads if together else ():
         if road.spread_f is not None and road.spread_r is not None:
             emit(
-                f"on one road, {', '.join(road.stops)}: pad friction differs by up to "
+                f"on roads alike, {', '.join(road.stops)}: pad friction differs by up to "
                 f"{100 * road.spread_f:.1f} % front, {100 * road.spread_r:.1f} % rear"
             )
     emit(words.conclusion(stored, results))

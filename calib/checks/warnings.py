@@ -12,8 +12,8 @@ SLOW = 95.0
 """Lowest rate [Hz] that resolves the build-up of the brake, 0.1 to 0.2 s."""
 JITTER = 0.1
 """Deviation of the steps of the clock over their median [1]."""
-RADII, TYRES = 1e-3, 8e-3
-"""Mismatch of the axles [1] that costs 3 to 8 % of torque if not zeroed; that wear cannot cause."""
+TYRES = 8e-3
+"""Mismatch of the axles [1] that wear cannot cause; less is zeroed without a word."""
 SIDES = 5e-3
 """Difference of left and right [1]: as in a bend of 300 m radius with a track of 1.5 m."""
 ZERO = 5e-4
@@ -86,14 +86,10 @@ def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
             ("nothing is driven without braking",), "roll for 1 s before the braking",
         )  # fmt: skip
     else:
-        if abs(eta.value) > max(RADII, eta.half):
-            worn = abs(eta.value) <= TYRES
+        if abs(eta.value) > max(TYRES, eta.half):  # tyres that are worn unlike are zeroed
             yield PlausibilityWarning(
-                "eta_zero", log, eta.value, (-RADII, RADII),
-                ("tyres that are worn or filled unlike" if worn else "other tyres front and rear",),
-                "do nothing: it is zeroed"
-                if worn
-                else "check sizes and pressures of the tyres",
+                "eta_zero", log, eta.value, (-TYRES, TYRES),
+                ("other tyres front and rear",), "check sizes and pressures of the tyres",
             )  # fmt: skip
         if eta.half > ZERO:
             yield PlausibilityWarning(

@@ -65,7 +65,7 @@ def drawn(sheet: Sheet, *names: str, key: tuple[str, ...] = ()) -> Picture:
     """
     from calib.plots.save import render
 
-    part, sources = replace(sheet, title="", note=""), []
+    part, sources = replace(sheet, title="", result="", note=""), []
     for name in names:
         figure = part.figure(name)
         figure.set_size_inches(*PANEL)
