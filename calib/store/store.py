@@ -120,7 +120,9 @@ class Store:
         with self._writing():
             journal = read_journal(self.folder)
             first = journal.of(name)[int(version)][0]
-            next_state(reference, journal.state(name, int(version)), decision)
+            before = journal.state(name, int(version))
+            if next_state(reference, before, decision) == before:
+                return True
             tidy(self.folder, journal)
             entered = journal.added(
                 CHANGED, name, int(version), first.digest, first.record, decision, program=PROGRAM

@@ -195,6 +195,9 @@ def test_a_missing_version_may_be_given_up(three):
     shutil.rmtree(three.folder / "sedan" / "v0003")
     assert not three.withdraw_missing("sedan@2", WITHDRAW)
     assert three.withdraw_missing("sedan@3", WITHDRAW)
+    written = (three.folder / "journal.jsonl").read_bytes()
+    assert three.withdraw_missing("sedan@3", WITHDRAW)  # the same again says nothing new
+    assert (three.folder / "journal.jsonl").read_bytes() == written
     assert all(verdict.sound for verdict in three.verify())
     assert three.load("sedan").version == 2
     with pytest.raises(DamagedTable, match="missing"):
