@@ -36,6 +36,7 @@ def key(
     if json:
         emit_json(
             {
+                "schema": 1,
                 "key_id": made.key_id,
                 "public_key": made.text,
                 "secret": secret,

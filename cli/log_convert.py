@@ -1,5 +1,7 @@
 """`brake-cal log convert`: logs as CSV, Parquet or MDF."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -7,17 +9,18 @@ import typer
 
 from cli.console import emit, emit_json, progress, say
 from cli.inputs import channel_map_of
-from cli.options import Json, Map, example, out_file
+from cli.logs import named, read_whole
+from cli.options import Force, Json, Map, example, out_file
 from cli.outputs import (
     ready_folder,
     refuse_folder,
+    refuse_foreign,
     refuse_overwriting,
     stems_of,
     writing,
 )
 
 if TYPE_CHECKING:
-    from calib.logs.channel_map import ChannelMap
     from calib.logs.whole import WholeLog
 
 EPILOG = example(
@@ -25,7 +28,6 @@ EPILOG = example(
     "brake-cal log convert sample_logs/sedan/*.csv --out parquet --to parquet",
 )
 
-Force = Annotated[bool, typer.Option("--force", help="Replace files that exist.")]
 KeepNames = Annotated[
     bool,
     typer.Option("--keep-names", help="Leave names and values as they are, also those of a map."),
@@ -54,13 +56,16 @@ def convert(
     """
     mapping = channel_map_of(channel_map)
     if to is None:
-        check_file(out, logs, channel_map, force)
+        check_file(out, logs, channel_map)
         if len(logs) > 1:
             raise typer.BadParameter("several logs need a folder and --to", param_hint="--out")
-        written = [_one(logs[0], out, mapping, keep_names)]
+        log = read_whole(logs[0], mapping, keep_names)
+        write(log, out, force)
+        written = [(log, out)]
     else:
-        check_folder(out, logs, to, force)
-        written = _into(out, logs, to, mapping, keep_names)
+        names = _checked_names(out, logs, to)
+        whole = partial(read_whole, mapping=mapping, keep_names=keep_names)
+        written = _into(out, dict(zip(names, logs, strict=True)), whole, force)
     if json:
         emit_json({"schema": 1, "logs": [_document(*one) for one in written]})
         return
@@ -70,61 +75,56 @@ def convert(
             say(f"{log.source}: {note}")
 
 
-def check_file(out: Path, logs: list[Path], channel_map: Path | None, force: bool) -> None:
-    """Refuse an output of an unknown ending, one that is an input, and one that exists."""
+def check_file(out: Path, logs: list[Path], channel_map: Path | None) -> None:
+    """Refuse an output of an unknown ending, and one that is an input."""
     from calib.logs.convert import ENDINGS
 
     if out.suffix.lower() not in ENDINGS:
         raise typer.BadParameter(
             f"must end in {', '.join(ENDINGS)}, or be a folder with --to", param_hint="--out"
         )
+    named(logs)
     refuse_folder(out)
     refuse_overwriting([out], logs, [channel_map])
-    _refuse_existing(out, force)
 
 
-def check_folder(out: Path, logs: list[Path], to: str, force: bool) -> None:
-    """The same of a folder for the logs, in the format ``to``."""
+def _checked_names(out: Path, logs: list[Path], to: str) -> list[str]:
+    """Names of the files in the folder ``out``; refuses an unknown format, and an input."""
     from calib.logs.convert import ENDINGS
 
     if f".{to.lower()}" not in ENDINGS:
         known = ", ".join(ending[1:] for ending in ENDINGS)
         raise typer.BadParameter(f"unknown format {to!r}; known: {known}", param_hint="--to")
-    files = [out / name for name in _names(logs, to)]
-    refuse_overwriting(files, logs)
-    for file in files:
-        _refuse_existing(file, force)
+    names = [f"{stem}.{to.lower()}" for stem in stems_of(named(logs), "LOG")]
+    refuse_overwriting((out / name for name in names), logs)
     ready_folder(out)
+    return names
 
 
-def _names(logs: list[Path], to: str) -> list[str]:
-    return [f"{stem}.{to.lower()}" for stem in stems_of(logs, "LOG")]
+def write(log: "WholeLog", out: Path, force: bool) -> None:
+    """Write a log in the format of the ending, unless another file would be lost."""
+    from calib.files import write_whole
 
-
-def _refuse_existing(file: Path, force: bool) -> None:
-    if file.exists() and not force:
-        raise typer.BadParameter(f"{file} exists; --force replaces it", param_hint="--out")
-
-
-def _one(
-    path: Path, out: Path, mapping: "ChannelMap | None", keep_names: bool
-) -> "tuple[WholeLog, Path]":
-    from calib.logs.convert import write_log
-    from calib.logs.whole import read_whole
-
-    log = read_whole(path, mapping, keep_names)
+    content = _content(log, out, force)
     with writing(out):
-        write_log(log, out)
-    return log, out
+        write_whole(out, content)
+
+
+def _content(log: "WholeLog", out: Path, force: bool) -> bytes:
+    from calib.logs.convert import log_content
+
+    content = log_content(log, out.suffix.lower())
+    refuse_foreign(out, lambda data: data == content, "this log", force)
+    return content
 
 
 def _into(
-    out: Path, logs: list[Path], to: str, mapping: "ChannelMap | None", keep_names: bool
+    out: Path, logs: dict[str, Path], whole: "Callable[[Path], WholeLog]", force: bool
 ) -> "list[tuple[WholeLog, Path]]":
-    """All logs into a folder, or none."""
+    """All logs into a folder by the names of their files, or none."""
+    from calib.files import write_whole
     from calib.publish import publish, workshop
 
-    names = _names(logs, to)
     made = []
     plural = "s" * (len(logs) > 1)
     with (
@@ -132,10 +132,11 @@ def _into(
         progress(f"converting {len(logs)} log{plural}", len(logs)) as done,
         workshop(out) as work,
     ):
-        for path, name in zip(logs, names, strict=True):
-            made.append((_one(path, work / name, mapping, keep_names)[0], out / name))
+        for name, path in logs.items():
+            made.append((whole(path), out / name))
+            write_whole(work / name, _content(*made[-1], force))
             done()
-        publish(work, out, names[-1])
+        publish(work, out, list(logs)[-1])
     return made
 
 

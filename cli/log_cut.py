@@ -7,9 +7,9 @@ import typer
 
 from cli.console import emit, emit_json, say
 from cli.inputs import channel_map_of
-from cli.log_convert import Force, KeepNames, check_file
-from cli.options import Json, Map, example, out_file
-from cli.outputs import writing
+from cli.log_convert import KeepNames, check_file, write
+from cli.logs import named, read_whole
+from cli.options import Force, Json, Map, example, out_file
 
 EPILOG = example(
     "brake-cal log cut sample_logs/sedan/dry_asphalt_stop.csv --from 0.5 --to 4 --out cut.csv"
@@ -36,24 +36,31 @@ def cut(
     columns that the program does not know. Columns of a --map get their canonical names, unless
     --keep-names.
     """
-    from calib.logs.convert import write_log
     from calib.logs.cut import cut as cut_log
     from calib.logs.verify import MIN_SAMPLES
-    from calib.logs.whole import read_whole
 
-    check_file(out, [log], channel_map, force)
+    check_file(out, [log], channel_map)
     if start is None and end is None:
         raise typer.BadParameter("give --from, --to or both", param_hint="--from")
     if start is not None and end is not None and start >= end:
         raise typer.BadParameter(f"{start:g} s is not before {end:g} s", param_hint="--from")
     whole = read_whole(log, channel_map_of(channel_map), keep_names)
     part = cut_log(whole, start, end)
-    with writing(out):
-        write_log(part, out)
+    write(part, out, force)
     time, every = part.time, whole.time
     if json:
-        emit_json({"schema": 1, "log": log, "out": out, "rows": time.size, "start": time[0],
-                   "end": time[-1], "of": every.size, "notes": part.notes})  # fmt: skip
+        emit_json(
+            {
+                "schema": 1,
+                "log": named([log])[0],
+                "out": out,
+                "rows": time.size,
+                "start": time[0],
+                "end": time[-1],
+                "of": every.size,
+                "notes": part.notes,
+            }
+        )
     else:
         emit(
             f"{out}: {time.size} of {every.size} rows, {time[0]:g} to {time[-1]:g} s of "

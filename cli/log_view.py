@@ -8,8 +8,9 @@ import typer
 from cli.console import emit, emit_json, say
 from cli.grid import grid
 from cli.inputs import channel_map_of
-from cli.options import Json, Map, example, out_file
-from cli.outputs import refuse_folder, refuse_overwriting, writing
+from cli.logs import named, read_whole
+from cli.options import Force, Json, Map, example, out_file
+from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
 
 if TYPE_CHECKING:
     from calib.checks.events import RunEvent
@@ -32,6 +33,7 @@ def view(
         list[str] | None,
         typer.Option("--channel", metavar="NAME", help="Only this column; may be repeated."),
     ] = None,
+    force: Force = False,
     channel_map: Map = None,
     json: Json = False,
 ) -> None:
@@ -41,12 +43,13 @@ def view(
     shown as they are. Nothing is filtered or zeroed. --out draws all columns over one time axis,
     with the events marked.
     """
-    _check_out(out, logs, channel_map)
+    named(logs)
+    _check_out(out, logs, channel_map, force)
     mapping = channel_map_of(channel_map)
     found = []
     from calib.checks.events import run_events
     from calib.logs.inventory import inventory
-    from calib.logs.whole import channels_log, read_whole
+    from calib.logs.whole import channels_log
 
     for path in logs:
         whole = read_whole(path, mapping)
@@ -62,15 +65,21 @@ def view(
         _report(*one)
 
 
-def _check_out(out: Path | None, logs: list[Path], channel_map: Path | None) -> None:
+def _check_out(out: Path | None, logs: list[Path], channel_map: Path | None, force: bool) -> None:
     if out is None:
         return
+    from calib.plots.save import is_picture
+    from calib.reports.html import is_page
+
     if out.suffix.lower() not in ENDINGS:
         raise typer.BadParameter(f"must end in {', '.join(ENDINGS)}", param_hint="--out")
     if len(logs) > 1:
         raise typer.BadParameter("one log can be drawn at a time", param_hint="--out")
     refuse_folder(out)
     refuse_overwriting([out], logs, [channel_map])
+    page = out.suffix.lower() == ".html"
+    ours = (is_page, "a page of this program") if page else (is_picture, "a picture")
+    refuse_foreign(out, *ours, force)
 
 
 def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":

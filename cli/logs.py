@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from calib.logs.channel_map import ChannelMap
     from calib.logs.log import Log
     from calib.logs.read import Opened
+    from calib.logs.whole import WholeLog
 
 STDIN = "-"
 NAMED = Path("stdin.csv")
@@ -54,6 +55,22 @@ def read(
     else:
         log = read_log(path, mapping, require=needed)
     tell(log)
+    return log
+
+
+def read_whole(path: Path, mapping: "ChannelMap | None", keep_names: bool = False) -> "WholeLog":
+    """Read every column of a log, a file or that on stdin, and tell with -v what was read.
+
+    Raises LogError as `calib.logs.whole.read_whole` does.
+    """
+    from calib.logs import whole
+
+    if is_stdin(path):
+        log = whole.whole_of(open_table(path, mapping), NAMED, mapping, keep_names)
+    else:
+        log = whole.read_whole(path, mapping, keep_names)
+    rows, names = log.columns[0].values.size, ", ".join(column.name for column in log.columns)
+    detail(f"read {log.source}: {rows} rows, {names}; SHA-256 {log.digest[:12]}")
     return log
 
 

@@ -19,10 +19,21 @@ if TYPE_CHECKING:
 EPILOG = example("brake-cal manual", "brake-cal manual ramp", "brake-cal manual --html manual")
 
 
+def _names() -> list[str]:
+    """Every PAGE."""
+    from calib.manual.page import contents
+
+    return [page.name for page in contents()]
+
+
 def manual(
     page: Annotated[
         str | None,
-        typer.Argument(metavar="PAGE", help="One page, or the beginning of its name; else a list."),
+        typer.Argument(
+            metavar="PAGE",
+            help="One page, or the beginning of its name; else a list.",
+            autocompletion=_names,
+        ),
     ] = None,
     html: Annotated[
         Path | None,
@@ -64,7 +75,7 @@ def _grid(pages: "tuple[Page, ...]") -> "Grid":
 
 
 def _found(asked: str) -> "Page":
-    from calib.manual.page import contents, find, plain_name
+    from calib.manual.page import find, plain_name
     from calib.toml import did_you_mean
 
     pages = find(asked)
@@ -72,7 +83,7 @@ def _found(asked: str) -> "Page":
         return pages[0]
     names = [page.name for page in pages]
     hint = f"it may be {' or '.join(names)}" if names else ""
-    hint = hint or did_you_mean(plain_name(asked), [page.name for page in contents()])
+    hint = hint or did_you_mean(plain_name(asked), _names())
     hint = hint or "'brake-cal manual' lists the pages"
     raise typer.BadParameter(f"no page {asked!r}; {hint}", param_hint="PAGE")
 

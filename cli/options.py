@@ -49,8 +49,8 @@ OwnEffects = Annotated[
     typer.Option(
         "--effect",
         metavar="FILE.py",
-        help="Add an effect of your own (calib/manual/own_effect.md); may be repeated. The file is "
-        "executed as Python: give only files that you trust.",
+        help="Add an effect of your own (`brake-cal manual own_effect`); may be repeated. The file "
+        "is executed as Python: give only files that you trust.",
     ),
 ]
 Mass = Annotated[
@@ -138,7 +138,7 @@ def out_file(text: str, metavar: str = "FILE") -> Any:
 
 
 Force = Annotated[
-    bool, typer.Option("--force", help="Replace the file of --out, whatever it holds.")
+    bool, typer.Option("--force", help="Replace a file that exists, whatever it holds.")
 ]
 
 Report = Annotated[

@@ -56,10 +56,13 @@ def _refuse_parent(out: Path, option: str = OUT) -> None:
         )
 
 
-def refuse_foreign(out: Path, ours: Callable[[bytes], bool], what: str, force: bool) -> None:
+def refuse_foreign(
+    out: Path, ours: Callable[[bytes], bool], what: str, force: bool | None, option: str = OUT
+) -> None:
     """Refuse to replace a file unless it is empty, ``ours`` by its bytes, or --force is given.
 
-    ``what`` says what would be replaced without --force.
+    ``what`` says what would be replaced without --force; ``force`` is None where there is no such
+    option.
     """
     from calib.bounded import LOG, read_bounded
 
@@ -73,9 +76,8 @@ def refuse_foreign(out: Path, ours: Callable[[bytes], bool], what: str, force: b
     except OSError:
         mine = False
     if not mine:
-        raise typer.BadParameter(
-            f"{out} exists and is not {what}; --force replaces it", param_hint=OUT
-        )
+        do = "give another name" if force is None else "--force replaces it"
+        raise typer.BadParameter(f"{out} exists and is not {what}; {do}", param_hint=option)
 
 
 def refuse_overwriting(
@@ -98,13 +100,20 @@ REPORT = "--report"
 def refuse_report(
     report: Path | None, logs: Sequence[Path], others: Iterable[Path | None] = ()
 ) -> None:
-    """Refuse a page of another ending, in a missing folder, or in the place of an input."""
+    """Refuse a page of another ending, in a place that cannot be written, or of a foreign file."""
     if report is None:
         return
     if report.suffix.lower() not in (".html", ".htm"):
         raise typer.BadParameter(f"{report} must end in .html", param_hint=REPORT)
     refuse_folder(report, REPORT)
     refuse_overwriting([report], logs, others, REPORT)
+    refuse_foreign(report, _is_page, "a page of this program", None, REPORT)
+
+
+def _is_page(data: bytes) -> bool:
+    from calib.reports.html import is_page
+
+    return is_page(data)
 
 
 def write_report(report: Path, page: str) -> None:

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cli.completion import names_of
 from cli.console import emit, emit_json
 from cli.options import Json, example
 
@@ -15,13 +14,20 @@ if TYPE_CHECKING:
 EPILOG = example("brake-cal schema", "brake-cal schema vehicle", "brake-cal schema fit-json")
 
 
+def _names() -> list[str]:
+    """Every NAME."""
+    from calib.manual.documents import documents
+
+    return [*SCHEMAS, *documents()]
+
+
 def schema(
     name: Annotated[
         str | None,
         typer.Argument(
             metavar="NAME",
             help="One kind of file; if not given, the list.",
-            autocompletion=names_of("cli.schema", "SCHEMAS"),
+            autocompletion=_names,
         ),
     ] = None,
     json: Json = False,
@@ -46,8 +52,7 @@ def schema(
     else:
         from calib.toml import did_you_mean
 
-        known = [*SCHEMAS, *documents()]
-        hint = did_you_mean(name, known) or "'brake-cal schema' lists the known ones"
+        hint = did_you_mean(name, _names()) or "'brake-cal schema' lists the known ones"
         raise typer.BadParameter(f"unknown file {name!r}; {hint}", param_hint="NAME")
 
 

@@ -227,6 +227,8 @@ def _report(stored: "Stored", results: "list[Validation]") -> None:
 
 
 def _grid(results: "list[Validation]") -> "Grid":
+    from calib.validation.words import word
+
     numbers = ("front pads", "rear pads", "valid", "torque error")
     table = grid("log", *numbers, "verdict", right=numbers)
     for r in results:
@@ -237,18 +239,9 @@ def _grid(results: "list[Validation]") -> "Grid":
             _pads(f["pad_friction_r"], f["interval_r"]),
             _percent(f["valid_share"]),
             _errors(f["torque_error_f"], f["torque_error_r"]),
-            _verdict(r),
+            word(r),
         )
     return table
-
-
-def _verdict(result: "Validation") -> str:
-    from calib.validation.validate import CALIBRATION
-
-    if result.role == CALIBRATION:
-        return "no hold-out"
-    count = len(result.all_warnings)
-    return result.verdict + (f", {count} warning{'s' * (count > 1)}" if count else "")
 
 
 def _pads(mu: float | None, width: float | None) -> str:

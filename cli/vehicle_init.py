@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit_json, say, warn
-from cli.options import Json, example
-from cli.outputs import writing
+from cli.options import Force, Json, example
+from cli.outputs import refuse_folder, refuse_foreign, writing
 
 if TYPE_CHECKING:
     from calib.vehicles.keys import Key
@@ -17,17 +17,18 @@ if TYPE_CHECKING:
 EPILOG = example("brake-cal vehicle init my_car.toml --from sedan")
 SEDAN = "sedan"
 """Name of the reference vehicle, the only one that can be written."""
+FILE = "FILE"
 
 
 def init(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Vehicle file to write.")] = Path(
+    file: Annotated[Path, typer.Argument(metavar=FILE, help="Vehicle file to write.")] = Path(
         "vehicle.toml"
     ),
     start: Annotated[
         str | None,
         typer.Option("--from", metavar="NAME", help="Ask nothing: write the reference car, sedan."),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Write a vehicle file with a comment on every key.
@@ -44,7 +45,7 @@ def init(
 
     _check_usage(file, start, force)
     text = vehicle_text(_asked() if start is None else REFERENCE)
-    with writing(file):
+    with writing(file, FILE):
         write_whole(file, text.encode())
     say(f"wrote {file}")
     warnings = plausible(read_vehicle(file))  # two answers may contradict each other
@@ -57,12 +58,12 @@ def init(
 
 
 def _check_usage(file: Path, start: str | None, force: bool) -> None:
-    if file.is_dir():
-        raise typer.BadParameter(f"{file} is a directory", param_hint="FILE")
-    if not file.absolute().parent.is_dir():
-        raise typer.BadParameter(f"no directory {file.parent}", param_hint="FILE")
-    if file.exists() and not force:
-        raise typer.BadParameter(f"{file} exists; --force replaces it", param_hint="FILE")
+    from calib.vehicles.keys import REFERENCE
+    from calib.vehicles.template import vehicle_text
+
+    refuse_folder(file, FILE)
+    unedited = vehicle_text(REFERENCE).encode()
+    refuse_foreign(file, lambda data: data == unedited, "the reference car's file", force, FILE)
     if start is not None and start != SEDAN:
         raise typer.BadParameter(f"unknown vehicle {start!r}; known: {SEDAN}", param_hint="--from")
     if start is None and not can_ask():

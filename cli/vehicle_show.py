@@ -7,8 +7,8 @@ import typer
 
 from cli.console import emit, emit_json, say, warn
 from cli.grid import facts_grid, grid
-from cli.options import Json, example
-from cli.outputs import refuse_folder, refuse_overwriting, writing
+from cli.options import Force, Json, example
+from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -20,14 +20,16 @@ EPILOG = example(
     "brake-cal vehicle show sample_logs/sedan/vehicle.toml",
     "brake-cal vehicle show sample_logs/sedan/vehicle.toml --plot brakes.png",
 )
+PLOT = "--plot"
 
 
 def show(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="vehicle file")],
     picture: Annotated[
         Path | None,
-        typer.Option("--plot", metavar="FILE", help="Draw it: .png, .svg or .pdf."),
+        typer.Option(PLOT, metavar="FILE", help="Draw it: .png, .svg or .pdf."),
     ] = None,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Show what follows from a vehicle file.
@@ -36,7 +38,7 @@ def show(
     nominal pads, in a straight line, one pressure on both axles, without drag. The schema of --json
     is printed by `brake-cal schema vehicle-facts`.
     """
-    _check_picture(picture, file)
+    _check_picture(picture, file, force)
     from calib.physics.vehicle_file import read_vehicle
     from calib.vehicles.facts_file import facts_document
     from calib.vehicles.follows import what_follows
@@ -56,22 +58,23 @@ def show(
         emit("")
 
 
-def _check_picture(picture: Path | None, file: Path) -> None:
+def _check_picture(picture: Path | None, file: Path, force: bool) -> None:
     if picture is None:
         return
-    from calib.plots.save import ENDINGS
+    from calib.plots.save import ENDINGS, is_picture
 
     if picture.suffix.lower() not in ENDINGS:
-        raise typer.BadParameter(f"must end in {', '.join(ENDINGS)}", param_hint="--plot")
-    refuse_folder(picture)
-    refuse_overwriting([picture], [], [file])
+        raise typer.BadParameter(f"must end in {', '.join(ENDINGS)}", param_hint=PLOT)
+    refuse_folder(picture, PLOT)
+    refuse_overwriting([picture], [], [file], PLOT)
+    refuse_foreign(picture, is_picture, "a picture", force, PLOT)
 
 
 def _draw(vehicle: "Vehicle", picture: Path) -> None:
     from calib.plots.save import save
     from calib.plots.vehicle import sheet
 
-    with writing(picture):
+    with writing(picture, PLOT):
         save({picture: [sheet(vehicle).overview()]})
     say(f"wrote {picture}")
 

@@ -11,7 +11,6 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from calib.files import write_whole
 from calib.logs.extra import need
 from calib.logs.text.header import column_from_cell
 from calib.logs.whole import TIME, WholeColumn, WholeLog
@@ -37,13 +36,23 @@ def _cell(column: WholeColumn) -> str:
     name = one_line(column.name)
     if column.unit:
         return f"{name} [{column.unit}]"
+    return f"{name} []" if _has_unit(name) else name
+
+
+def _has_unit(name: str) -> bool:
+    """Whether a name alone would be read as a name and a unit."""
     read = column_from_cell(name)
-    return name if (read.name, read.unit) == (name, None) else f"{name} []"
+    return (read.name, read.unit) != (name, None)
 
 
 def to_parquet(log: WholeLog) -> bytes:
     """The log as Parquet."""
-    return parquet_bytes((column.name, column.unit, column.values) for column in log.columns)
+    return parquet_bytes((column.name, _unit(column), column.values) for column in log.columns)
+
+
+def _unit(column: WholeColumn) -> str | None:
+    """The unit to write; an empty one keeps the name whole."""
+    return column.unit or ("" if _has_unit(column.name) else None)
 
 
 def to_mdf(log: WholeLog) -> bytes:
@@ -70,9 +79,6 @@ WRITERS: dict[str, Callable[[WholeLog], bytes]] = {
 ENDINGS = tuple(WRITERS)
 
 
-def write_log(log: WholeLog, path: Path) -> None:
-    """Write a log in the format of the ending of ``path``, one of `ENDINGS`.
-
-    Raises LogError as `to_mdf`, OSError if ``path`` cannot be written.
-    """
-    write_whole(path, WRITERS[path.suffix.lower()](log))
+def log_content(log: WholeLog, ending: str) -> bytes:
+    """The bytes of a file of an ``ending``, one of `ENDINGS`. Raises LogError as `to_mdf`."""
+    return WRITERS[ending](log)

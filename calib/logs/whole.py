@@ -16,6 +16,7 @@ from calib.logs.assign import MAP_IT, Assigned, assign
 from calib.logs.channel_map import ChannelMap
 from calib.logs.log import Array, Log
 from calib.logs.read import (
+    Opened,
     open_log,
     opened_recording,
     recorded_clock,
@@ -104,7 +105,13 @@ def read_whole(
     refuse_no_log(path)
     if ending_of(path) in RECORDINGS:
         return _recorded(path, channel_map, keep_names)
-    opened = open_log(path, channel_map)
+    return whole_of(open_log(path, channel_map), path, channel_map, keep_names)
+
+
+def whole_of(
+    opened: Opened, path: Path, channel_map: ChannelMap | None = None, keep_names: bool = False
+) -> WholeLog:
+    """Every column of a table that was opened; ``path`` names it. Else like `read_whole`."""
     taken = {} if keep_names else _assigned(opened.source.columns, channel_map, str(path))
     values, notes = _numbers(opened.source)
     if not keep_names:

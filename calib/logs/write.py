@@ -63,7 +63,7 @@ def parquet_bytes(columns: Iterable[tuple[str, str | None, Array]]) -> bytes:
 
     fields, arrays = [], []
     for name, unit, values in columns:
-        metadata = {UNIT_KEY: unit.encode()} if unit else None
+        metadata = None if unit is None else {UNIT_KEY: unit.encode()}
         fields.append(pa.field(name, pa.float64(), metadata=metadata))
         arrays.append(pa.array(values, from_pandas=True))
     table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))

@@ -10,7 +10,7 @@ from calib.plots.table import sheet
 from calib.reports.html import drawn, page
 from calib.reports.judged import warned
 from calib.reports.origin import Origin, origin_view
-from calib.store.answer import answer
+from calib.store.answer import answer, verdict
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
 from calib.table.pads_budget import pads_budget
@@ -23,7 +23,7 @@ def report_html(stored: Stored, ramps: Sequence[Log], mass: MassUsed, origin: Or
     Equal inputs give equal bytes but for the date of ``origin``.
     """
     table, found = stored.table, answer(stored)
-    cal, q = table.calibration, table.quality
+    cal = table.calibration
     budgets = pads_budget(table)
     panels = sheet(table, stored.id, tuple(measure(table, log) for log in ramps))
     of_ramps = [n for n in panels.names if n.startswith(("ramp", "pressure", "forces"))]
@@ -33,14 +33,15 @@ def report_html(stored: Stored, ramps: Sequence[Log], mass: MassUsed, origin: Or
         name=stored.id,
         kind="warning" if table.warnings else "passed",
         heading=_heading(len(table.warnings)),
-        headline=_headline(found.decelerations, stored.state.why),
+        headline=f"{stored.id} is {verdict(stored)}.",
         key_figures=[
             ("front pads", _with_interval(cal.pad_friction_f)),
             ("rear pads", _with_interval(cal.pad_friction_r)),
             ("over the vehicle file", f"{100.0 * cal.pad_scale.value:.1f} %"),
-            ("reaches", f"{q['deceleration_max']:.2f} g"),
+            ("usable up to", f"{found.decelerations[1]:.2f} g"),
         ],
         limits=[
+            ("State", stored.state.words),
             ("Range", found.limit),
             ("Front pads", budgets[0].words),
             ("Rear pads", budgets[1].words),
@@ -68,12 +69,6 @@ def _heading(warnings: int) -> str:
     if not warnings:
         return "Fitted"
     return f"Fitted, with {warnings} warning{'s' * (warnings > 1)}"
-
-
-def _headline(reach: tuple[float, float], state: str) -> str:
-    return f"The table holds from {reach[0]:.2f} to {reach[1]:.2f} g. It is {state}" + (
-        "." if state.startswith("released") else ", so not yet for an ECU."
-    )
 
 
 def _with_interval(value: Value) -> str:

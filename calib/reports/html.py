@@ -15,6 +15,12 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 
+GENERATOR = "brake-cal"
+"""What every page says of the program that wrote it."""
+
+HEAD = 1000
+"""Bytes at the begin of a page that hold its generator."""
+
 PANEL = (4.6, 3.1)
 """Size of a panel of a page [in]: legible on a telephone."""
 
@@ -36,7 +42,7 @@ def environment() -> "Environment":
     """The templates of all pages. A name to which a page gives no value is an UndefinedError."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    return Environment(
+    made = Environment(
         loader=PackageLoader("calib.reports"),
         autoescape=True,
         undefined=StrictUndefined,
@@ -44,11 +50,18 @@ def environment() -> "Environment":
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
+    made.globals["generator"] = GENERATOR
+    return made
 
 
 def page(template: str, /, **view: object) -> str:
     """The document that ``template`` makes of ``view``."""
     return environment().get_template(f"{template}.html.j2").render(view)
+
+
+def is_page(data: bytes) -> bool:
+    """Whether the bytes of a file are those of a page as it is written here."""
+    return f'<meta name="generator" content="{GENERATOR}">'.encode() in data[:HEAD]
 
 
 def picture(content: bytes, kind: str, key: str = "") -> Picture:

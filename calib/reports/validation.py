@@ -13,6 +13,7 @@ from calib.reports.origin import Origin, origin_view
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
 from calib.table.table import Table
+from calib.validation import words
 from calib.validation.limits import NOT_KNOWN
 from calib.validation.validate import (
     CALIBRATION,
@@ -36,14 +37,14 @@ def report_html(
     table, found = stored.table, list(results)
     warnings = all_warnings(table.warnings, found)
     truth = any(result.figures["torque_error_f"] is not None for result in found)
-    failed = sum(not result.passed for result in found)
+    failed = not all(result.passed for result in found)
     return page(
         "validation",
         title=f"Validation of {stored.id}",
         name=stored.id,
         kind="failed" if failed else "warning" if warnings else "passed",
         heading="Failed" if failed else "Passed with warnings" if warnings else "Passed",
-        headline=_headline(found, failed),
+        headline=_sentence(words.outcome(stored, found)),
         identity=[
             ("Table", f"{stored.id}, {stored.state.why}"),
             ("SHA-256", stored.digest),
@@ -68,12 +69,9 @@ def report_html(
     )
 
 
-def _headline(found: list[Validation], failed: int) -> str:
-    number = len(found)
-    stops = f"{number} stop{'s' * (number > 1)}"
-    if not failed:
-        return f"{stops} within the limits." if number > 1 else "The stop is within its limits."
-    return f"{failed} of {stops} {'are' if failed > 1 else 'is'} not within the limits."
+def _sentence(text: str) -> str:
+    """Words of the program as a sentence of the page."""
+    return f"{text[0].upper()}{text[1:]}.".replace("`", "")
 
 
 def _limits(found: list[Validation]) -> list[tuple[str, str]]:
@@ -82,11 +80,7 @@ def _limits(found: list[Validation]) -> list[tuple[str, str]]:
     for result in found:
         if result.role == CALIBRATION:
             rows.append((result.log, NO_HOLDOUT))
-        for j in result.judgements:
-            shown = plain(j.figure)
-            if j.passed is False:
-                limit = shown.bounds(j.low, j.high)
-                rows.append((result.log, f"{shown.name}: {shown.with_unit(j.value)}, {limit}"))
+        rows += [(result.log, text) for text in words.broken(result)]
         for why, share in result.refused.items():
             rows.append((result.log, f"{100 * share:.0f} % of the braked samples: {why}"))
         for axle, of in zip(("front", "rear"), result.budget or (), strict=False):
@@ -100,13 +94,6 @@ def _limits(found: list[Validation]) -> list[tuple[str, str]]:
 
 def _kind(result: Validation) -> str:
     return "passed" if result.passed else "failed"
-
-
-def _word(result: Validation) -> str:
-    if result.role == CALIBRATION:
-        return "no hold-out"
-    count = len(result.all_warnings)
-    return result.verdict + (f", {count} warning{'s' * (count > 1)}" if count else "")
 
 
 HEADS = ("front pads", "since the ramp", "rear pads", "since the ramp", "valid samples")
@@ -123,7 +110,7 @@ def _figures(result: Validation, table: Table, truth: bool) -> tuple[str, ...]:
         cells.append("" if mu is None else f"{100.0 * (mu / ramp.value - 1.0):+.0f}{NBSP}%")
     names = ("valid_share", *(("torque_error_f", "torque_error_r") if truth else ()))
     cells += [plain(name).with_unit(f[name]) for name in names]
-    return result.log, *cells, _word(result)
+    return result.log, *cells, words.word(result)
 
 
 def _pads(mu: float | None, width: float | None) -> str:
@@ -141,7 +128,8 @@ def _stop(number: int, result: Validation, trace: StopTrace) -> dict[str, object
     return {
         "name": result.log,
         "kind": _kind(result),
-        "word": _word(result),
+        "word": words.word(result),
+        "said": [] if result.role == CALIBRATION else map(_sentence, words.sentences(result)),
         "judged": [one for one in rows if one.verdict != NOT_KNOWN],
         "unknown": [one.name for one in rows if one.verdict == NOT_KNOWN],
         "others": [

@@ -24,29 +24,49 @@ def lines(result: Validation) -> list[str]:
     """Two or three sentences on one log, each a line."""
     if result.role == CALIBRATION:
         return [f"{result.log}: no verdict: {NO_HOLDOUT}"]
-    told = [f"{result.log}: {result.verdict}: {_pads(result)}"]
-    told += [text for text in (_known(result), _why(result)) if text]
-    return told
+    first, *others = sentences(result)
+    return [f"{result.log}: {text}" for text in (f"{result.verdict}: {first}", *others)]
+
+
+def sentences(result: Validation) -> list[str]:
+    """What the pads did, how well that is known, and which limits are not held, if any."""
+    return [text for text in (_pads(result), _known(result), "; ".join(broken(result))) if text]
+
+
+def word(result: Validation) -> str:
+    """The verdict on one log in a word or two."""
+    if result.role == CALIBRATION:
+        return "no hold-out"
+    return result.verdict + _with_warnings(len(result.all_warnings))
 
 
 def conclusion(stored: Stored, results: Sequence[Validation]) -> str:
     """The verdict on the table by all logs, and what comes next."""
+    verdict = "passed" if all(result.passed for result in results) else "failed"
+    return f"{verdict}: {outcome(stored, results)}"
+
+
+def outcome(stored: Stored, results: Sequence[Validation]) -> str:
+    """How many logs are within the limits, and what comes next."""
     passed = sum(result.passed for result in results)
+    head = f"{_of(passed, len(results))} within the limits"
     if passed == len(results):
-        head = f"passed: {_of(passed, len(results))} within the limits"
-        count = sum(len(result.all_warnings) for result in results)
-        head += f", with {count} warning{'s' * (count > 1)}" if count else ""
+        head += _with_warnings(sum(len(result.all_warnings) for result in results), ", with ")
         if stored.state.word == DRAFT:
             return (
                 f"{head}; next: `brake-cal tables release {stored.id} --reason ... "
                 "--evidence DIR/summary.json`, with the DIR of --out"
             )
         return f"{head}; {stored.id} is {stored.state.word}"
-    head = f"failed: {_of(passed, len(results))} within the limits"
     if any(result.role == CALIBRATION for result in results):
         return f"{head}; next: validate again without the logs of the fit"
     failed = ", ".join(result.log for result in results if not result.passed)
     return f"{head}, not {failed}; next: look at it with `brake-cal check` and `brake-cal plot`"
+
+
+def _with_warnings(count: int, joined: str = ", ") -> str:
+    """`, 2 warnings`; nothing where there are none."""
+    return f"{joined}{count} warning{'s' * (count > 1)}" if count else ""
 
 
 def _of(passed: int, all_: int) -> str:
@@ -101,13 +121,12 @@ def _known(result: Validation) -> str:
         off = f"{_percent(f['torque_error_f'])} front and {_percent(f['torque_error_r'])} rear"
         parts.append(f"the torque is off the truth by {off}")
     parts.append(f"{100.0 * (f['valid_share'] or 0.0):.0f} % of the braking is valid")
-    return f"{result.log}: {'; '.join(parts)}"
+    return "; ".join(parts)
 
 
-def _why(result: Validation) -> str:
-    """Which limits are not held, in words; empty if all are."""
-    broken = [_broken(one) for one in result.judgements if one.passed is False]
-    return f"{result.log}: {'; '.join(broken)}" if broken else ""
+def broken(result: Validation) -> list[str]:
+    """Each limit that is not held, in words."""
+    return [_broken(one) for one in result.judgements if one.passed is False]
 
 
 def _broken(one: Judgement) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from calib.manual.documents import documents
 from calib.physics.effects.catalogue import CATALOGUE
 from cli.schema import SCHEMAS
 from tests.test_layers import HEAVY
@@ -60,7 +61,8 @@ def test_the_store_of_the_settings(bash, two, tmp_path, monkeypatch):
 
 def test_names_that_the_program_knows(bash):
     assert bash("effects", "") == list(CATALOGUE)
-    assert bash("schema", "") == list(SCHEMAS)
+    assert bash("schema", "") == [*SCHEMAS, *documents()]
+    assert bash("manual", "ra") == ["ramp"]
     assert bash("batch", "ch") == ["check"]
     assert bash("tables", "export", "x", "--format", "c") == ["csv", "cdfx", "c-header"]
     assert "--require-signed" in bash("validate", "--req")

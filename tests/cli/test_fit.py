@@ -212,6 +212,13 @@ def test_a_report_holds_the_inputs_and_is_refused_in_their_place(brake_cal, tmp_
     page = tmp_path / "fit.html"
     assert brake_cal("fit", SEDAN / "ramp_wet_asphalt.csv", *told, "--report", page).code == 0
     text = page.read_text()
+    verdict = "sedan-2up@1 is usable for trials and for a validation, not for an ECU, up to 0.39 g"
+    assert verdict in text
     for file in ("ramp_wet_asphalt.csv", "vehicle.toml"):
         assert hashlib.sha256((SEDAN / file).read_bytes()).hexdigest() in text
+    foreign = tmp_path / "mine.html"
+    foreign.write_text("<!DOCTYPE html>")
+    ran = brake_cal("fit", SEDAN / "ramp_wet_asphalt.csv", *told, "--report", foreign)
+    assert (ran.code, foreign.read_text()) == (2, "<!DOCTYPE html>")
+    assert "is not a page of this program; give another name" in ran.err
     assert text.index("Fitted") < text.index("What limits it") < text.index("Key figures")

@@ -106,6 +106,7 @@ def test_json(make, files, document):
     ran = make("--no-password", "--json")
     key = read_public_key(files[1])
     assert document(ran) == {
+        "schema": 1,
         "key_id": key.key_id,
         "public_key": key.text,
         "secret": str(files[0]),

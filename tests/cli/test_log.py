@@ -37,6 +37,11 @@ def test_view_draws_a_picture_and_a_page_that_fetches_nothing(brake_cal, tmp_pat
     assert "data:image/png;base64," in text
     assert "omega_fl" not in text
     assert "http" not in text
+    assert brake_cal("log", "view", COAST, "--out", page).code == 0
+    page.write_text("<!DOCTYPE html><p>mine</p>")
+    ran = brake_cal("log", "view", COAST, "--out", page)
+    assert (ran.code, page.stat().st_size) == (2, 26)
+    assert "exists and is not a page of this program; --force replaces it" in ran.err
     assert brake_cal("log", "view", RAMP, COAST, "--out", picture).code == 2
     assert "did you mean 'p_mc'?" in brake_cal("log", "view", RAMP, "--channel", "p_mcc").err
 
@@ -96,10 +101,14 @@ def test_a_file_that_exists_is_replaced_with_force_only(brake_cal, tmp_path):
     for arguments in (("--out", out), ("--out", tmp_path, "--to", "csv")):
         ran = brake_cal("log", "convert", COAST, *arguments)
         assert (ran.code, out.read_text()) == (2, "mine")
-        assert "exists; --force replaces it" in ran.err
+        assert "exists and is not this log; --force replaces it" in ran.err
     assert brake_cal("log", "cut", COAST, "--to", 3, "--out", out).code == 2
     assert brake_cal("log", "convert", COAST, "--out", tmp_path, "--to", "csv", "--force").code == 0
     assert read_log(out).time.size == 2000
+    made = out.read_bytes()
+    assert brake_cal("log", "convert", COAST, "--out", out).code == 0  # the same log once more
+    assert brake_cal("log", "convert", RAMP, "--out", out).code == 2
+    assert out.read_bytes() == made
 
 
 def test_what_convert_cannot_write_is_a_usage_error(brake_cal, tmp_path):

@@ -48,6 +48,16 @@ def test_a_result_is_named_after_it(piped, fitted, tmp_path):
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["stdin.parquet", "summary.json"]
 
 
+def test_it_can_be_looked_at_cut_and_converted(piped, tmp_path):
+    (found,) = json.loads(piped("log", "view", "-", "--json").out)["logs"]
+    assert (found["log"], found["source"]) == ("stdin", "stdin.csv")
+    ran = piped("log", "cut", "-", "--to", 2, "--out", tmp_path / "a.csv", "-v")
+    assert (ran.code, "read stdin.csv: 2027 rows, time, p_mc" in ran.err) == (0, True)
+    assert piped("log", "convert", "-", "--out", tmp_path, "--to", "parquet").code == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.csv", "stdin.parquet"]
+    assert piped("log", "convert", "-", "-", "--out", tmp_path, "--to", "csv").code == 2
+
+
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [

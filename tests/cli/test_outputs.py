@@ -58,6 +58,13 @@ def test_folders_above_are_made_and_gone_again_if_nothing_was_written(tmp_path):
     assert out.is_file()
 
 
+def test_where_nothing_can_be_forced_another_name_is_asked_for(tmp_path):
+    (tmp_path / "x").write_text("other")
+    with pytest.raises(typer.BadParameter, match="not a page; give another name") as error:
+        refuse_foreign(tmp_path / "x", lambda data: False, "a page", None, "--report")
+    assert error.value.param_hint == "--report"
+
+
 @pytest.mark.parametrize(
     ("content", "force", "refused"),
     [

@@ -315,5 +315,10 @@ def test_a_report_has_a_section_for_each_stop(brake_cal, bench):
     assert ran.code == 0, ran.err
     text = page.read_text()
     assert "<h1>Validation of" in text
+    printed = [line.partition(": passed: ")[2] for line in ran.out.splitlines()]
+    said = [line.removesuffix(";").replace("`", "") for line in printed if line]
+    assert len(said) == 2
+    for line in (*said, ran.out.splitlines()[-1].removeprefix("passed: ").replace("`", "")):
+        assert f"{line[0].upper()}{line[1:]}." in text
     assert [text.count(f"{path.stem}: <span") for path in stops] == [1, 1]
     assert text.index("What limits it") < text.index("wet: <span") < text.index("Where it comes")

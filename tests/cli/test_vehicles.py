@@ -28,13 +28,14 @@ def car(tmp_path):
 
 
 def test_the_reference_car_is_written_and_never_replaced_silently(brake_cal, tmp_path):
-    file = tmp_path / "new.toml"
+    file = tmp_path / "cars" / "new.toml"
     assert brake_cal("vehicle", "init", file, "--from", "sedan").code == 0
+    assert brake_cal("vehicle", "init", file, "--from", "sedan").code == 0  # nothing is lost
     assert read_vehicle(file) == read_vehicle(SEDAN)
     file.write_text("mine")
     ran = brake_cal("vehicle", "init", file, "--from", "sedan")
     assert (ran.code, file.read_text()) == (2, "mine")
-    assert "exists; --force replaces it" in ran.err
+    assert "is not the reference car's file; --force replaces it" in ran.err
     assert brake_cal("vehicle", "init", file, "--from", "sedan", "--force", "--json").code == 0
     assert read_vehicle(file) == read_vehicle(SEDAN)
 
@@ -129,3 +130,6 @@ def test_show_prints_a_document_of_its_schema_and_draws(brake_cal, document, tmp
     assert brake_cal("vehicle", "show", SEDAN, "--plot", picture).code == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert brake_cal("vehicle", "show", SEDAN, "--plot", "x.jpg").code == 2
+    picture.write_text("mine")
+    assert "--force replaces it" in brake_cal("vehicle", "show", SEDAN, "--plot", picture).err
+    assert picture.read_text() == "mine"

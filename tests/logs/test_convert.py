@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from calib.errors import LogError
 from calib.logs.channel_map_file import read_channel_map
-from calib.logs.convert import ENDINGS, write_log
+from calib.logs.convert import ENDINGS, log_content
 from calib.logs.read import read_log
 from calib.logs.whole import WholeColumn, WholeLog, read_whole
 from tests.support.recordings import ramp, write_map, write_mdf
@@ -28,12 +28,17 @@ def logs(draw):
     rows = draw(st.integers(3, 8))
     names = draw(st.lists(NAMES, min_size=1, max_size=4, unique=True))
     steps = draw(st.lists(st.floats(1e-3, 1.0), min_size=rows, max_size=rows))
-    made = [WholeColumn("time", "s", np.cumsum(steps))]
+    time = np.cumsum(steps)
+    made = [WholeColumn("time", "s", time), WholeColumn("v", "m/s", time)]
     for name in names:
         values = draw(st.lists(NUMBERS, min_size=rows, max_size=rows))
         unit = draw(st.sampled_from(UNITS))
         made.append(WholeColumn(f"x{name}", unit, np.array(values)))
     return WholeLog("run", "here", "", tuple(made))
+
+
+def write_log(log, path):
+    path.write_bytes(log_content(log, path.suffix))
 
 
 def bits(values):

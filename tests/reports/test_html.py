@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jinja2 import UndefinedError
 
-from calib.reports.html import Picture, environment, page, picture
+from calib.reports.html import Picture, environment, is_page, page, picture
 
 
 class Reader(HTMLParser):
@@ -88,3 +88,9 @@ def test_a_page_names_its_language_and_fetches_nothing():
 def test_a_value_that_is_not_given_is_an_error_and_no_hole_in_the_page():
     with pytest.raises(UndefinedError, match="title"):
         page("station")
+
+
+def test_a_page_is_known_as_one_and_no_other():
+    made = environment().from_string('{% extends "base.html.j2" %}').render(title="x" * 5000)
+    assert is_page(made.encode())
+    assert not is_page(b"<!DOCTYPE html><html><title>brake-cal</title>")
