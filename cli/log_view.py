@@ -10,7 +10,14 @@ from cli.grid import grid
 from cli.inputs import channel_map_of
 from cli.logs import named, read_whole
 from cli.options import Force, Json, Map, example, out_file
-from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
+from cli.outputs import (
+    PAGES,
+    refuse_ending,
+    refuse_no_page,
+    refuse_no_picture,
+    refuse_overwriting,
+    writing,
+)
 
 if TYPE_CHECKING:
     from calib.checks.events import RunEvent
@@ -21,7 +28,6 @@ EPILOG = example(
     "brake-cal log view sample_logs/sedan/ramp_wet_asphalt.csv",
     "brake-cal log view sample_logs/sedan/ramp_wet_asphalt.csv --out ramp.html",
 )
-ENDINGS = (".png", ".svg", ".pdf", ".html")
 
 
 def view(
@@ -68,18 +74,17 @@ def view(
 def _check_out(out: Path | None, logs: list[Path], channel_map: Path | None, force: bool) -> None:
     if out is None:
         return
-    from calib.plots.save import is_picture
-    from calib.reports.html import is_page
+    from calib.plots.save import ENDINGS
 
-    if out.suffix.lower() not in ENDINGS:
-        raise typer.BadParameter(f"must end in {', '.join(ENDINGS)}", param_hint="--out")
+    refuse_ending(out, (*ENDINGS, *PAGES))
     if len(logs) > 1:
         raise typer.BadParameter("one log can be drawn at a time", param_hint="--out")
-    refuse_folder(out)
     refuse_overwriting([out], logs, [channel_map])
-    page = out.suffix.lower() == ".html"
-    ours = (is_page, "a page of this program") if page else (is_picture, "a picture")
-    refuse_foreign(out, *ours, force)
+    (refuse_no_page if _is_page(out) else refuse_no_picture)(out, force)
+
+
+def _is_page(out: Path) -> bool:
+    return out.suffix.lower() in PAGES
 
 
 def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
@@ -106,7 +111,7 @@ def _draw(
         raise typer.BadParameter(
             f"{count} panels; 1 to {MOST} can be drawn: choose columns", param_hint="--channel"
         )
-    page = out.suffix.lower() == ".html"
+    page = _is_page(out)
     drawn = render(figure(log, events), ".png" if page else out.suffix.lower())
     content = log_html(log, columns, events, drawn).encode() if page else drawn
     with writing(out):

@@ -15,6 +15,8 @@ import typer
 from cli.console import say
 
 OUT = "--out"
+PAGES = (".html", ".htm")
+"""Endings of a page."""
 
 
 def ready_folder(out: Path | None) -> None:
@@ -39,6 +41,34 @@ def refuse_folder(out: Path, option: str = OUT) -> None:
     if out.is_dir():
         raise typer.BadParameter(f"cannot write {out}: it is a directory", param_hint=option)
     _refuse_parent(out, option)
+
+
+def refuse_ending(out: Path, endings: Sequence[str], option: str = OUT) -> None:
+    """Refuse a file whose ending is none of ``endings``, which begin with a point."""
+    if out.suffix.lower() not in endings:
+        raise typer.BadParameter(f"{out} must end in {', '.join(endings)}", param_hint=option)
+
+
+def refuse_no_picture(out: Path, force: bool, option: str = OUT) -> None:
+    """Refuse what is no place for a picture: another ending, a folder, a foreign file."""
+    from calib.plots.save import ENDINGS, is_picture
+
+    refuse_ending(out, ENDINGS, option)
+    refuse_folder(out, option)
+    refuse_foreign(out, is_picture, "a picture", force, option)
+
+
+def refuse_no_page(out: Path, force: bool | None, option: str = OUT) -> None:
+    """Refuse what is no place for a page of HTML, in the same way."""
+    refuse_ending(out, PAGES, option)
+    refuse_folder(out, option)
+    refuse_foreign(out, _is_page, "a page of this program", force, option)
+
+
+def _is_page(data: bytes) -> bool:
+    from calib.reports.html import is_page
+
+    return is_page(data)
 
 
 def _refuse_parent(out: Path, option: str = OUT) -> None:
@@ -103,17 +133,8 @@ def refuse_report(
     """Refuse a page of another ending, in a place that cannot be written, or of a foreign file."""
     if report is None:
         return
-    if report.suffix.lower() not in (".html", ".htm"):
-        raise typer.BadParameter(f"{report} must end in .html", param_hint=REPORT)
-    refuse_folder(report, REPORT)
     refuse_overwriting([report], logs, others, REPORT)
-    refuse_foreign(report, _is_page, "a page of this program", None, REPORT)
-
-
-def _is_page(data: bytes) -> bool:
-    from calib.reports.html import is_page
-
-    return is_page(data)
+    refuse_no_page(report, None, REPORT)
 
 
 def write_report(report: Path, page: str) -> None:

@@ -19,7 +19,7 @@ from cli.options import (
     out_file,
     vehicle_file,
 )
-from cli.outputs import refuse_folder, refuse_foreign, writing
+from cli.outputs import refuse_no_picture, writing
 from cli.project import from_settings
 
 if TYPE_CHECKING:
@@ -77,7 +77,8 @@ def plot(
     One page for each; a PDF holds all pages, of PNG and SVG there is one file per page. Without
     --out they are PNG files in this directory, named after their content.
     """
-    _check_out(out, force)
+    if out is not None:
+        refuse_no_picture(out, force)
     from dataclasses import replace
 
     from calib.plots.save import save
@@ -101,17 +102,6 @@ def plot(
         emit(str(path))
     for sheet, _ in drawn:
         say(f"{sheet.title}: {', '.join(sheet.names)} (one alone with --figure NAME)")
-
-
-def _check_out(out: Path | None, force: bool) -> None:
-    if out is None:
-        return
-    from calib.plots.save import ENDINGS, is_picture
-
-    if out.suffix.lower() not in ENDINGS:
-        raise typer.BadParameter(f"must end in {', '.join(ENDINGS)}", param_hint="--out")
-    refuse_folder(out)
-    refuse_foreign(out, is_picture, "a picture", force)
 
 
 def _read(

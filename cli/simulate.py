@@ -12,7 +12,13 @@ from cli.console import emit, emit_json, say
 from cli.inputs import quantity_of, with_own_effects
 from cli.logs import named, read
 from cli.options import Force, Json, OwnEffects, VehicleFile, example, map_file, out_file
-from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
+from cli.outputs import (
+    refuse_ending,
+    refuse_folder,
+    refuse_foreign,
+    refuse_overwriting,
+    writing,
+)
 from cli.project import from_settings
 
 if TYPE_CHECKING:
@@ -127,8 +133,7 @@ def _check_usage(
         raise typer.BadParameter("only with --manoeuvre; a log has its own", param_hint=given)
     if manoeuvre is not None and manoeuvre not in NAMES:
         raise typer.BadParameter(f"one of {', '.join(NAMES)}", param_hint="--manoeuvre")
-    if out.suffix.lower() not in (".csv", ".parquet"):
-        raise typer.BadParameter("must end in .csv or .parquet", param_hint="--out")
+    refuse_ending(out, (".csv", ".parquet"))
     refuse_folder(out)
     refuse_overwriting([out], [log] if log else [])
 

@@ -8,7 +8,7 @@ import typer
 from cli.console import emit, emit_json, say, warn
 from cli.grid import facts_grid, grid
 from cli.options import Force, Json, example
-from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
+from cli.outputs import refuse_no_picture, refuse_overwriting, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
@@ -38,7 +38,9 @@ def show(
     nominal pads, in a straight line, one pressure on both axles, without drag. The schema of --json
     is printed by `brake-cal schema vehicle-facts`.
     """
-    _check_picture(picture, file, force)
+    if picture is not None:
+        refuse_no_picture(picture, force, PLOT)
+        refuse_overwriting([picture], [], [file], PLOT)
     from calib.physics.vehicle_file import read_vehicle
     from calib.vehicles.facts_file import facts_document
     from calib.vehicles.follows import what_follows
@@ -56,18 +58,6 @@ def show(
     for part in (_figures(facts), _axles(facts), _distribution(facts), _locks(facts)):
         emit(part)
         emit("")
-
-
-def _check_picture(picture: Path | None, file: Path, force: bool) -> None:
-    if picture is None:
-        return
-    from calib.plots.save import ENDINGS, is_picture
-
-    if picture.suffix.lower() not in ENDINGS:
-        raise typer.BadParameter(f"must end in {', '.join(ENDINGS)}", param_hint=PLOT)
-    refuse_folder(picture, PLOT)
-    refuse_overwriting([picture], [], [file], PLOT)
-    refuse_foreign(picture, is_picture, "a picture", force, PLOT)
 
 
 def _draw(vehicle: "Vehicle", picture: Path) -> None:

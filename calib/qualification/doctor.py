@@ -96,6 +96,10 @@ def free_memory() -> float | None:
         return None
 
 
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'s' * (number != 1)}"
+
+
 def _store(store: Path) -> Iterator[Finding]:
     if not store.exists():
         yield Finding("store", NOTE, f"{store} is not there", "the first `brake-cal fit` makes it")
@@ -105,7 +109,7 @@ def _store(store: Path) -> Iterator[Finding]:
         yield Finding("store", WRONG, f"{store} {what}", "name another one: --store DIR")
         return
     versions = [len(versions_in(store / name)) for name in names_in(store)]
-    what = f"{store}: {sum(versions)} versions of {len(versions)} tables"
+    what = f"{store}: {_count(sum(versions), 'version')} of {_count(len(versions), 'table')}"
     writable = os.access(store, os.W_OK)
     what += "" if writable else ", read only"
     what += ", being written by another process" if _is_locked(store) else ""

@@ -2,7 +2,8 @@
 
 import platform
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 
@@ -29,7 +30,7 @@ def packages() -> dict[str, str]:
     a folder without being installed.
     """
     found: dict[str, str] = {}
-    waiting = list(_declared(PROGRAM, FOR_USERS))
+    waiting = _names(PROGRAM, FOR_USERS)
     while waiting:
         name = waiting.pop()
         if name in found:
@@ -38,12 +39,25 @@ def packages() -> dict[str, str]:
             found[name] = version(name)
         except PackageNotFoundError:  # an extra that is not installed, or for another system
             continue
-        waiting += _declared(name, ())
+        waiting += _names(name, ())
     return dict(sorted(found.items()))
 
 
-def _declared(name: str, extras: tuple[str, ...]) -> Iterator[str]:
-    """Normalised names of what a package declares, with that of its ``extras``."""
+def _names(name: str, extras: Collection[str]) -> list[str]:
+    return [re.sub(r"[-_.]+", "-", one.package).lower() for one in declared(name, extras)]
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A package that another one needs: its ``lowest`` version and the ``extra``, "" for none."""
+
+    package: str
+    lowest: str
+    extra: str
+
+
+def declared(name: str, extras: Collection[str]) -> Iterator[Declared]:
+    """What a package declares, with that of its ``extras``; nothing if it is not installed."""
     try:
         lines = requires(name) or []
     except PackageNotFoundError:
@@ -52,7 +66,8 @@ def _declared(name: str, extras: tuple[str, ...]) -> Iterator[str]:
         extra = re.search(r"extra\s*==\s*['\"]([^'\"]+)", line)
         word = re.match(r"[\w.-]+", line)
         if word and (extra is None or extra[1] in extras):
-            yield re.sub(r"[-_.]+", "-", word[0]).lower()
+            lowest = re.search(r">=\s*([\w.]+)", line.partition(";")[0])
+            yield Declared(word[0], lowest[1] if lowest else "", extra[1] if extra else "")
 
 
 def _processor() -> str:

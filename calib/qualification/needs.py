@@ -2,11 +2,10 @@
 
 import platform
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, metadata, requires, version
+from importlib.metadata import PackageNotFoundError, metadata, version
 
-from calib.qualification.environment import PROGRAM
+from calib.qualification.environment import PROGRAM, declared
 
 EXTRAS = {
     "mdf": "logs as MDF (.mf4, .mdf, .dat)",
@@ -44,7 +43,8 @@ def needs() -> tuple[Need, ...]:
 
     Empty but for Python where the program runs from a folder without being installed.
     """
-    return (_python(), *_declared())
+    packages = declared(PROGRAM, EXTRAS)
+    return (_python(), *(Need(p.package, p.lowest, found(p.package), p.extra) for p in packages))
 
 
 def _python() -> Need:
@@ -53,21 +53,6 @@ def _python() -> Need:
     except PackageNotFoundError:
         lowest = ""
     return Need("python", lowest.removeprefix(">="), platform.python_version())
-
-
-def _declared() -> Iterator[Need]:
-    try:
-        lines = requires(PROGRAM) or []
-    except PackageNotFoundError:
-        return
-    for line in lines:
-        extra = re.search(r"extra\s*==\s*['\"]([^'\"]+)", line)
-        word = re.match(r"[\w.-]+", line)
-        if word and (extra is None or extra[1] in EXTRAS):
-            lowest = re.search(r">=\s*([\w.]+)", line.partition(";")[0])
-            yield Need(
-                word[0], lowest[1] if lowest else "", found(word[0]), extra[1] if extra else ""
-            )
 
 
 def found(package: str) -> str:

@@ -49,7 +49,7 @@ def test_the_store(tmp_path):
     store = tmp_path / "tables"
     assert (of(store, "store").state, "not there" in of(store, "store").what) == (NOTE, True)
     Store(store).save(made_table())
-    assert of(store, "store").what == f"{store}: 1 versions of 1 tables"
+    assert of(store, "store").what == f"{store}: 1 version of 1 table"
     assert of(store, "store").state == FINE
     handle = os.open(store, os.O_RDONLY)
     fcntl.flock(handle, fcntl.LOCK_EX)
