@@ -73,18 +73,23 @@ def index(
         Path,
         typer.Argument(metavar="DIR", help="Folder of station runs.", exists=True, file_okay=False),
     ],
+    json: Json = False,
 ) -> None:
-    """Write DIR/index.html: the last cars of the station with verdicts, next steps and trends.
+    """Write a page of the last cars of a station.
 
-    DIR/live.html is the same page and loads itself again every 10 s. Each run is a folder below
+    DIR/index.html has their verdicts, next steps and trends. DIR/live.html is the same page and
+    loads itself again every 10 s. Each run is a folder below
     DIR, as `station --out` writes it. `watch --index DIR` keeps both up to date.
     """
-    from calib.station.index import INDEX
+    from calib.station.index import INDEX, LIVE
     from calib.station.index_page import write_index
 
     with writing(folder, "DIR"):
         number = write_index(folder)
-    emit(f"{number} runs; {folder / INDEX}")
+    if json:
+        emit_json({"schema": 1, "runs": number, "files": [folder / INDEX, folder / LIVE]})
+    else:
+        emit(f"{number} run{'s' * (number != 1)}; {folder / INDEX}")
 
 
 def _write(found: "Summary", results: Path, out: Path) -> None:

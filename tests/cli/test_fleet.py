@@ -77,3 +77,13 @@ def test_what_orders_the_line_does_not_drift(brake_cal, tmp_path):
     told = json.loads(brake_cal("fleet", "report", path, "--order", "built", "--json").out)
     assert told["figures"]["built"]["change"] is None
     assert told["figures"]["pad_friction_f"]["change"] is not None
+
+
+def test_an_index_of_no_run_is_a_page_and_a_document(brake_cal, document, tmp_path):
+    ran = brake_cal("fleet", "index", tmp_path)
+    assert (ran.code, ran.out) == (0, f"0 runs; {tmp_path / 'index.html'}\n")
+    found = document(brake_cal("fleet", "index", tmp_path, "--json"))
+    files = [tmp_path / name for name in ("index.html", "live.html")]
+    assert found == {"schema": 1, "runs": 0, "files": list(map(str, files))}
+    assert all(path.is_file() for path in files)
+    assert brake_cal("fleet", "index", tmp_path / "none").code == 2
