@@ -20,9 +20,13 @@ def shown(value: float | None, digits: int = 4) -> str:
 
 def value_of(check: Check, digits: int = 4) -> str:
     """The value of a check with ``digits`` digits, and `or more` where it is at its `CUT`."""
+    return shown(check.judgement.value, digits) + " or more" * _beyond(check)
+
+
+def _beyond(check: Check) -> bool:
+    """Whether the value stands for all larger ones."""
     value = check.judgement.value
-    beyond = value is not None and value == CUT.get(check.figure)
-    return shown(value, digits) + " or more" * beyond
+    return value is not None and value == CUT.get(check.figure)
 
 
 def bounds(low: float | None, high: float | None) -> str:
@@ -52,7 +56,7 @@ def in_full(check: Check) -> str:
     of = "" if check.of_car else f"stop {check.scope}, "
     kind = "no warning" if check.verdict == WARNING else "limit"
     shown = plain(check.figure)
-    value = shown.with_unit(check.judgement.value)
+    value = shown.with_unit(check.judgement.value) + " or more" * _beyond(check)
     return f"{of}{shown.name}: {value}; {kind}: {shown.bounds(*_ends(check))}"
 
 

@@ -190,4 +190,4 @@ def test_without_a_rear_brake_no_front_bias_is_told_as_measured(good):
     limits = (Limit("front_biased_up_to", None, 1.0),)
     found = outcome(Car(replace(good.table, calibration=bare), [], [], []), [], limits, Identity())
     assert "is 9.99 or more; the limit is at most 1" in sentence(found.checks[0])
-    assert "9.99 or more" in in_full(found.checks[0])
+    assert "9.99\xa0g or more; limit: at most 1" in in_full(found.checks[0])
