@@ -49,7 +49,7 @@ EPILOG = example(
     "brake-cal station sample_logs/sedan/ramp_wet_asphalt.csv "
     "sample_logs/sedan/dry_asphalt_stop.csv sample_logs/sedan/transition_dry_to_basalt.csv "
     "--coast sample_logs/sedan/coast.csv --vehicle sample_logs/sedan/vehicle.toml "
-    "--limits line.toml --serial 0815 --out car-0815",
+    "--limits line.toml --serial 0815 --out runs/car-0815",
 )
 FAILED = 1
 
