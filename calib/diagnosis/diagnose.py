@@ -26,6 +26,7 @@ from calib.diagnosis.prove import Step, Withdrawn, prove
 from calib.diagnosis.regroup import regrouped
 from calib.diagnosis.remainder import Remainder, range_of
 from calib.diagnosis.search import unresolved
+from calib.diagnosis.sides import with_even_sides
 from calib.diagnosis.unexplained import UnexplainedTerm, locate
 from calib.errors import LogError, ModelError
 from calib.logs.log import Log
@@ -145,6 +146,7 @@ def diagnose(
     Returns
     -------
     The diagnosis. Its ``model_after`` is the car with the identified effects, for `calib.simulate`.
+    Left and right wheel speeds are made even where nothing brakes (`calib.diagnosis.sides`).
 
     Raises LogError when there is no hold-out, when a log is given twice, lacks ``v`` or is of
     another car, or when nothing in the logs is braked.
@@ -163,7 +165,8 @@ def diagnose(
     check_logs(calibration, holdout)
     for log in (*calibration, *holdout):
         require_same_wheels(vehicle, log, signals(log, vehicle))
-    ordered = sorted(calibration, key=lambda log: log.digest)
+    evened = with_even_sides([*sorted(calibration, key=lambda log: log.digest), *holdout])
+    ordered, holdout = evened[: len(calibration)], evened[len(calibration) :]
     tell("fitting the model without effects", 0, 1)
     problem = problem_of(vehicle, [run_of(log) for log in ordered], tell)
     decision = regrouped(decide(problem, fit(problem, (), np.zeros(BASE))))

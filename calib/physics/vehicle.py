@@ -74,6 +74,10 @@ class Vehicle:
         """M_v g [N]."""
         return self.mass * G
 
+    def radius_mismatch(self, eta_zero: float) -> float:
+        """Mismatch of the axles' radii over that of the file [1], from eta - 1 without brakes."""
+        return (1.0 + eta_zero) * self.rear.rolling_radius / self.front.rolling_radius - 1.0
+
     @property
     def static_loads(self) -> tuple[float, float]:
         """Loads of the front and the rear axle at rest [N], (6) and (7)."""

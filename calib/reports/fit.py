@@ -37,7 +37,7 @@ def report_html(stored: Stored, ramps: Sequence[Log], mass: MassUsed, origin: Or
         key_figures=[
             ("front pads", _with_interval(cal.pad_friction_f)),
             ("rear pads", _with_interval(cal.pad_friction_r)),
-            ("over the vehicle file", f"{100.0 * cal.pad_scale.value:.1f} %"),
+            ("of the vehicle file's", f"{100.0 * cal.pad_scale.value:.1f} %"),
             ("usable up to", f"{found.decelerations[1]:.2f} g"),
         ],
         limits=[
@@ -82,7 +82,7 @@ def _figures(stored: Stored) -> list[tuple[str, ...]]:
     rows = [
         _row("Pad friction, front", cal.pad_friction_f, "1"),
         _row("Pad friction, rear", cal.pad_friction_r, "1"),
-        _row("Pad friction over that of the vehicle file", cal.pad_scale, "1"),
+        _row("Pad friction as a share of the vehicle file's", cal.pad_scale, "1"),
     ]
     for effect, values in stored.table.effect_values.items():
         rows += [

@@ -11,6 +11,7 @@ import numpy as np
 from calib.checks.wheel_checks import axles_of
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
+from calib.physics.vehicle import Vehicle
 from calib.signals.driving_record import driving_record
 from calib.station.fleet_sigma import fleet_sigma
 from calib.station.golden import distance, ratios_to
@@ -23,7 +24,8 @@ METRICS: dict[str, str] = {
     "ramp_deceleration": "deceleration up to which the ramps were used [g]",
     "measured_share": "share of the rows of f1, f2 with enough blocks [1]",
     "band_width": "half width of the 95 % band of D(eta) where D is largest, relative [1]",
-    "ramp_eta_zero": "radius mismatch of the axles while coasting in the ramp, largest [1]",
+    "ramp_eta_zero": "radius mismatch of the axles while coasting in the ramp, over that of the "
+    "vehicle file, largest [1]",
     "pad_scale": "pad friction of the car over that of the vehicle file, both axles [1]",
     "pad_ratio": "front over rear pad friction, over the same of the vehicle file [1]",
     "side_difference_f": "brake force left less right over their mean, front axle [1]",
@@ -72,7 +74,7 @@ def metrics_of(car: Car) -> dict[str, float | None]:
         "ramp_deceleration": table.quality["deceleration_max"],
         "measured_share": float(np.mean(table.paper.flag == MEASURED)),
         "band_width": band_width(table),
-        "ramp_eta_zero": _largest([_eta_zero(log) for log in car.ramps]),
+        "ramp_eta_zero": _largest([_eta_zero(table.vehicle, log) for log in car.ramps]),
         "pad_scale": cal.pad_scale.value,
         "pad_ratio": float(np.exp(cal.pad_log_ratio.value)),
         "front_biased_up_to": _front_biased_up_to(table),
@@ -98,9 +100,9 @@ def metrics_of(car: Car) -> dict[str, float | None]:
     return {name: out[name] for name in METRICS}
 
 
-def _eta_zero(log: Log) -> float | None:
+def _eta_zero(vehicle: Vehicle, log: Log) -> float | None:
     found = axles_of(log, driving_record(log)).front_rear
-    return None if found is None else found.value
+    return None if found is None else vehicle.radius_mismatch(found.value)
 
 
 def _front_biased_up_to(table: Table) -> float:

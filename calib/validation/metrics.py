@@ -30,7 +30,7 @@ METRICS: dict[str, str] = {
     "innovation_rms": "rms of the innovation of eta over its sigma; expected: 1 or below",
     "innovation_lag1": "autocorrelation of the innovation from block to block; white: 0",
     "innovation_colour": "mean product of successive innovations, over their sigmas; white: 0",
-    "eta_zero": "radius mismatch that was zeroed [1]",
+    "eta_zero": "radius mismatch that was zeroed, over that of the vehicle file [1]",
     "force_sum_error": "rms of the force sum against M a_x, relative; small for any table",
     "torque_error_f": "rms error of the axle torque against truth, front, relative to its rms [1]",
     "torque_error_r": "rms error of the axle torque against truth, rear, relative to its rms [1]",
@@ -101,7 +101,7 @@ def consistency(vehicle: Vehicle, e: Estimate) -> dict[str, float | None]:
         # 0, not None: a stop in which nothing can be judged must not pass
         "valid_share": _share(valid, counted) or 0.0,
         "covered_share": _share(valid & e.covered, valid),
-        "eta_zero": e.eta_zero,
+        "eta_zero": vehicle.radius_mismatch(e.eta_zero),
         "force_sum_error": force_sum_error(vehicle, e),
     }
     for side, axle in (("f", e.front), ("r", e.rear)):

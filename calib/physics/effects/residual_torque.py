@@ -43,7 +43,7 @@ def clamped(time: Array, p: Array, most: float, drain: float) -> Array:
 EFFECT = Effect(
     card=Card(
         name="residual_torque",
-        cause="pads that stick: a seized pin or piston, a parking brake that does not release",
+        cause="pads that stick: a seized pin or piston, after an application",
         equation=(
             "clamp = max(p, q), q = min(p, r) while applied, q' = -q/T after; front or rear share "
             "by b; no effect at residual_pressure = 0"

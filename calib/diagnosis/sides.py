@@ -1,0 +1,70 @@
+"""Left and right wheels of an axle roll alike where nothing brakes: their radii are of the day.
+
+    omega_l/omega_r, unbraked, over all logs --> half of it to each side
+
+Tyres of one axle differ by 0.1 % in radius as they wear, which is ten times what a sensor of speed
+shows over a log. It would hide every other effect. Radii of the axles are not touched: their
+mismatch is an effect. A brake that drags on one wheel looks alike, but for its size: what is larger
+than tyres make is left in.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from calib.logs.log import Log
+from calib.names import AXLES
+from calib.physics.braking import BITE
+
+SETTLED = 0.3
+"""Time before the first braking that is left out [s]: means over a lead-in end before the bite."""
+
+SLOW = 10.0
+"""Wheel speed [rad/s], about 3 m/s, below which the sensors are too inexact."""
+
+LARGEST = 1e-3
+"""Difference of the sides [1] that tyres make; a seized brake makes 0.1 to 0.8 %."""
+
+LEAST = 0.5
+"""Seconds of rolling, of all logs together, from which the sides are compared."""
+
+
+def with_even_sides(logs: Sequence[Log]) -> list[Log]:
+    """The logs with left and right wheel speeds of each axle equal on the mean while unbraked.
+
+    One ratio for each axle from all logs together, so they must be of one car with one set of
+    tyres. An axle stays as it is where the logs roll for less than `LEAST` without braking, or its
+    sides differ by more than `LARGEST`.
+    """
+    ratios = {axle: _ratio(logs, axle) for axle in AXLES}
+    return [_evened(log, ratios) for log in logs]
+
+
+def _ratio(logs: Sequence[Log], axle: str) -> float:
+    """Right over left wheel speed [1] where no log is braked yet; 1 if it cannot be the tyres."""
+    left = right = seconds = 0.0
+    for log in logs:
+        rolls = log[f"omega_{axle}l"][: _rolling(log)], log[f"omega_{axle}r"][: _rolling(log)]
+        left += float(np.sum(rolls[0])) * log.sample_time
+        right += float(np.sum(rolls[1])) * log.sample_time
+        seconds += rolls[0].size * log.sample_time
+    if seconds < LEAST or left <= 0.0 or abs(right / left - 1.0) > LARGEST:
+        return 1.0
+    return right / left
+
+
+def _rolling(log: Log) -> int:
+    """Samples before the first braking, and before the car is slow."""
+    ends = np.flatnonzero((log["p_mc"] > 0.5 * BITE) | (log["omega_fl"] < SLOW))
+    if not ends.size:
+        return int(log.time.size)
+    return max(int(ends[0]) - round(SETTLED / log.sample_time), 0)
+
+
+def _evened(log: Log, ratios: dict[str, float]) -> Log:
+    channels = dict(log.channels)
+    for axle, ratio in ratios.items():
+        channels[f"omega_{axle}l"] = channels[f"omega_{axle}l"] * np.sqrt(ratio)
+        channels[f"omega_{axle}r"] = channels[f"omega_{axle}r"] / np.sqrt(ratio)
+    return replace(log, channels=channels)

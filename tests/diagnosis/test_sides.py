@@ -1,0 +1,44 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.sides import with_even_sides
+from tests.support.hidden.cases import draw
+
+
+def changed(log, factors):
+    return replace(
+        log,
+        channels={
+            k: v * factors.get(k.removeprefix("omega_"), 1.0) for k, v in log.channels.items()
+        },
+    )
+
+
+def test_unlike_radii_of_left_and_right_are_taken_out_and_axles_stay():
+    logs = draw("none", 11).calibration
+    even = with_even_sides(logs)
+    again = with_even_sides(
+        [changed(log, {"fl": 1.0005, "fr": 0.9997, "rr": 1.0006}) for log in logs]
+    )
+    for one, other in zip(even, again, strict=True):
+        for axle, mean in (("f", np.sqrt(1.0005 * 0.9997)), ("r", np.sqrt(1.0006))):
+            for side in "lr":
+                name = f"omega_{axle}{side}"
+                assert other[name] == pytest.approx(mean * one[name], rel=1e-9)
+
+
+def test_more_than_tyres_make_is_left_in():
+    logs = [changed(log, {"rl": 1.003}) for log in draw("none", 11).calibration]
+    for log, even in zip(logs, with_even_sides(logs), strict=True):
+        assert np.array_equal(even["omega_rl"], log["omega_rl"])
+
+
+def test_logs_that_never_roll_freely_stay_as_they_are():
+    logs = [
+        replace(log, channels={**log.channels, "p_mc": np.full_like(log.time, 20e5)})
+        for log in draw("none", 11).calibration
+    ]
+    for log, even in zip(logs, with_even_sides(logs), strict=True):
+        assert even["omega_fl"] == pytest.approx(log["omega_fl"])
