@@ -9,6 +9,8 @@ from tests.support.hidden import manoeuvres
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.hidden.score import COUNTERPARTS
 
+pytestmark = pytest.mark.slow
+
 
 def answer(case: HiddenCase) -> Diagnosis:
     return diagnose(case.vehicle, list(case.calibration), list(case.holdout))

@@ -96,6 +96,7 @@ def test_what_the_catalogue_does_not_know_is_unknown_on_the_right_axle():
     assert len(found.model_after.effects.terms) == 1
 
 
+@pytest.mark.slow
 def test_the_order_of_the_logs_does_not_matter(drag):
     one, other = (
         answer(drag),
@@ -104,6 +105,7 @@ def test_the_order_of_the_logs_does_not_matter(drag):
     assert to_dict(one) == to_dict(other)
 
 
+@pytest.mark.slow
 def test_half_the_sample_rate_gives_the_same_verdict(drag):
     half = [
         replace(log, channels={k: v[::2] for k, v in log.channels.items()})

@@ -14,6 +14,8 @@ from calib.diagnosis.predict import run_of
 from calib.diagnosis.regroup import regrouped
 from tests.support.hidden.cases import draw
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def case():

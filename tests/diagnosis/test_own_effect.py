@@ -15,6 +15,8 @@ from tests.support.hidden.settings import Hidden
 from tests.support.own_effects import EXAMPLE
 from tests.support.plant import magic
 
+pytestmark = pytest.mark.slow
+
 AREA = 0.7
 """Of the hidden flap [m^2]; that of the plant opens over another range of pressure."""
 
