@@ -120,7 +120,7 @@ def _unit(effect: str, parameter: str) -> str:
     from calib.physics.effects.catalogue import CATALOGUE
 
     card = CATALOGUE[effect].card if effect in CATALOGUE else None
-    units = {p.name: p.unit for p in card.parameters} if card else {}
+    units = card.units if card else {}
     unit = units.get(parameter, "SI")
     return "" if unit == "1" else unit
 

@@ -113,7 +113,7 @@ def _confusion(found: Confusion) -> dict[str, Any]:
 
 
 def _drive(found: Drive) -> dict[str, Any]:
-    units = {p.name: p.unit for p in found.card.parameters}
+    units = found.card.units
     return {
         "effect": found.effect,
         "usual_size": {n: {"value": v, "unit": units[n]} for n, v in found.card.usual.items()},

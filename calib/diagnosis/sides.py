@@ -45,10 +45,10 @@ def _ratio(logs: Sequence[Log], axle: str) -> float:
     """Right over left wheel speed [1] where no log is braked yet; 1 if it cannot be the tyres."""
     left = right = seconds = 0.0
     for log in logs:
-        rolls = log[f"omega_{axle}l"][: _rolling(log)], log[f"omega_{axle}r"][: _rolling(log)]
-        left += float(np.sum(rolls[0])) * log.sample_time
-        right += float(np.sum(rolls[1])) * log.sample_time
-        seconds += rolls[0].size * log.sample_time
+        n, step = _rolling(log), log.sample_time
+        left += float(np.sum(log[f"omega_{axle}l"][:n])) * step
+        right += float(np.sum(log[f"omega_{axle}r"][:n])) * step
+        seconds += n * step
     if seconds < LEAST or left <= 0.0 or abs(right / left - 1.0) > LARGEST:
         return 1.0
     return right / left

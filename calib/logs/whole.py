@@ -4,10 +4,11 @@
 unit is changed: a column of the map has its canonical name, and the unit that the map gives it.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from calib.logs.read import (
     recording_digest,
     refuse_no_log,
 )
-from calib.logs.recording import ChannelTrace, Recording
+from calib.logs.recording import ChannelTrace
 from calib.logs.recordings import RECORDINGS
 from calib.logs.resample import Wanted, at_times, on_one_clock
 from calib.logs.source import Column, ColumnSource
@@ -33,6 +34,9 @@ from calib.names import CHANNELS
 from calib.units import to_si
 
 TIME = "time"
+
+Read = TypeVar("Read")
+"""What is read of one column: its values, or its values with their times."""
 
 
 @dataclass(frozen=True)
@@ -130,13 +134,21 @@ def _numbers(source: ColumnSource) -> tuple[dict[int, Array], list[str]]:
     every = range(len(source.columns))
     with suppress(LogError):
         return dict(zip(every, source.read(list(every)), strict=True)), []
-    values, notes = {}, []
-    for index in every:
+    return _readable(every, source.columns, lambda index: source.read([index])[0])
+
+
+def _readable(
+    indices: Iterable[int], columns: Sequence[Column], read: Callable[[int], Read]
+) -> tuple[dict[int, Read], list[str]]:
+    """What ``read`` gives for each column, and a note on those that it refuses."""
+    found: dict[int, Read] = {}
+    notes = []
+    for index in indices:
         try:
-            values[index] = source.read([index])[0]
+            found[index] = read(index)
         except LogError as error:
-            notes.append(f"{_full(source.columns[index])} was left out: {error.what}")
-    return values, notes
+            notes.append(f"{_full(columns[index])} was left out: {error.what}")
+    return found, notes
 
 
 def _not_ignored(
@@ -154,7 +166,8 @@ def _recorded(path: Path, channel_map: ChannelMap | None, keep_names: bool) -> W
         taken = {} if keep_names else _assigned(opened.columns, channel_map, str(path))
         if taken:
             recorded_clock(list(taken.values()), channel_map)
-        traces, notes = _traces(opened)
+        every = range(1, len(opened.columns))
+        traces, notes = _readable(every, opened.columns, lambda index: opened.read([index])[0])
     finally:
         opened.close()
     wanted = {i: _wanted(i, trace, opened.columns, taken) for i, trace in traces.items()}
@@ -170,16 +183,6 @@ def _recorded(path: Path, channel_map: ChannelMap | None, keep_names: bool) -> W
     if not keep_names:
         values, notes = _not_ignored(source, channel_map, values, notes)
     return _whole(path, digest, source, taken, values, notes)
-
-
-def _traces(opened: Recording) -> tuple[dict[int, ChannelTrace], list[str]]:
-    traces, notes = {}, []
-    for index in range(1, len(opened.columns)):
-        try:
-            traces[index] = opened.read([index])[0]
-        except LogError as error:
-            notes.append(f"{_full(opened.columns[index])} was left out: {error.what}")
-    return traces, notes
 
 
 def _wanted(

@@ -100,8 +100,7 @@ def _figures(stored: Stored) -> list[tuple[str, ...]]:
 
 
 def _unit(stored: Stored, effect: str, name: str) -> str:
-    card = definition(stored.table.vehicle.effects, effect).card
-    return next((p.unit for p in card.parameters if p.name == name), "1")
+    return definition(stored.table.vehicle.effects, effect).card.units.get(name, "1")
 
 
 def _row(name: str, value: Value, unit: str) -> tuple[str, ...]:

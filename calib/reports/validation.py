@@ -123,6 +123,7 @@ def _stop(number: int, result: Validation, trace: StopTrace) -> dict[str, object
     """One stop: judged metrics, the others, its picture, and what is to be said."""
     rows = sorted_rows([row([j]) for j in result.judgements])
     judged, f = {j.figure for j in result.judgements}, result.figures
+    panels = _sheet(number, result, trace)
     notes = list(result.estimate.notes)
     notes += [f"the surface changed at {t:.2f} s" for t in result.estimate.split.changes]
     return {
@@ -137,16 +138,11 @@ def _stop(number: int, result: Validation, trace: StopTrace) -> dict[str, object
             for name, value in result.figures.items()
             if name not in judged and value is not None
         ],
-        "picture": drawn(_sheet(number, result, trace), *_panels(number, trace)),
+        "picture": drawn(panels, *panels.names),
         "alt": f"Pads over time, deceleration and torques of {result.log}. Mean pad friction: "
         + ", ".join(_pads(f[f"pad_friction_{x}"], f[f"interval_{x}"]) for x in "fr"),
         "notes": notes,
     }
-
-
-def _panels(number: int, trace: StopTrace) -> list[str]:
-    known = stop_sheet(trace).names
-    return [f"pads-{number}", *(f"{name}-{number}" for name in PANELS if name in known)]
 
 
 def _sheet(number: int, result: Validation, trace: StopTrace) -> Sheet:

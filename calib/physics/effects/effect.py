@@ -57,6 +57,11 @@ class Card:
     neutral: float = 0.0
 
     @property
+    def units(self) -> dict[str, str]:
+        """Unit of each parameter, by name."""
+        return {p.name: p.unit for p in self.parameters}
+
+    @property
     def usual(self) -> dict[str, float]:
         """Parameters of the effect at its usual size; a spread where its mean is no effect."""
         strength, *others = self.parameters
