@@ -123,6 +123,7 @@ def change_warnings(log: str, apart: float, sigma: float) -> Iterator[Plausibili
                 else "a motor or an engine that brakes the rear axle",
                 *(("a motor that brakes the front axle",) if apart > 0.0 else ()),
                 "another load of the car than on the ramp",
+                *(() if apart > 0.0 else ("front and rear wheel speeds that are swapped",)),
             ),
             "drive a new ramp if tyres or brakes were changed; log wheel pressures and T_drive",
         )

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.checks.check import problems_for
-from calib.checks.gates import bitten, eta_rise, require_same_wheels
-from calib.checks.swapped import what_to_check
+from calib.checks.gates import require_same_wheels
 from calib.errors import LogError, VehicleError
 from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
@@ -22,11 +21,10 @@ from calib.logs.log import Log
 from calib.physics.mass import MassUsed, mass_used
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
-from calib.signals.one_axle import braked_alone
 from calib.store.version import Stored
 from calib.table.budget import AxleBudget, summary
 from calib.table.table import Table
+from calib.validation.axles import require_same_axles
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
 from calib.validation.roads import Road, roads_of
@@ -193,8 +191,9 @@ def validate_one(
         )
     car = as_used(table, vehicle, mass)
     require_same_vehicle(table, vehicle, mass=mass)
-    require_same_car(table, log)
+    require_same_wheels(table.vehicle, log, signals(log, table.vehicle))
     result = estimate(table, log, vehicle, mass=mass, with_laws=baselines)
+    require_same_axles(table, log, result)
     warnings = warnings_of(log, result)
     if any(w.code == "unexplained_braking_force" and w.measured > FOREIGN for w in warnings):
         result = without_answer(result, "something brakes that the pressure does not explain")
@@ -226,11 +225,6 @@ def without_answer(result: Estimate, why: str) -> Estimate:
     return replace(result, valid=np.zeros_like(result.valid), refused=refused)
 
 
-SWAPPED = 0.5
-"""Share of the table's rise of eta by which eta must fall for the axles to count as swapped. Front
-pads that lost 30 % against the rear make it fall too, but by less."""
-
-
 def require_same_vehicle(
     table: Table, vehicle: Vehicle | None, where: object = None, mass: float | None = None
 ) -> None:
@@ -250,31 +244,6 @@ def require_same_vehicle(
             where=vehicle.name if where is None else where,
             expected="a vehicle with other pads only",
             do="fit a table for this car",
-        )
-
-
-def require_same_car(table: Table, log: Log) -> None:
-    """Raise LogError if the log is clearly not of the table's car, or has its axles swapped.
-
-    A log of another car with the same wheels is not detected.
-    """
-    s = signals(log, table.vehicle)
-    require_same_wheels(table.vehicle, log, s)
-    b = blocks(s)
-    if braked_alone(b.p_f, b.p_r) == "r":
-        return  # eta falls, as it must
-    known = (b.z > 0.05) & (b.z < table.paper.z[-1])
-    braked = known & (b.end > bitten(b)) & (b.speed > 5.0)
-    rise, error = eta_rise(b, braked)
-    if not np.isfinite(rise):
-        return
-    expected = float(np.median(np.interp(b.z[braked], table.paper.z, table.paper.eta))) - 1.0
-    if expected > 0.0 and rise + 4.0 * error < -SWAPPED * expected:
-        raise LogError(
-            f"the front wheels slip less than the rear while braking: eta {100 * rise:+.2f} %",
-            where=log.source,
-            expected=f"about {100 * expected:+.2f} % by the table of {table.name}",
-            do=what_to_check("rear", mirrored=-1.5 < rise / expected < -0.5),
         )
 
 

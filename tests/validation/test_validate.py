@@ -16,15 +16,12 @@ from calib.validation.metrics import METRICS
 from calib.validation.validate import (
     Validation,
     agreement,
-    require_same_car,
     require_same_vehicle,
     to_dict,
     validate,
 )
 from tests.support.made_runs import made_run
 from tests.support.made_runs import stop as made_stop
-from tests.support.one_axle import one_axle
-from tests.support.plant import magic
 from tests.support.reference_car import (
     CAR,
     REAL,
@@ -33,8 +30,6 @@ from tests.support.reference_car import (
     noisy,
     ramp,
     stop,
-    swapped,
-    with_pads,
     without,
 )
 from tests.support.refusals import refusal
@@ -199,53 +194,6 @@ def test_log_of_a_car_with_other_wheels(table, wet):
     other = replace(wet, channels={**wet.channels, **faster})
     assert "radius of 0.300 m" in refused(table, other)
     assert validate(table, [without(other, "v")])  # without v it cannot be told
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_swapped_axles_are_refused(table, seed):
-    """The filter would find pads for them: 0.30 in front and 0.58 behind, with 3 % of error."""
-    message = refused(table, swapped(noisy(stop(WET), seed)))
-    assert "are the axles swapped?" in message
-    assert message.index("swapped?") < message.index("T_drive_r") < message.index("all-wheel drive")
-
-
-def test_rear_wheels_that_slip_far_more_than_a_swap_explains_are_told_so(table):
-    """A motor that brakes the rear wheels by four times the difference of the axles."""
-    log = noisy(stop(WET), 0)
-    z = np.maximum(-log["a_x"] / 9.81, 0.0)
-    slower = {w: log[w] * (1.0 - 0.08 * z) for w in ("omega_rl", "omega_rr")}
-    message = refused(table, replace(log, channels={**log.channels, **slower}))
-    assert message.index("T_drive_r") < message.index("swapped?")
-
-
-@pytest.mark.parametrize(
-    ("front", "rear"), [(0.28, 0.38), (0.22, 0.37), (0.20, 0.20), (0.38, 0.28)]
-)
-def test_pads_that_fade_unequally_are_not_taken_for_swapped(table, front, rear):
-    """Front pads at 0.6 of the rear ones bring eta below one, by a third of the table's rise."""
-    require_same_car(table, noisy(stop(with_pads(REAL, front, rear)), 0))
-
-
-def test_a_stop_with_the_rear_axle_only_is_not_taken_for_swapped(table):
-    """Its eta falls by as much as that of a normal stop rises; its wheel pressures say why."""
-    log = noisy(one_axle(REAL, "r"), 0)
-    require_same_car(table, log)
-    pressures = (f"p_{a}{s}" for a in "fr" for s in "lr")
-    message = refusal(require_same_car, table, without(log, *pressures), kind=LogError)
-    assert "are the axles swapped?" in message
-
-
-def test_hard_stops_past_the_peak_of_eta_are_not_taken_for_swapped(table):
-    """At 0.7 g this car is rear-biased: eta falls below one, as it must."""
-    log = noisy(stop(replace(REAL, tyre=magic(25.0, 1.3)), pressure=49e5), 0)
-    assert np.max(-log["a_x"]) > 0.65 * 9.81
-    require_same_car(table, log)
-
-
-def test_abs_on_the_rear_axle_is_not_taken_for_swapped(table, wet):
-    cycle = (wet.time > 2.5) & ((wet.time * 4.0) % 1.0 < 0.4)
-    hit = {f"omega_r{s}": np.where(cycle, 0.7, 1.0) * wet[f"omega_r{s}"] for s in "lr"}
-    require_same_car(table, replace(wet, channels={**wet.channels, **hit}))
 
 
 def test_logs_that_will_not_do(table, wet):
