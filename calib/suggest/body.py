@@ -252,7 +252,7 @@ def _brake_score(name: str) -> int:
 
 def _presses(item: Series) -> bool:
     found = set(words(item.name))
-    return bool(found & {"pressure", "press", "prs", "druck", "bremsdruck", "p"})
+    return bool(found & {"pressure", "press", "prs", "druck", "bremsdruck", "vordruck", "p"})
 
 
 def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClock) -> str | None:

@@ -8,10 +8,12 @@ _WORD = re.compile(
     r"|[A-ZÄÖÜ]+(?=[A-ZÄÖÜ][a-zäöü])|[A-ZÄÖÜ]?[a-zäöüß]+|[A-ZÄÖÜ]+|\d+"
 )
 
-FRONT = {"f", "front", "v", "vorn", "vorne", "va", "fa"}
-REAR = {"r", "rear", "h", "hinten", "ha", "ra"}
-LEFT = {"l", "left", "links", "li", "lh"}
-RIGHT = {"r", "right", "rechts", "re", "rh"}
+FRONT = {"f", "front", "frnt", "v", "vo", "vorn", "vorne", "va", "fa"}
+REAR = {"r", "rear", "h", "hi", "hinten", "ha", "ra"}
+LEFT = {"l", "left", "le", "links", "li", "lh"}
+RIGHT = {"r", "right", "ri", "rechts", "re", "rh"}
+REAR_OF_WHEEL = REAR | {"re"}
+"""In the name of a wheel "re" is rear before a side, as in AUTOSAR's ``ReLe``, else right."""
 CORNERS = {
     "fl": {"fl", "lf", "vl", "frontleft", "leftfront", "l1"},
     "fr": {"fr", "rf", "vr", "frontright", "rightfront", "r1"},
@@ -20,9 +22,12 @@ CORNERS = {
 }
 """Abbreviations of a wheel: English in both orders, German, and CarSim's side and axle."""
 
-TIME = {"time", "zeit", "t", "timestamp", "timestamps", "timestemp", "ts"}
+TIME = {"time", "zeit", "zeitstempel", "t", "timestamp", "timestamps", "timestemp", "ts"}
 BRAKE = {"brake", "brk", "pbk", "brakes", "bremse", "brems", "bremsdruck", "bremskraft"}
-MASTER = {"mc", "tmc", "master", "mastercylinder", "hz", "thz", "hauptbremszylinder", "hbz"}
+MASTER = {
+    *("mc", "tmc", "master", "mastercylinder", "hz", "thz", "hbz", "hauptbremszylinder"),
+    *("hauptzylinder", "vordruck", "pmc", "phz", "pthz", "phbz", "mcp"),
+}
 NO_BRAKE = {
     *("tire", "tyre", "reifen", "oil", "oel", "öl", "fuel", "boost", "booster", "manifold"),
     *(
@@ -41,33 +46,29 @@ NO_BRAKE = {
 }
 DECELERATION = {"decel", "deceleration", "verzoegerung", "verzögerung"}
 LONG = DECELERATION | {
-    "x",
-    "ax",
-    "long",
-    "lon",
-    "longitudinal",
-    "laengs",
-    "längs",
-    "longacc",
-    "forward",
+    *("x", "ax", "long", "lon", "lgt", "longitudinal", "laengs", "längs", "longacc", "forward"),
 }
 NO_LONG = {
-    *("y", "z", "ay", "az", "lat", "lateral", "quer", "vert", "vertical", "pedal", "yaw"),
-    *("latacc", "roll", "pitch"),
+    *("y", "z", "ay", "az", "lat", "lateral", "quer", "querbeschl", "vert", "vertical", "pedal"),
+    *("latacc", "yaw", "roll", "pitch", "gier", "wank", "nick"),
 }
-DERIVED = {"est", "estimate", "estimated", "filt", "filtered", "model", "req", "requested", "raw"}
+DERIVED = {
+    *("est", "estimate", "estimated", "filt", "filtered", "model", "req", "requested", "raw"),
+    *("angez", "angezeigt", "displayed", "tacho"),
+}
 """Words for a second, computed channel of the same quantity."""
 SPEED = {
-    *("v", "vx", "speed", "spd", "velocity", "vehicle", "veh", "geschwindigkeit", "gps", "gnss"),
-    "ground",
+    *("v", "vx", "speed", "spd", "velocity", "vel", "vehicle", "veh", "car", "ego", "gps", "gnss"),
+    *("ground", "geschwindigkeit", "geschw", "fahrzeug", "fzg", "kfz", "vveh", "vfzg", "vehspd"),
 }
 NO_SPEED = {
     *("engine", "wheel", "rad", "motor", "wind", "fan", "turbine", "vertical", "vert", "target"),
-    *("set", "lateral", "lat", "limit", "cruise", "vy", "vz"),
+    *("set", "lateral", "lat", "limit", "cruise", "vy", "vz", "quer", "soll", "wunsch", "ziel"),
+    *("sollgeschw", "wunschgeschw", "zielgeschw", "radgeschw", "drehzahl", "tempomat", "whl"),
 }
-STEERING = {"steering", "steer", "swa", "lenk", "lenkwinkel", "lenkrad", "delta"}
+STEERING = {"steering", "steer", "swa", "strg", "lenk", "lenkwinkel", "lenkrad", "lws", "delta"}
 NO_STEERING = {"yaw", "heading", "slip", "pitch", "roll", "rate", "road", "rear"}
-TORQUE = {"torque", "trq", "moment", "drehmoment", "radmoment"}
+TORQUE = {"torque", "trq", "tq", "moment", "mom", "drehmoment", "radmoment"}
 DRIVE = {
     *("drive", "drv", "motor", "mot", "engine", "eng", "emotor", "antrieb", "antriebsmoment"),
     *("regen", "rekuperation", "powertrain"),
@@ -127,7 +128,7 @@ def _corner(found: list[str]) -> str | None:
     for first, second in pairwise(found):
         turned = [(second, first)] if len(first + second) > 2 else []  # `l r` is not a wheel
         for a, b in [(first, second), *turned]:
-            if a in FRONT | REAR and b in LEFT | RIGHT:
+            if a in FRONT | REAR_OF_WHEEL and b in LEFT | RIGHT:
                 return ("f" if a in FRONT else "r") + ("l" if b in LEFT else "r")
     return None
 

@@ -3,10 +3,15 @@
 import pytest
 
 from calib.suggest.words import (
+    BRAKE,
     LONG,
+    MASTER,
+    NO_BRAKE,
     NO_LONG,
     NO_SPEED,
+    NO_STEERING,
     SPEED,
+    STEERING,
     axle,
     corner,
     score,
@@ -32,6 +37,12 @@ from calib.suggest.words import (
         ("frontal area", None),
         ("omega_rear", None),
         ("l r", None),
+        ("WhlSpdFrntLe", "fl"),  # AUTOSAR
+        ("WhlSpdReRi", "rr"),
+        ("WhlSpdReLe", "rl"),
+        ("Rad_VoRe", "fr"),
+        ("Rad_HiLi", "rl"),
+        ("ESP_HR_Radgeschw_02", "rr"),
     ],
 )
 def test_corner(name, wheel):
@@ -54,4 +65,47 @@ def test_scores():
     assert score("LongAcc", LONG, NO_LONG) > 0 > score("LatAcc", LONG, NO_LONG)
     assert score("vehicle speed", SPEED, NO_SPEED) > score("speed", SPEED, NO_SPEED)
     assert score("engine speed", SPEED, NO_SPEED) == -1
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted", "unwanted"),
+    [
+        ("GW1_FzgGeschw", SPEED, NO_SPEED),
+        ("v_Fzg", SPEED, NO_SPEED),
+        ("vFzg", SPEED, NO_SPEED),
+        ("Fahrzeuggeschw", SPEED, NO_SPEED),
+        ("VehSpdEsc", SPEED, NO_SPEED),
+        ("CarSpeed", SPEED, NO_SPEED),
+        ("ESP_Laengsbeschl", LONG, NO_LONG),
+        ("VehALgt", LONG, NO_LONG),
+        ("ESP_Bremsdruck", BRAKE, NO_BRAKE),
+        ("pTHZ", BRAKE | MASTER, NO_BRAKE),
+        ("pVordruck", MASTER, NO_BRAKE),
+        ("LWI_Lenkradwinkel", STEERING, NO_STEERING),
+        ("StrgAg", STEERING, NO_STEERING),
+    ],
+)
+def test_names_of_vehicle_buses(name, wanted, unwanted):
+    assert score(name, wanted, unwanted) > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted", "unwanted"),
+    [
+        ("Sollgeschw", SPEED, NO_SPEED),
+        ("v_Soll", SPEED, NO_SPEED),
+        ("WhlSpd", SPEED, NO_SPEED),
+        ("ESP_Querbeschl", LONG, NO_LONG),
+    ],
+)
+def test_names_of_other_signals(name, wanted, unwanted):
+    assert score(name, wanted, unwanted) < 1
+
+
+def test_the_speed_that_is_displayed_is_less_likely():
+    shown, driven = "KBI_angez_Geschw", "GW1_FzgGeschw"
+    assert score(shown, SPEED, NO_SPEED) < score(driven, SPEED, NO_SPEED)
+
+
+def test_scores_of_computed_channels():
     assert score("GPS_Speed_filtered", SPEED, NO_SPEED) < score("GPS_Speed", SPEED, NO_SPEED)
