@@ -128,6 +128,7 @@ def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
 def _report(stored: "Stored", mass: "MassUsed") -> None:
     from calib.store.answer import verdict_lines
     from calib.table.budget import advice_lines
+    from calib.table.effect_figures import effect_figures
     from calib.table.pads_budget import pads_budget
 
     table, q = stored.table, stored.table.quality
@@ -146,10 +147,8 @@ def _report(stored: "Stored", mass: "MassUsed") -> None:
         emit(f"{label:<10} {of.words}")
     for line in advice_lines(budgets):
         emit(line)
-    for effect, parameters in table.effect_values.items():
-        for name, value in parameters.items():
-            low, high = value.ci95
-            emit(f"{effect} {name} {value.value:.4f}  (95 % {max(low, 0.0):.4f} to {high:.4f})")
+    for figure in effect_figures(table):
+        emit(f"{figure.effect} {figure}")
     emit(f"mass       {mass}")
     emit(
         f"ramp       up to {q['deceleration_max']:.2f} g; eta - 1 up to "

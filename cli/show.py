@@ -83,6 +83,7 @@ def _lines(rows: "list[tuple[str, str]]") -> str:
 
 def _facts(stored: "Stored") -> str:
     from calib.store.signature import key_ids
+    from calib.table.effect_figures import effect_figures
 
     table = stored.table
     keys = ", ".join(key_ids(stored))
@@ -95,11 +96,7 @@ def _facts(stored: "Stored") -> str:
         *table.provenance.identity.items(),
         *origin_facts(table),
         *((log.role, f"{log.name} ({log.digest[:12]})") for log in table.provenance.logs),
-        *(
-            (effect, f"{parameter} {_interval(value)} {_unit(effect, parameter)}".rstrip())
-            for effect, parameters in table.effect_values.items()
-            for parameter, value in parameters.items()
-        ),
+        *((of.effect, str(of)) for of in effect_figures(table)),
         ("pad scale", _interval(pads.pad_scale)),
         ("pad friction front", _interval(pads.pad_friction_f)),
         ("pad friction rear", _interval(pads.pad_friction_r)),
@@ -113,16 +110,6 @@ def _facts(stored: "Stored") -> str:
 def _interval(value: "Value") -> str:
     lower, upper = value.ci95
     return f"{value.value:.4g} (95 %: {lower:.4g} to {upper:.4g})"
-
-
-def _unit(effect: str, parameter: str) -> str:
-    """Unit on the effect's card, "" for a number; "SI" for an effect without a card."""
-    from calib.physics.effects.catalogue import CATALOGUE
-
-    card = CATALOGUE[effect].card if effect in CATALOGUE else None
-    units = card.units if card else {}
-    unit = units.get(parameter, "SI")
-    return "" if unit == "1" else unit
 
 
 def _curves(table: "Table") -> "Grid":

@@ -11,6 +11,7 @@ from calib.exports.labels import label, prefix
 from calib.physics.vehicle import Axle
 from calib.store.quality import PRELIMINARY, UNPROVED, Quality
 from calib.store.version import Stored
+from calib.table.effect_figures import effect_figures
 from calib.table.table import BY_HAND, Array, Table
 
 UNIT = "1"
@@ -137,14 +138,13 @@ def _scalars(table: Table, version: int, first: str) -> list[Scalar]:
         ),
         *(
             scalar(
-                SHORT.get((effect, name), f"{effect}_{name}"),
-                f"{name} of {effect}",
-                _unit(effect, name),
-                v.value,
-                v.sigma,
+                SHORT.get((of.effect, of.name), f"{of.effect}_{of.name}"),
+                f"{of.name} of {of.effect}",
+                of.unit,
+                of.value.value,
+                of.value.sigma,
             )
-            for effect, values in table.effect_values.items()
-            for name, v in values.items()
+            for of in effect_figures(table)
         ),
     ]
 
@@ -156,12 +156,3 @@ def _wheel(side: str, axle: Axle) -> list[tuple[str, str, str, float]]:
         (f"J_{side}", f"J_w, inertia of one wheel, {side}", "kg*m^2", axle.wheel_inertia),
         (f"C_{side}", f"C of (3): torque of one wheel over mu P, {side}", "m^3", axle.torque_gain),
     ]
-
-
-def _unit(effect: str, parameter: str) -> str:
-    """Unit on the effect's card; "SI" for an effect that is not in the catalogue."""
-    from calib.physics.effects.catalogue import CATALOGUE
-
-    card = CATALOGUE[effect].card if effect in CATALOGUE else None
-    units = card.units if card else {}
-    return units.get(parameter, "SI")

@@ -53,7 +53,7 @@ def distribution(ax: "Axes", table: Table) -> None:
     _constant_decelerations(ax, vehicle, found)
     end = table.paper.decelerations[1]
     last = beta_point(vehicle, found, end)
-    entry = f"the table ends, {end:.2f} g"
+    entry = f"usable up to {end:.2f} g"
     ax.plot(last[0] / 1e3, last[1] / 1e3, "|", color=BODY["color"], ms=12.0, mew=1.4, label=entry)
     biased = front_biased_up_to(vehicle)
     if 0.0 < biased <= DECELERATIONS[-1]:

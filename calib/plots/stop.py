@@ -203,7 +203,7 @@ def pad_estimate(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) 
     label = r"estimate $\mu_{p,c}$, 95 %"
     ax.plot(trace.time, held(trace, axle.pad), label=label, **{**stroke, "linewidth": 1.7})
     if axle.nominal is not None:
-        ax.axhline(axle.nominal, label=r"nominal $\mu_{p,n}$", **NOMINAL)
+        ax.axhline(axle.nominal, label=rf"$\mu_{{p,n}}$ {trace.nominal_of}", **NOMINAL)
     if axle.true_pad is not None:
         ax.plot(trace.time, smooth(trace.time, axle.true_pad), label="truth", **TRUTH)
 
@@ -223,11 +223,12 @@ NOMINALS = {"front": DASH_DOT, "rear": DOTTED}
 
 def axle_torques(ax: "Axes", trace: StopTrace) -> None:
     """Panel (e): per axle, with nominal pads and compensated."""
+    of = trace.nominal_of
     for axle, stroke, word in ((trace.front, FRONT, "front"), (trace.rear, REAR, "rear")):
         noisy(ax, trace.time, axle.torque / 1e3, stroke, f"{word} compensated")
         if axle.nominal_torque is not None:
             thin = {"color": stroke["color"], "linestyle": NOMINALS[word], "linewidth": 0.9}
-            noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, f"{word} nominal")
+            noisy(ax, trace.time, axle.nominal_torque / 1e3, thin, f"{word}, pads {of}")
     frame(ax, trace, "axle torque [kN m]")
 
 
@@ -243,7 +244,7 @@ def force_sum(ax: "Axes", trace: StopTrace) -> None:
         ax.plot(
             trace.time,
             smooth(trace.time, trace.force_sum_nominal) / 1e3,
-            label="nominal pads",
+            label=f"pads {trace.nominal_of}",
             **NOMINAL,
         )
         sums.append(trace.force_sum_nominal)

@@ -114,8 +114,8 @@ def _note(table: Table, ramps: Ramps) -> str:
         note += (
             " Rings and triangles: the ramps, as means over 0.25\u00a0s; dots: blocks of "
             "50\u00a0ms. Over \u03b7 they are without air drag, grade and rolling resistance, as "
-            "the table is: the fit takes these out, and the estimator adds them. Grey: where "
-            "\u03b7 hardly rises any more, or falls, nothing can be read from it."
+            "the table is: the fit takes these out, and the estimator adds them. Grey: beyond the "
+            "usable range; \u03b7 hardly rises any more there, or falls, or the points are too few."
         )
     return note
 
@@ -157,7 +157,7 @@ def tyre(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
 
 def _mark_p(ax: "Axes", table: Table) -> None:
     """Mark the axles on the curve at 0.3 g, if the table reaches there."""
-    low, high = table.paper.decelerations
+    low, high = float(table.paper.z.min()), float(table.paper.z.max())
     if not low <= P <= high + 1e-9:  # a table may end there, with a rounding error
         return
     order = np.argsort(table.paper.z)
@@ -212,7 +212,7 @@ def _over_both(ramps: Ramps) -> Ramps:
 def _over_eta(
     ax: "Axes", table: Table, ramp: MeasuredRamp, y: Array, stroke: Stroke, label: str
 ) -> None:
-    """Measured points; grey above the table's last deceleration, where eta hardly rises or falls.
+    """Measured points; grey above the last deceleration that is usable.
 
     Their entry in the legend is that of the first curve with such points.
     """
@@ -220,7 +220,7 @@ def _over_eta(
     last = table.paper.decelerations[1]
     beyond = ramp.z_free > last
     points(ax, ramp, x, y, ramp.braked & ~beyond, stroke, label)
-    grey = rf"above {last:.2f} g: $\eta$ turns"
+    grey = f"above {last:.2f} g: not usable"
     told = grey in ax.get_legend_handles_labels()[1] or not label
     points(ax, ramp, x, y, ramp.braked & beyond, NOMINAL, "" if told else grey)
 
@@ -230,9 +230,9 @@ MARKED = 0.1
 
 
 def _usable(ax: "Axes", table: Table, below: bool = False) -> None:
-    """Mark where the table ends, and the decelerations on the way there, on the line of zero."""
+    """Mark the end of the usable range, and on the line of zero the decelerations up to it."""
     x, z = 100.0 * (table.paper.eta - 1.0), table.paper.z
-    (low, high), end = table.paper.decelerations, float(x[-1])
+    (low, high), end = table.paper.decelerations, 100.0 * (table.paper.etas[1] - 1.0)
     label = f"usable to {end:.2f} %, {high:.2f} g"
     ax.axvline(end, label=label, color=BODY["color"], linewidth=0.9, linestyle=LONG)
     _reach(ax, x)

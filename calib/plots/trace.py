@@ -62,6 +62,10 @@ class AxlePads:
         return f"{self.mean:.3f}\u00a0\u00b1\u00a0{self.half:.3f}"
 
 
+OF_TABLE, OF_VEHICLE = "of the table", "of the vehicle file"
+"""Whose pads the nominal ones are."""
+
+
 @dataclass(frozen=True)
 class StopTrace:
     """A stop over ``time`` [s], shapes (n,).
@@ -72,7 +76,8 @@ class StopTrace:
     nominal ones, ``inertia`` M z g, all [N]; ``changes`` of surface [s]; ``notes`` in words.
     ``refused`` where the estimate cannot be used, by reason, (n,) each; ``pads`` what is said of
     both axles, with the half width of the 95 % interval, [1], None where nothing is valid;
-    ``verdict`` in words, empty where none was given.
+    ``verdict`` in words, empty where none was given; ``nominal_of`` says whose the nominal
+    pads are: of the table, as found on its ramp, unless a vehicle file was given.
     """
 
     name: str
@@ -93,6 +98,7 @@ class StopTrace:
     refused: dict[str, Mask] = field(default_factory=dict)
     pads: tuple[AxlePads | None, AxlePads | None] = (None, None)
     verdict: str = ""
+    nominal_of: str = OF_VEHICLE
 
     @property
     def has_truth(self) -> bool:
@@ -134,6 +140,7 @@ def from_validation(
         refused={NOT_BRAKED: ~estimate.braked, **estimate.refused},
         pads=(_pads_of(figures, "f"), _pads_of(figures, "r")),
         verdict=verdict_of(result),
+        nominal_of=OF_TABLE if vehicle is None else OF_VEHICLE,
     )
 
 

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 from calib.logs.log import Log
 from calib.physics.mass import MassUsed
-from calib.physics.own_effects.own_effect import definition
 from calib.plots.measured import measure
 from calib.plots.table import sheet
 from calib.reports.html import drawn, page
@@ -13,6 +12,7 @@ from calib.reports.origin import Origin, origin_view
 from calib.store.answer import answer, verdict
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
+from calib.table.effect_figures import effect_figures
 from calib.table.pads_budget import pads_budget
 from calib.table.table import Value
 
@@ -80,15 +80,17 @@ def _figures(stored: Stored) -> list[tuple[str, ...]]:
     """Name, value, 95 % interval and unit of everything that was estimated."""
     cal, q = stored.table.calibration, stored.table.quality
     rows = [
-        _row("Pad friction, front", cal.pad_friction_f, "1"),
-        _row("Pad friction, rear", cal.pad_friction_r, "1"),
-        _row("Pad friction as a share of the vehicle file's", cal.pad_scale, "1"),
+        _row(name, value.value, value.ci95, "1")
+        for name, value in (
+            ("Pad friction, front", cal.pad_friction_f),
+            ("Pad friction, rear", cal.pad_friction_r),
+            ("Pad friction as a share of the vehicle file's", cal.pad_scale),
+        )
     ]
-    for effect, values in stored.table.effect_values.items():
-        rows += [
-            _row(f"{effect}: {name}".replace("_", " "), value, _unit(stored, effect, name))
-            for name, value in values.items()
-        ]
+    rows += [
+        _row(f"{of.effect}: {of.name}".replace("_", " "), of.value.value, of.ci95, of.unit)
+        for of in effect_figures(stored.table)
+    ]
     eta, peak = 100.0 * (q["eta_peak"] - 1.0), q["eta_peak_deceleration"]
     return [
         *rows,
@@ -99,10 +101,6 @@ def _figures(stored: Stored) -> list[tuple[str, ...]]:
     ]
 
 
-def _unit(stored: Stored, effect: str, name: str) -> str:
-    return definition(stored.table.vehicle.effects, effect).card.units.get(name, "1")
-
-
-def _row(name: str, value: Value, unit: str) -> tuple[str, ...]:
-    low, high = value.ci95
-    return name, f"{value.value:.4g}", f"{low:.4g} to {high:.4g}", unit
+def _row(name: str, value: float, ci95: tuple[float, float], unit: str) -> tuple[str, ...]:
+    low, high = ci95
+    return name, f"{value:.4g}", f"{low:.4g} to {high:.4g}", unit

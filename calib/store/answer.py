@@ -2,12 +2,10 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from calib.store.state import DRAFT, REJECTED, RELEASED
 from calib.store.version import Stored
 from calib.table.pads_budget import pads_budget
-from calib.table.table import EXTRAPOLATED, Table
+from calib.table.table import Table
 
 
 @dataclass(frozen=True)
@@ -30,13 +28,11 @@ class Answer:
 def answer(stored: Stored) -> Answer:
     """The answer for a version of a store."""
     table, state = stored.table, stored.state
-    known = table.paper.flag != EXTRAPOLATED
-    z, eta = table.paper.z[known], table.paper.eta[known]
     return Answer(
         usable=state.released,
         may=("yes: " if state.released else "no: ") + state.words,
-        decelerations=(float(np.min(z)), float(np.max(z))),
-        eta=(float(np.min(eta)), float(np.max(eta))),
+        decelerations=table.paper.decelerations,
+        eta=table.paper.etas,
         ends=_ends(table),
         limit=_limit(table),
         next=_next(stored),

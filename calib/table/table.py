@@ -78,9 +78,21 @@ class PaperCurves:
     flag: Array
 
     @property
+    def known(self) -> NDArray[np.bool_]:
+        """Rows that rest on measurements or were set by hand, (n,); eta of 1, the first, is one."""
+        return np.asarray((self.flag != EXTRAPOLATED) | (np.arange(self.flag.size) == 0))
+
+    @property
     def decelerations(self) -> tuple[float, float]:
-        """Least and greatest z [1] of the rows."""
-        return float(np.min(self.z)), float(np.max(self.z))
+        """Least and greatest z [1] of the known rows: the range in which the table is usable."""
+        z = self.z[self.known]
+        return float(np.min(z)), float(np.max(z))
+
+    @property
+    def etas(self) -> tuple[float, float]:
+        """Least and greatest eta [1] of the known rows."""
+        eta = self.eta[self.known]
+        return float(np.min(eta)), float(np.max(eta))
 
 
 @dataclass(frozen=True)

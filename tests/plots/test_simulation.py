@@ -26,7 +26,7 @@ def test_compensation_shows_truth_nominal_law_and_estimate(simulated):
     valid = simulated.valid
     assert np.array_equal(law[valid], simulated.rear.baselines["gradient_difference"][valid])
     assert np.isnan(law[~valid]).all()
-    assert line(ax, r"nominal $\mu_{p,n}$")[1] == [0.6, 0.6]
+    assert line(ax, r"$\mu_{p,n}$ of the vehicle file")[1] == [0.6, 0.6]
     truth = line(ax, "truth")[1][simulated.valid]
     assert truth == pytest.approx(np.full(truth.size, 0.4), rel=0.02)
     low, high = ax.get_ylim()

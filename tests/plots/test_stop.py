@@ -62,7 +62,7 @@ def test_pad_friction_with_interval_nominal_and_rivals(trace):
     estimate = line(ax, r"estimate $\mu_{p,c}$, 95 %")[1]
     assert np.array_equal(estimate[trace.valid], trace.front.pad[trace.valid])
     assert np.isnan(estimate[~trace.valid]).all()
-    assert line(ax, r"nominal $\mu_{p,n}$")[1] == [trace.front.nominal] * 2
+    assert line(ax, r"$\mu_{p,n}$ of the table")[1] == [trace.front.nominal] * 2
     for name, (label, _) in stop.BASELINES.items():
         rival = line(ax, label)[1]
         assert np.array_equal(rival[trace.valid], trace.front.baselines[name][trace.valid])
@@ -144,7 +144,7 @@ def test_other_methods_are_drawn_only_where_they_are_asked_for(sedan, transition
     alone = from_validation(sedan, "sedan@1", transition, result)
     ax = axes()
     stop.pad(ax, alone, alone.front, FRONT)
-    assert labels(ax) == [r"estimate $\mu_{p,c}$, 95 %", r"nominal $\mu_{p,n}$"]
+    assert labels(ax) == [r"estimate $\mu_{p,c}$, 95 %", r"$\mu_{p,n}$ of the table"]
     assert np.array_equal(alone.front.pad, trace.front.pad, equal_nan=True)
 
 

@@ -5,11 +5,12 @@ import pytest
 
 from calib.plots import table as figures
 from calib.plots.measured import measure
+from calib.store.answer import answer
 from calib.table.table import EXTRAPOLATED, INTERPOLATED, MEASURED
 from tests.support.one_axle import one_axle
 from tests.support.plot_lines import axes, drawn, labels, line
 from tests.support.reference_car import IDEAL
-from tests.support.tables import C, made_table
+from tests.support.tables import C, made_table, stored_as
 
 TABLE = made_table()
 PERCENT = 100.0 * (TABLE.paper.eta - 1.0)
@@ -137,29 +138,40 @@ def test_each_ramp_has_a_row(sedan, ramp):
 
 
 def test_the_usable_range_is_marked_in_eta_and_deceleration():
-    # z = 60 (eta - 1) up to 0.5 %, so 0.3 g is its end, 0.1 g is at 1/600 and 0.2 g at 1/300
+    # z = 60 (eta - 1), known up to 0.475 % and 0.285 g; 0.1 g is at 1/600 and 0.2 g at 1/300
+    percent, end = 100.0 * (TABLE.paper.eta[-2] - 1.0), TABLE.paper.z[-2]
+    assert (percent, end) == pytest.approx((0.475, 0.285))
     for draw in (figures.f1_f2, figures.difference):
         ax = axes()
         draw(ax, TABLE)
-        assert list(line(ax, "usable to 0.50 %, 0.30 g")[0]) == pytest.approx([0.5, 0.5])
+        assert list(line(ax, f"usable to {percent:.2f} %, {end:.2f} g")[0]) == pytest.approx(
+            [0.475, 0.475]
+        )
         marks = {text.get_text(): text.xy[0] for text in ax.texts}
         assert marks["0.1 g"] == pytest.approx(1.0 / 6.0)
         assert marks["0.2 g"] == pytest.approx(1.0 / 3.0)
         shaded = [patch.get_extents().transformed(ax.transData.inverted()) for patch in ax.patches]
-        assert shaded[0].x0 == pytest.approx(0.5)
+        assert shaded[0].x0 == pytest.approx(0.475)
         assert shaded[0].x1 == pytest.approx(ax.get_xlim()[1])
 
 
 def test_grey_points_are_explained_in_the_panel(sedan, ramp):
     ax = axes()
     figures.difference(ax, sedan, (measure(sedan, ramp),) * 2)
-    told = [label for label in labels(ax) if "turns" in label]
-    assert told == [rf"above {sedan.paper.z[-1]:.2f} g: $\eta$ turns"]
+    told = [label for label in labels(ax) if "not usable" in label]
+    assert told == [f"above {sedan.paper.z[-1]:.2f} g: not usable"]
     assert labels(ax).count(f"ramps, {figures.FREED}") == 1
 
 
 def test_the_page_begins_with_pads_and_range():
-    # made_table: 0.4 with a sigma of 0.01, 0.39 with 0.02; up to 0.5 % and 0.3 g
+    # made_table: 0.4 with a sigma of 0.01, 0.39 with 0.02; usable up to 0.285 g
     result = figures.sheet(TABLE, "sedan@1").result
     assert "front 0.400\u00a0\u00b1\u00a00.020, rear 0.390\u00a0\u00b1\u00a00.039" in result
-    assert result.endswith("usable up to 0.30\u00a0g")
+    assert result.endswith(f"usable up to {TABLE.paper.z[-2]:.2f}\u00a0g")
+
+
+def test_the_usable_range_is_the_same_in_the_answer_and_in_the_picture():
+    stored = stored_as("sedan@1")
+    last = answer(stored).decelerations[1]
+    assert last == pytest.approx(0.285)
+    assert f"usable up to {last:.2f}" in figures.sheet(stored.table, "sedan@1").result
