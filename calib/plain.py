@@ -10,6 +10,24 @@ NBSP = "\xa0"
 """Space at which no line ends."""
 
 
+def counted(number: int, what: str) -> str:
+    """A number of things.
+
+    >>> counted(1, "log"), counted(2, "log")
+    ('1 log', '2 logs')
+    """
+    return f"{number} {what}{'s' * (number != 1)}"
+
+
+def plus_minus(value: float, half: float) -> str:
+    r"""A value with the half width of its interval, with three decimals, on one line.
+
+    >>> plus_minus(0.38, 0.0236)
+    '0.380\xa0±\xa00.024'
+    """
+    return f"{value:.3f}{NBSP}\N{PLUS-MINUS SIGN}{NBSP}{half:.3f}"
+
+
 @dataclass(frozen=True)
 class Plain:
     """How a metric is shown: ``name``, ``unit`` ("" without one), ``factor`` from SI to it.

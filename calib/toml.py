@@ -10,7 +10,7 @@ from typing import Any
 
 from calib.bounded import TOML, bytes_of
 from calib.errors import InputError
-from calib.units import UnknownUnit, si_of, to_si
+from calib.units import UnknownUnit, is_unit, si_of, to_si
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """A number in a quantity, as a regular expression."""
@@ -56,25 +56,48 @@ def parse_toml(text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text.replace("\r\n", "\n"))
     except tomllib.TOMLDecodeError as cause:
-        raise _with_comma(text, cause) from cause
+        raise _named(text, cause) from cause
     except RecursionError as cause:
         raise ValueError("it is nested too deep") from cause
     except ValueError as cause:  # of Python's int
         raise ValueError("an integer of thousands of digits") from cause
 
 
-_COMMA = re.compile(r"^[ \t]*[\w.\"-]+[ \t]*=[ \t]*[-+]?\d+(,)\d+[ \t]*(?:#.*)?$")
-"""A line whose number has a comma in the place of its point."""
+_BARE = re.compile(
+    r"""[ \t]*([\w."-]+)[ \t]*=[ \t]*([-+]?\d[\d.]*(?:,\d+)?)[ \t]*([^\s"'#,]*)[ \t]*(?:\#.*)?"""
+)
+"""A line of a key and a bare number, which may have a comma, and a unit."""
 
 
-def _with_comma(text: str, cause: ValueError) -> ValueError:
-    """The error of a document that is not TOML; it names a decimal comma where there is one."""
-    for number, line in enumerate(text.splitlines(), start=1):
-        found = _COMMA.match(line)
-        if found:
-            right = f"{line[: found.start(1)]}.{line[found.end(1) :]}".strip()
-            return ValueError(f"a decimal comma in line {number}; write {right!r}")
+def _named(text: str, cause: ValueError) -> ValueError:
+    """The error of a document that is not TOML; it names a decimal comma and missing quotes."""
+    for at, line in enumerate(text.splitlines(), start=1):
+        found = _BARE.fullmatch(line)
+        if found is None:
+            continue
+        key, number, unit = found.groups()
+        if unit and is_unit(unit):
+            right = f'{key} = "{with_point(number)} {unit}"'
+            return ValueError(f"a quantity without quotes in line {at}; write {right!r}")
+        if "," in number and not unit:
+            right = f"{key} = {with_point(number)}"
+            return ValueError(f"a decimal comma in line {at}; write {right!r}")
     return cause
+
+
+_COMMA = re.compile(r"[-+]?\d[\d.]*,\d+")
+
+
+def with_point(written: str) -> str:
+    """A text that begins with a number, with a point for its comma; points in it part thousands.
+
+    >>> with_point("28,84 N.m"), with_point("1.744,5"), with_point("1744.5")
+    ('28.84 N.m', '1744.5', '1744.5')
+    """
+    found = _COMMA.match(written)
+    if found is None:
+        return written
+    return found[0].replace(".", "").replace(",", ".") + written[found.end() :]
 
 
 def toml_bytes(document: Mapping[str, Any]) -> bytes:
@@ -128,7 +151,7 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
             raise error(
                 f"{_short(value)} has a decimal comma",
                 where=where,
-                expected=f"a decimal point: {match[0].strip().replace(',', '.', 1)!r}",
+                expected=f"a decimal point: {with_point(match[0].strip())!r}",
             )
         if match is None:
             wanted = "a number" if dimensionless else f'a quantity such as "1.5 {si}"'

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cli.failure import document_of
 from cli.grid import facts_grid
 from cli.inputs import channel_map_of
 from cli.logs import named, open_table, read, tell
@@ -39,7 +40,9 @@ def check(logs: Logs, channel_map: Map = None, json: Json = False) -> None:
     found, errors = _look(logs, channel_map_of(channel_map))
     if json:
         failed = [{"source": path, "error": str(error)} for path, error in errors]
-        emit_json({"schema": 1, "logs": [to_dict(f) for f in found], "unreadable": failed})
+        document = {"schema": 1, "logs": [to_dict(f) for f in found], "unreadable": failed}
+        first = document_of(errors[0][1]) if errors else {}
+        emit_json({**first, **document})
     else:
         for findings in found:
             emit(line(findings))

@@ -57,9 +57,13 @@ def warn(warnings: Iterable[object]) -> None:
         to.print(str(warning), soft_wrap=True)
 
 
-def emit(renderable: "RenderableType") -> None:
-    """Print a result on stdout; a string without markup, anything else drawn by rich."""
-    _console(sys.stdout).print(renderable, soft_wrap=isinstance(renderable, str))
+def emit(renderable: "RenderableType", whole: bool = False) -> None:
+    """Print a result on stdout; a string without markup, anything else drawn by rich.
+
+    With ``whole`` a drawn line that is wider than the terminal is not cut.
+    """
+    text = isinstance(renderable, str)
+    _console(sys.stdout).print(renderable, soft_wrap=text, crop=not (text or whole))
 
 
 def emit_json(document: object) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+from calib.plain import counted
 from cli.console import emit, emit_json, say, stages
 from cli.inputs import channel_map_of, with_own_effects
 from cli.logs import named, read
@@ -77,7 +78,7 @@ def diagnose(
         for i, path in enumerate(paths):
             tell(f"reading {path.name}", i, len(paths))
             runs.append(read(path, mapping))
-    say(f"searching {len(logs)} log{'s' * (len(logs) > 1)}, confirming on {len(kept)}")
+    say(f"searching {counted(len(logs), 'log')}, confirming on {len(kept)}")
     with stages() as tell:
         found = find(car, runs[: len(logs)], runs[len(logs) :], tell)
         tell("drawing the report", 0, 1)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from calib.plain import counted
 from cli.completion import names_of
 from cli.console import emit, emit_json, json_text, progress, say
 from cli.group import command_group
@@ -57,7 +58,7 @@ def report(
 
     ready_folder(out)
     opened = open_fleet(results, order)
-    say(f"reading {len(opened.logs)} rows, in the order of {opened.ordered_by}")
+    say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
     found = summarise(opened, tuple(metric or ()))
     if out is not None:
         _write(found, results, out)
@@ -89,7 +90,7 @@ def index(
     if json:
         emit_json({"schema": 1, "runs": number, "files": [folder / INDEX, folder / LIVE]})
     else:
-        emit(f"{number} run{'s' * (number != 1)}; {folder / INDEX}")
+        emit(f"{counted(number, 'run')}; {folder / INDEX}")
 
 
 def _write(found: "Summary", results: Path, out: Path) -> None:

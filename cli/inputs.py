@@ -1,5 +1,6 @@
 """Optional input files of commands, and checks of names."""
 
+import math
 from collections.abc import Collection, Sequence
 from datetime import date
 from pathlib import Path
@@ -93,9 +94,24 @@ def quantity_of(written: str, si: str, option: str) -> float:
     from calib.toml import quantity
 
     try:
-        return quantity(written, si, option, InputError)
+        return quantity(written, si, None, InputError)
     except InputError as error:
         raise typer.BadParameter(str(error), param_hint=option) from None
+
+
+def seconds_of(written: str | None, option: str) -> float | None:
+    """A time of an optional option [s]: a quantity, or a plain number of seconds."""
+    if written is None:
+        return None
+    try:
+        plain = float(written)
+    except ValueError:
+        return quantity_of(written, "s", option)
+    if not math.isfinite(plain):
+        raise typer.BadParameter(
+            f'{written!r} is not finite; expected a time such as "1.5 s"', param_hint=option
+        )
+    return plain
 
 
 def mass_of(written: str | None) -> float | None:

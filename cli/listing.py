@@ -114,7 +114,7 @@ def _print(rows: "list[Row]") -> None:
             " ".join(filter(None, (row.serial, row.vin))),
             str(len(row.logs)),
             "/".join(f"{x:.3f}" for x in row.pads or ()),
-            "{:.2f}-{:.2f}".format(*row.decelerations or (0.0, 0.0)),
+            "{:.2f}-{:.2f}".format(*row.usable or (0.0, 0.0)),
             "" if row.band_width is None else f"{100 * row.band_width:.0f} %",
             ", ".join(filter(None, (row.verdict, warned, "signed" if row.keys else ""))),
         )

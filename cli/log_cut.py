@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from cli.console import emit, emit_json, say
-from cli.inputs import channel_map_of
+from cli.inputs import channel_map_of, seconds_of
 from cli.log_convert import KeepNames, check_file, write
 from cli.logs import named, read_whole
 from cli.options import Force, Json, Map, example, out_file
@@ -20,10 +20,12 @@ def cut(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="log to cut")],
     out: Annotated[Path, out_file("File to write: .csv, .parquet or .mf4.")],
     start: Annotated[
-        float | None, typer.Option("--from", metavar="S", help="First time [s]; else the start.")
+        str | None,
+        typer.Option("--from", metavar="TIME", help='First time, 1.5 or "1.5 s"; else the start.'),
     ] = None,
     end: Annotated[
-        float | None, typer.Option("--to", metavar="S", help="Last time [s]; else the end.")
+        str | None,
+        typer.Option("--to", metavar="TIME", help='Last time, 4 or "4 s"; else the end.'),
     ] = None,
     keep_names: KeepNames = False,
     force: Force = False,
@@ -32,9 +34,9 @@ def cut(
 ) -> None:
     """Write the part of a log between two times.
 
-    The times are seconds of the log's own clock. All columns, units and times are kept, also
-    columns that the program does not know. Columns of a --map get their canonical names, unless
-    --keep-names.
+    The times are those of the log's own clock, in seconds unless a unit is given. All columns,
+    units and times are kept, also columns that the program does not know. Columns of a --map get
+    their canonical names, unless --keep-names.
     """
     from calib.logs.cut import cut as cut_log
     from calib.logs.verify import MIN_SAMPLES
@@ -42,10 +44,11 @@ def cut(
     check_file(out, [log], channel_map)
     if start is None and end is None:
         raise typer.BadParameter("give --from, --to or both", param_hint="--from")
-    if start is not None and end is not None and start >= end:
-        raise typer.BadParameter(f"{start:g} s is not before {end:g} s", param_hint="--from")
+    first, last = seconds_of(start, "--from"), seconds_of(end, "--to")
+    if first is not None and last is not None and first >= last:
+        raise typer.BadParameter(f"{first:g} s is not before {last:g} s", param_hint="--from")
     whole = read_whole(log, channel_map_of(channel_map), keep_names)
-    part = cut_log(whole, start, end)
+    part = cut_log(whole, first, last)
     write(part, out, force)
     time, every = part.time, whole.time
     if json:

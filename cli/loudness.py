@@ -39,8 +39,14 @@ def loudness_options() -> list[Any]:
 
 
 def _ask(context: typer.Context, option: typer.CallbackParam, given: bool) -> None:
-    if given and not context.resilient_parsing:
-        setattr(this_run(), str(option.name), True)
+    if not given or context.resilient_parsing:
+        return
+    run = this_run()
+    setattr(run, str(option.name), True)
+    if run.quiet and run.verbose:
+        raise typer.BadParameter(
+            "-q and -v exclude each other", param_hint=["--quiet", "--verbose"]
+        )
 
 
 def _options(

@@ -92,11 +92,10 @@ def _show(page: "Page", json: bool) -> None:
     if json:
         emit_json({"schema": 1, "page": page, "text": page.text})
     elif sys.stdout.isatty():
-        from rich.markdown import Markdown
-
         from calib.manual.page import for_terminal
+        from cli.laid_out import LaidOut
 
-        emit(Markdown(for_terminal(page.text), hyperlinks=False))
+        emit(LaidOut(for_terminal(page.text), hyperlinks=False), whole=True)
     else:
         emit(page.text.rstrip("\n"))
 

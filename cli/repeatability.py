@@ -247,6 +247,8 @@ def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
 
 
 def _report(found: "GaugeStudy") -> None:
+    from calib.gauge.words import conclusion
+
     emit(_grid(found))
     for result in found.results:
         if result.gauge and result.gauge.negative:
@@ -257,6 +259,7 @@ def _report(found: "GaugeStudy") -> None:
     emit("repeatability, reproducibility and cars: standard deviations [1]")
     for note in found.notes:
         emit(f"note: {note}")
+    emit(conclusion(found))
 
 
 def _grid(found: "GaugeStudy") -> "Grid":

@@ -100,7 +100,7 @@ def _facts(stored: "Stored") -> str:
         ("pad scale", _interval(pads.pad_scale)),
         ("pad friction front", _interval(pads.pad_friction_f)),
         ("pad friction rear", _interval(pads.pad_friction_r)),
-        ("deceleration", "{:.3f} to {:.3f} g".format(*table.paper.decelerations)),
+        ("deceleration", "{:.3f} to {:.3f} g".format(*table.paper.usable)),
         ("D peak", "eta {:.5f}, D {:.4f}".format(*table.difference.peak)),
         *((figure, f"{number:.4g}") for figure, number in table.quality.items()),
     ]

@@ -175,11 +175,16 @@ def _pressure(model: "Model", how: Braking) -> float | None:
     """The pressure [Pa] that was asked for, or the one that makes the deceleration."""
     if how.deceleration is None:
         return None if how.pressure is None else quantity_of(how.pressure, "Pa", "--pressure")
+    from calib.errors import ModelError
     from calib.physics.bias import pressure_at
 
     if how.pressure is not None:
         raise typer.BadParameter("not together with --pressure", param_hint="--deceleration")
-    return pressure_at(model, quantity_of(how.deceleration, "m/s^2", "--deceleration"))
+    wanted = quantity_of(how.deceleration, "m/s^2", "--deceleration")
+    try:
+        return pressure_at(model, wanted)
+    except ModelError as error:
+        raise typer.BadParameter(str(error), param_hint="--deceleration") from None
 
 
 def _write(log: "Log", out: Path) -> None:

@@ -190,7 +190,6 @@ def _page(
 def _report(stored: "Stored", results: "list[Validation]") -> None:
     from calib.table.budget import advice_lines
     from calib.validation import words
-    from calib.validation.validate import agreement
 
     for result in results:
         for line in words.lines(result):
@@ -216,13 +215,8 @@ def _report(stored: "Stored", results: "list[Validation]") -> None:
             emit(f"{result.log}: {note}")
     for line in advice_lines(of for result in results for of in result.budget or ()):
         emit(line)
-    together = agreement(results)
-    for road in together.roads if together else ():
-        if road.spread_f is not None and road.spread_r is not None:
-            emit(
-                f"on roads alike, {', '.join(road.stops)}: pad friction differs by up to "
-                f"{100 * road.spread_f:.1f} % front, {100 * road.spread_r:.1f} % rear"
-            )
+    for stops, text in words.on_roads(results):
+        emit(f"{stops}: {text}")
     emit(words.conclusion(stored, results))
 
 

@@ -20,6 +20,7 @@ from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.physics.vehicle import Vehicle
 from calib.physics.vehicle_file import read_vehicle
+from calib.plain import counted
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.validation.limits import DEFAULTS
@@ -248,7 +249,8 @@ def hidden_story(out: Path, say: Say) -> Story:
     car = read_vehicle(source / "vehicle.toml")
     searched = [read_log(path) for path in sorted((source / "calibration").iterdir())]
     held = [read_log(path) for path in sorted((source / "holdout").iterdir())]
-    say(f"diagnosing {car.name}: searching {len(searched)} logs, proving on {len(held)}")
+    logs = counted(len(searched), "log")
+    say(f"diagnosing {car.name}: searching {logs}, proving on {len(held)}")
     found = diagnose(car, searched, held)
     write_folder(found, text_of(found), report_html(found, car.name), out / "diagnosis")
     save_figures({out / "figures" / "diagnosis.png": [sheet(found, car.name).overview()]})

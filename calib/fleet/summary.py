@@ -69,7 +69,10 @@ class Look:
 
 @dataclass(frozen=True)
 class Failure:
-    """Equal errors of different logs: the message without names and numbers."""
+    """Errors of one kind: the ``message`` of the first, their ``count``, some of their ``logs``.
+
+    Messages that differ only in names and numbers are of one kind.
+    """
 
     message: str
     count: int
@@ -202,11 +205,14 @@ def _apart(fleet: FleetFile, looks: tuple[Look, ...], p: Array) -> tuple[Apart, 
 def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[Failure, ...]:
     """Errors grouped by kind, the most frequent first."""
     groups: dict[str, list[str]] = {}
+    messages: dict[str, str] = {}
     for log, error in zip(logs, errors, strict=True):
         if isinstance(error, str):
-            groups.setdefault(kind_of(error, log), []).append(log)
+            kind = kind_of(error, log)
+            groups.setdefault(kind, []).append(log)
+            messages.setdefault(kind, error)
     ranked = sorted(groups.items(), key=lambda item: (-len(item[1]), item[0]))
-    return tuple(Failure(m, len(found), tuple(found[:EXAMPLES])) for m, found in ranked)
+    return tuple(Failure(messages[k], len(logs), tuple(logs[:EXAMPLES])) for k, logs in ranked)
 
 
 def kind_of(error: str, log: str) -> str:

@@ -67,6 +67,10 @@ class GaugeVerdict(StrEnum):
     NOT_JUDGED = "not judged"
 
 
+REFUSED = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)
+"""Verdicts with which a metric does not pass."""
+
+
 @dataclass(frozen=True)
 class GaugeReading:
     """The metrics of one ramp, by name of `METRICS`; its car, station and SHA-256."""
@@ -105,8 +109,7 @@ class GaugeStudy:
     @property
     def passed(self) -> bool:
         """Whether each judged metric is shown to hold its limits."""
-        refused = (GaugeVerdict.BAD, GaugeVerdict.ALIKE)
-        return all(result.verdict not in refused for result in self.results)
+        return all(result.verdict not in REFUSED for result in self.results)
 
     @property
     def cars(self) -> tuple[str, ...]:

@@ -51,7 +51,7 @@ def distribution(ax: "Axes", table: Table) -> None:
     ax.plot(line / 1e3, found * line / 1e3, label=r"$\beta$, pads as identified", **IDENTIFIED)
     ax.plot(line / 1e3, nominal * line / 1e3, label=r"$\beta$, nominal pads", **NOMINAL)
     _constant_decelerations(ax, vehicle, found)
-    end = table.paper.decelerations[1]
+    end = table.paper.usable[1]
     last = beta_point(vehicle, found, end)
     entry = f"usable up to {end:.2f} g"
     ax.plot(last[0] / 1e3, last[1] / 1e3, "|", color=BODY["color"], ms=12.0, mew=1.4, label=entry)

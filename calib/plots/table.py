@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.fitting.settings import SETTINGS
+from calib.plain import plus_minus
 from calib.plots import ramp as ramp_figures
 from calib.plots.budget import bars
 from calib.plots.distribution import distribution
@@ -98,10 +99,8 @@ def sheet(table: Table, name: str, ramps: Ramps = ()) -> Sheet:
 def _result(table: Table) -> str:
     """Pads and usable range in words."""
     pads = (table.calibration.pad_friction_f, table.calibration.pad_friction_r)
-    front, rear = (
-        f"{pad.value:.3f}\u00a0\u00b1\u00a0{pad.ci95[1] - pad.value:.3f}" for pad in pads
-    )
-    last = table.paper.decelerations[1]
+    front, rear = (plus_minus(pad.value, pad.ci95[1] - pad.value) for pad in pads)
+    last = table.paper.usable[1]
     return f"Pad friction front {front}, rear {rear} (95 %); usable up to {last:.2f}\u00a0g"
 
 
@@ -157,7 +156,7 @@ def tyre(ax: "Axes", table: Table, ramps: Ramps = ()) -> None:
 
 def _mark_p(ax: "Axes", table: Table) -> None:
     """Mark the axles on the curve at 0.3 g, if the table reaches there."""
-    low, high = float(table.paper.z.min()), float(table.paper.z.max())
+    low, high = table.paper.decelerations
     if not low <= P <= high + 1e-9:  # a table may end there, with a rounding error
         return
     order = np.argsort(table.paper.z)
@@ -217,7 +216,7 @@ def _over_eta(
     Their entry in the legend is that of the first curve with such points.
     """
     x = 100.0 * (ramp.eta - 1.0)
-    last = table.paper.decelerations[1]
+    last = table.paper.usable[1]
     beyond = ramp.z_free > last
     points(ax, ramp, x, y, ramp.braked & ~beyond, stroke, label)
     grey = f"above {last:.2f} g: not usable"
@@ -232,7 +231,7 @@ MARKED = 0.1
 def _usable(ax: "Axes", table: Table, below: bool = False) -> None:
     """Mark the end of the usable range, and on the line of zero the decelerations up to it."""
     x, z = 100.0 * (table.paper.eta - 1.0), table.paper.z
-    (low, high), end = table.paper.decelerations, 100.0 * (table.paper.etas[1] - 1.0)
+    (low, high), end = table.paper.usable, 100.0 * (table.paper.usable_eta[1] - 1.0)
     label = f"usable to {end:.2f} %, {high:.2f} g"
     ax.axvline(end, label=label, color=BODY["color"], linewidth=0.9, linestyle=LONG)
     _reach(ax, x)

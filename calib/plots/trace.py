@@ -17,6 +17,7 @@ from calib.physics import forces
 from calib.physics.balance import force_balance
 from calib.physics.braking import BITE
 from calib.physics.vehicle import Axle, Vehicle
+from calib.plain import plus_minus
 from calib.plots.result import StoredResult
 from calib.plots.verdict import verdict_of, warned
 from calib.table.budget import AxleBudget
@@ -59,7 +60,7 @@ class AxlePads:
     half: float
 
     def __str__(self) -> str:
-        return f"{self.mean:.3f}\u00a0\u00b1\u00a0{self.half:.3f}"
+        return plus_minus(self.mean, self.half)
 
 
 OF_TABLE, OF_VEHICLE = "of the table", "of the vehicle file"

@@ -6,8 +6,8 @@ from calib.qualification.check import COUNT, Check
 from calib.qualification.material import Material
 
 SIZE = 0.1
-"""Relative tolerance of a parameter: by `calib/manual/diagnosis.md` 92 % of the intervals hold the
-truth, and those of these two parameters are 4 % wide to each side."""
+"""Relative tolerance of a parameter: by the page `diagnosis` of the manual 92 % of the intervals
+hold the truth, and those of these two parameters are 4 % wide to each side."""
 
 
 def _named(case: str, name: str) -> Callable[[Material], float]:

@@ -11,7 +11,9 @@ from pathlib import Path
 from calib.demo.samples import sample_logs
 from calib.errors import InputError
 from calib.fleet.pool import cores
-from calib.qualification.needs import EXTRAS, Need, needs
+from calib.plain import counted
+from calib.qualification.environment import EXTRAS
+from calib.qualification.needs import Need, needs
 from calib.store.folders import names_in, unplaced, versions_in
 
 FINE, NOTE, WRONG = "fine", "note", "wrong"
@@ -96,10 +98,6 @@ def free_memory() -> float | None:
         return None
 
 
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'s' * (number != 1)}"
-
-
 def _store(store: Path) -> Iterator[Finding]:
     if not store.exists():
         yield Finding("store", NOTE, f"{store} is not there", "the first `brake-cal fit` makes it")
@@ -109,7 +107,7 @@ def _store(store: Path) -> Iterator[Finding]:
         yield Finding("store", WRONG, f"{store} {what}", "name another one: --store DIR")
         return
     versions = [len(versions_in(store / name)) for name in names_in(store)]
-    what = f"{store}: {_count(sum(versions), 'version')} of {_count(len(versions), 'table')}"
+    what = f"{store}: {counted(sum(versions), 'version')} of {counted(len(versions), 'table')}"
     writable = os.access(store, os.W_OK)
     what += "" if writable else ", read only"
     what += ", being written by another process" if _is_locked(store) else ""

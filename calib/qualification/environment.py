@@ -8,8 +8,13 @@ from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 
 PROGRAM = "brake-cal"
-FOR_USERS = ("mdf", "can", "sign", "dist")
-"""Extras that change what the program does; the others are for work on its code."""
+EXTRAS = {
+    "mdf": "logs as MDF (.mf4, .mdf, .dat)",
+    "can": "bus logs (.blf, .asc, .trc, candump) with DBC, ARXML, KCD or SYM",
+    "sign": "signatures of tables",
+    "dist": "batch on a Dask scheduler",
+}
+"""Extras that change what the program does, with what each gives; others are for work on it."""
 
 
 def environment() -> dict[str, str]:
@@ -30,7 +35,7 @@ def packages() -> dict[str, str]:
     a folder without being installed.
     """
     found: dict[str, str] = {}
-    waiting = _names(PROGRAM, FOR_USERS)
+    waiting = _names(PROGRAM, EXTRAS)
     while waiting:
         name = waiting.pop()
         if name in found:

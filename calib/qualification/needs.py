@@ -5,15 +5,7 @@ import re
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, metadata, version
 
-from calib.qualification.environment import PROGRAM, declared
-
-EXTRAS = {
-    "mdf": "logs as MDF (.mf4, .mdf, .dat)",
-    "can": "bus logs (.blf, .asc, .trc, candump) with DBC, ARXML, KCD or SYM",
-    "sign": "signatures of tables",
-    "dist": "batch on a Dask scheduler",
-}
-"""Extras for users, with what each gives."""
+from calib.qualification.environment import EXTRAS, PROGRAM, declared
 
 
 @dataclass(frozen=True)

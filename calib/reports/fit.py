@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from calib.logs.log import Log
 from calib.physics.mass import MassUsed
+from calib.plain import plus_minus
 from calib.plots.measured import measure
 from calib.plots.table import sheet
 from calib.reports.html import drawn, page
@@ -35,8 +36,8 @@ def report_html(stored: Stored, ramps: Sequence[Log], mass: MassUsed, origin: Or
         heading=_heading(len(table.warnings)),
         headline=f"{stored.id} is {verdict(stored)}.",
         key_figures=[
-            ("front pads", _with_interval(cal.pad_friction_f)),
-            ("rear pads", _with_interval(cal.pad_friction_r)),
+            ("front pads", _pads(cal.pad_friction_f)),
+            ("rear pads", _pads(cal.pad_friction_r)),
             ("of the vehicle file's", f"{100.0 * cal.pad_scale.value:.1f} %"),
             ("usable up to", f"{found.decelerations[1]:.2f} g"),
         ],
@@ -71,9 +72,8 @@ def _heading(warnings: int) -> str:
     return f"Fitted, with {warnings} warning{'s' * (warnings > 1)}"
 
 
-def _with_interval(value: Value) -> str:
-    low, high = value.ci95
-    return f"{value.value:.3f} \N{PLUS-MINUS SIGN} {0.5 * (high - low):.3f}"
+def _pads(value: Value) -> str:
+    return plus_minus(value.value, value.ci95[1] - value.value)
 
 
 def _figures(stored: Stored) -> list[tuple[str, ...]]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from calib.plain import NBSP, plain
+from calib.plain import NBSP, plain, plus_minus
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.station import pads_over_time
 from calib.plots.stop import sheet as stop_sheet
@@ -19,7 +19,6 @@ from calib.validation.validate import (
     CALIBRATION,
     NO_HOLDOUT,
     Validation,
-    agreement,
     all_warnings,
 )
 
@@ -85,11 +84,7 @@ def _limits(found: list[Validation]) -> list[tuple[str, str]]:
             rows.append((result.log, f"{100 * share:.0f} % of the braked samples: {why}"))
         for axle, of in zip(("front", "rear"), result.budget or (), strict=False):
             rows.append((f"{result.log}, {axle} pads", of.words))
-    together = agreement(found)
-    if together is not None:
-        text = f"up to {100 * together.spread_f:.1f} % front, {100 * together.spread_r:.1f} % rear"
-        rows.append(("Pads from stop to stop", text))
-    return rows
+    return rows + words.on_roads(found)
 
 
 def _kind(result: Validation) -> str:
@@ -116,7 +111,7 @@ def _figures(result: Validation, table: Table, truth: bool) -> tuple[str, ...]:
 def _pads(mu: float | None, width: float | None) -> str:
     if mu is None or width is None:
         return "not known"
-    return f"{mu:.3f} \N{PLUS-MINUS SIGN} {mu * width:.3f}"
+    return plus_minus(mu, mu * width)
 
 
 def _stop(number: int, result: Validation, trace: StopTrace) -> dict[str, object]:

@@ -42,7 +42,7 @@ def own_level(table: Table) -> float:
 
 def own_share(table: Table, eta: Array) -> Array:
     """Share of the own errors in the variance of D at ``eta`` (n,), 0 to 1, by the delta method."""
-    z = np.linspace(0.0, float(np.max(table.paper.z)), SETTINGS.rows)
+    z = np.linspace(0.0, table.paper.decelerations[1], SETTINGS.rows)
 
     def D(x: RampParameters[float]) -> Array:
         p = path(table.vehicle, x, z)

@@ -1,4 +1,4 @@
-"""The page of an index of runs: the last car, the last runs with their verdicts, and trends."""
+"""The page of an index of runs: the last car, the last runs by their verdicts, and trends."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from calib.station.index import INDEX, LIVE, TRENDS, UNREADABLE, Run, runs_below
 from calib.station.words import HEADINGS
 
 LAST = 30
-"""Runs that are shown in full; the others are in a list below."""
+"""Runs that are shown in full, failed ones on top; the others are in a list below."""
 
 DRAWN = 200
 """Runs in a trend, the last of them."""
@@ -70,9 +70,16 @@ def index_html(runs: Sequence[Run], name: str, every: int = 0) -> str:
         counts=[("cars", len(runs)), *((_word(w), n) for w, n in counts.items() if n)],
         trends=[line for key in TRENDS if (line := trend(runs, key)) is not None],
         drawn=DRAWN,
-        rows=[_row(run) for run in runs[:LAST]],
+        rows=[_row(run) for run in worst_first(runs[:LAST])],
+        shown=LAST,
         more=[_row(run) for run in runs[LAST:]],
     )
+
+
+def worst_first(runs: Sequence[Run]) -> list[Run]:
+    """The runs by verdict, failed ones first; those of one verdict keep their order."""
+    ranks = ("failed", "warning", "passed")
+    return sorted(runs, key=lambda run: ranks.index(KINDS.get(run.verdict, "failed")))
 
 
 def trend(runs: Sequence[Run], key: str) -> Line | None:

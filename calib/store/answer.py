@@ -31,8 +31,8 @@ def answer(stored: Stored) -> Answer:
     return Answer(
         usable=state.released,
         may=("yes: " if state.released else "no: ") + state.words,
-        decelerations=table.paper.decelerations,
-        eta=table.paper.etas,
+        decelerations=table.paper.usable,
+        eta=table.paper.usable_eta,
         ends=_ends(table),
         limit=_limit(table),
         next=_next(stored),

@@ -15,9 +15,9 @@ class Row:
     """One version in a list.
 
     ``date`` when it was stored, "" where no journal knows; ``pads`` front and rear [1] and
-    ``decelerations`` of its curves [1], None where it cannot be read, as ``flaw`` then says;
-    ``band_width`` as `band_width`; ``verdict`` of the evidence of its state; ``warnings`` of its
-    fit; ``keys`` that signed it, unverified.
+    ``decelerations`` of its curves and their ``usable`` range [1], None where it cannot be read, as
+    ``flaw`` then says; ``band_width`` as `band_width`; ``verdict`` of the evidence of its state;
+    ``warnings`` of its fit; ``keys`` that signed it, unverified.
     """
 
     id: str
@@ -31,6 +31,7 @@ class Row:
     logs: tuple[str, ...]
     pads: tuple[float, float] | None
     decelerations: tuple[float, float] | None
+    usable: tuple[float, float] | None
     band_width: float | None
     verdict: str
     warnings: int
@@ -64,6 +65,7 @@ def row_of(entry: StoreEntry) -> Row:
         logs=tuple(log.name for log in table.provenance.logs) if table else (),
         pads=(pads.pad_friction_f.value, pads.pad_friction_r.value) if pads else None,
         decelerations=table.paper.decelerations if table else None,
+        usable=table.paper.usable if table else None,
         band_width=band_width(table) if table else None,
         verdict=state.verdict,
         warnings=len(table.warnings) if table else 0,

@@ -84,12 +84,17 @@ class PaperCurves:
 
     @property
     def decelerations(self) -> tuple[float, float]:
+        """Least and greatest z [1] of all rows, extrapolated ones too."""
+        return float(np.min(self.z)), float(np.max(self.z))
+
+    @property
+    def usable(self) -> tuple[float, float]:
         """Least and greatest z [1] of the known rows: the range in which the table is usable."""
         z = self.z[self.known]
         return float(np.min(z)), float(np.max(z))
 
     @property
-    def etas(self) -> tuple[float, float]:
+    def usable_eta(self) -> tuple[float, float]:
         """Least and greatest eta [1] of the known rows."""
         eta = self.eta[self.known]
         return float(np.min(eta)), float(np.max(eta))

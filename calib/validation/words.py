@@ -12,7 +12,7 @@ from calib.store.state import DRAFT
 from calib.store.version import Stored
 from calib.validation.limits import Judgement
 from calib.validation.metrics import METRICS
-from calib.validation.validate import CALIBRATION, NO_HOLDOUT, Validation
+from calib.validation.validate import CALIBRATION, NO_HOLDOUT, Validation, agreement
 from calib.validation.warnings import pads_apart
 
 Array = NDArray[np.float64]
@@ -62,6 +62,20 @@ def outcome(stored: Stored, results: Sequence[Validation]) -> str:
         return f"{head}; next: validate again without the logs of the fit"
     failed = ", ".join(result.log for result in results if not result.passed)
     return f"{head}, not {failed}; next: look at it with `brake-cal check` and `brake-cal plot`"
+
+
+def on_roads(results: Sequence[Validation]) -> list[tuple[str, str]]:
+    """Of each road with several stops: their names, and how far their pads are apart."""
+    together = agreement(list(results))
+    return [
+        (
+            ", ".join(road.stops),
+            "on roads alike, pad friction differs from the mean by up to "
+            f"{100.0 * road.spread_f:.1f} % front and {100.0 * road.spread_r:.1f} % rear",
+        )
+        for road in (together.roads if together else ())
+        if road.spread_f is not None and road.spread_r is not None
+    ]
 
 
 def _with_warnings(count: int, joined: str = ", ") -> str:

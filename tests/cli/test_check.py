@@ -66,6 +66,9 @@ def test_json_is_one_document(tmp_path):
     document = json.loads(result.stdout)
     assert document["logs"][0]["log"] == "coast"
     assert "no such file" in document["unreadable"][0]["error"]
+    assert document["error"]["exit_code"] == 3
+    assert document["error"]["what"] == "no such file"
+    assert "error" not in json.loads(run("--json", SEDAN / "coast.csv").stdout)
 
 
 def test_channel_map(tmp_path):

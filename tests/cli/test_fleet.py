@@ -14,7 +14,7 @@ def test_a_report_is_written_and_told(brake_cal, tmp_path):
     assert ran.code == 0, ran.err
     assert ran.out.startswith("Pad friction, front drifts; ")
     assert "line/car134.csv stands apart: Pad friction, front 0.550" in ran.out
-    assert "3 x LOG: <b>ends</b> at # s" in ran.out
+    assert "3 x line/car14.csv: <b>ends</b> at " in ran.out
     assert sorted(p.name for p in out.iterdir()) == [
         "fleet.json",
         "pad_friction_f.png",

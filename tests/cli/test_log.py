@@ -55,12 +55,24 @@ def test_cut_says_what_it_kept(brake_cal, tmp_path):
     np.testing.assert_array_equal(part["omega_fl"], log["omega_fl"][500:1201])
 
 
+def test_cut_takes_times_with_units(brake_cal, tmp_path):
+    for options in (("2.5", "6"), ("2.5 s", "6000 ms"), ("2500ms", "0.1 min")):
+        out = tmp_path / "cut.csv"
+        ran = brake_cal("log", "cut", RAMP, "--from", options[0], "--to", options[1], "--out", out)
+        assert (ran.code, ran.err) == (0, "")
+        assert "701 of 1800 rows, 2.5 to 6 s" in ran.out
+
+
 @pytest.mark.parametrize(
     ("options", "code", "says"),
     [
         (("--from", 50), 3, "no sample from 50 s"),
         (("--from", 5, "--to", 4), 2, "5 s is not before 4 s"),
         ((), 2, "give --from, --to or both"),
+        (("--from", "1,5"), 2, "'1,5' has a decimal comma; expected a decimal point: '1.5'"),
+        (("--to", "1 bar"), 2, "a unit of pressure, not of time"),
+        (("--from", "early"), 2, 'expected a quantity such as "1.5 s"'),
+        (("--from", "nan"), 2, "not finite"),
     ],
 )
 def test_a_cut_that_makes_no_sense_writes_nothing(brake_cal, tmp_path, options, code, says):

@@ -27,6 +27,14 @@ def test_quiet_prints_the_same_result_and_nothing_else(brake_cal, said, tmp_path
     assert quiet.out == usual.out.replace(str(tmp_path / "a"), str(tmp_path / "b"))
 
 
+@pytest.mark.parametrize("words", [("-q", "-v", "check"), ("-v", "check", "-q"), ("check", "-qv")])
+def test_quiet_and_verbose_exclude_each_other(brake_cal, words):
+    ran = brake_cal(*words, SEDAN / "coast.csv")
+    assert ran.code == 2
+    assert "-q and -v exclude each other" in ran.err
+    assert ran.out == ""
+
+
 def test_quiet_hides_no_error(brake_cal, tmp_path):
     ran = brake_cal("check", tmp_path / "none.csv", "-q")
     assert "no such file" in ran.err

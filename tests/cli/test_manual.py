@@ -1,8 +1,12 @@
 """`brake-cal manual`."""
 
 import json
+from io import StringIO
+
+from rich.console import Console
 
 from calib.manual.page import contents
+from cli.laid_out import LaidOut
 
 
 def test_without_a_name_it_lists_the_pages(brake_cal):
@@ -21,6 +25,17 @@ def test_a_page_is_printed_as_it_was_written_where_nobody_watches(brake_cal):
     assert (ran.code, ran.out) == (0, page.text)
     told = json.loads(brake_cal("manual", "vehicle_file", "--json").out)
     assert (told["page"]["title"], told["text"]) == ("The vehicle file", page.text)
+
+
+def test_lines_of_code_are_not_broken_on_a_narrow_terminal():
+    long = "word " * 40
+    console = Console(file=StringIO(), width=80, force_terminal=True, color_system=None)
+    page = LaidOut(f"Text {long}\n\n```text\n{long}\n\n  next\n```\n")
+    console.print(page, crop=False)
+    lines = console.file.getvalue().splitlines()
+    assert f" {long.rstrip()}" in [line.rstrip() for line in lines]
+    assert "   next" in [line.rstrip() for line in lines]
+    assert max(len(line) for line in lines if line.startswith("Text")) <= 80
 
 
 def test_a_misspelt_page_is_told_the_right_one(brake_cal):

@@ -1,4 +1,4 @@
-"""`--effect`: what `calib/manual/own_effect.md` says, done as it is printed there."""
+"""`--effect`: what the page `own_effect` of the manual says, done as it is printed there."""
 
 import json
 import re

@@ -110,6 +110,8 @@ def test_a_deceleration_is_about_reached(tmp_path):
         (("--manoeuvre", "stop", "--deceleration", "0.4"), "no unit"),
         (("--manoeuvre", "stop", "--deceleration", "0.4 g", "--pressure", "9 bar"), "together"),
         (("--manoeuvre", "coast", "--deceleration", "0.4 g"), "takes no pressure"),
+        (("--manoeuvre", "stop", "--deceleration", "-0.4 g"), "expected more than zero"),
+        (("--manoeuvre", "stop", "--deceleration", "1.6 g"), "the rear wheels of sedan-2up lock"),
         (("--manoeuvre", "ramp", "--noise", -1), "--noise"),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 from calib.station import index
 from calib.station.document import to_dict, to_text
 from calib.station.index import runs_below
-from calib.station.index_page import write_index
+from calib.station.index_page import index_html, worst_first, write_index
 
 
 @pytest.fixture
@@ -35,6 +35,18 @@ def test_the_last_car_is_first_with_its_verdict_and_next_step(folder):
     assert 'http-equiv="refresh" content="10"' in (folder / "live.html").read_text()
     assert page.count("<polyline") == 4
     assert "102.0" in page  # the last pad scale
+
+
+def test_failed_runs_stand_on_top_of_the_recent_ones(folder):
+    """Of five runs, from the newest: passed, failed, warning, damaged, failed."""
+    verdicts = ("passed", "failed", "warning", index.UNREADABLE, "failed")
+    runs = [index.Run(f"car-{i}", 10.0 - i, word) for i, word in enumerate(verdicts)]
+    assert [run.place for run in worst_first(runs)] == [f"car-{i}" for i in (1, 3, 4, 2, 0)]
+    page = index_html(runs, "line")
+    rows = page[page.index("<tbody>") :]
+    assert rows.index("car-4") < rows.index("car-2") < rows.index("car-0")
+    assert page.index("car-0: Passed") < page.index("<tbody>")  # the last car is the headline
+    assert "Failed ones on top" in page
 
 
 def test_only_a_new_run_is_read(folder, monkeypatch):

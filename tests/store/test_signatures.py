@@ -1,4 +1,4 @@
-"""Each promise of signatures in `calib/manual/signatures.md` by a test of its name."""
+"""Each promise on the page `signatures` of the manual by a test of its name."""
 
 import hashlib
 import shutil

@@ -5,7 +5,7 @@
 
 Of each of them ``--count`` cases of the plant in tests/support/hidden, severities in turn. With
 ``--top`` ramps and hard stops reach that deceleration over g. The figures are in
-`calib/manual/own_effect.md`.
+the page `own_effect` of the manual.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """The matrix of bad input: each kind of file and each channel against each fault.
 
 `tests/test_bad_input_page.py` runs every cell, and compares it with the tables of
-`calib/manual/bad_input.md`, which this writes: `python -m tests.support.bad_input`.
+the page `bad_input` of the manual, which this writes: `python -m tests.support.bad_input`.
 """
 
 import random

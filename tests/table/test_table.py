@@ -127,14 +127,18 @@ def test_a_missing_part_is_refused(table):
 
 def test_peak_and_decelerations_are_those_of_the_closed_form(table):
     assert table.difference.peak == pytest.approx((1.005, C * 0.005), rel=1e-12)
+    assert table.paper.decelerations == pytest.approx((0.0, K * 0.005), rel=1e-12)
+
+
+def test_the_usable_range_ends_with_the_last_measured_row(table):
     # the last of 21 rows is extrapolated
-    assert table.paper.decelerations == pytest.approx((0.0, K * 0.00475), rel=1e-12)
-    assert table.paper.etas == pytest.approx((1.0, 1.00475), rel=1e-12)
+    assert table.paper.usable == pytest.approx((0.0, K * 0.00475), rel=1e-12)
+    assert table.paper.usable_eta == pytest.approx((1.0, 1.00475), rel=1e-12)
 
 
 def test_a_table_without_any_measured_row_is_usable_nowhere(table):
     bare = replace(table.paper, flag=np.full_like(table.paper.flag, EXTRAPOLATED))
-    assert bare.decelerations == (0.0, 0.0)
+    assert bare.usable == (0.0, 0.0)
 
 
 def test_interval_holds_95_percent_of_a_normal():
