@@ -28,6 +28,16 @@ def plus_minus(value: float, half: float) -> str:
     return f"{value:.3f}{NBSP}\N{PLUS-MINUS SIGN}{NBSP}{half:.3f}"
 
 
+def signed_percent(share: float) -> str:
+    r"""A change in whole percent with its sign; no sign where it rounds to nothing.
+
+    >>> signed_percent(0.014), signed_percent(-0.003)
+    ('+1\xa0%', '0\xa0%')
+    """
+    whole = round(100.0 * share)
+    return f"{whole:+d}{NBSP}%" if whole else f"0{NBSP}%"
+
+
 @dataclass(frozen=True)
 class Plain:
     """How a metric is shown: ``name``, ``unit`` ("" without one), ``factor`` from SI to it.

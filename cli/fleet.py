@@ -150,7 +150,8 @@ def _report(found: "Summary") -> None:
     emit(headline(found))
     emit(", ".join(f"{count} {name}" for name, count in found.status.items()))
     for failure in found.failures:
-        emit(f"{failure.count} x {failure.message} (such as {', '.join(failure.logs)})")
+        others = f" (also {', '.join(failure.logs[1:])})" if failure.count > 1 else ""
+        emit(f"{failure.count} x {failure.message}{others}")
     for look in found.looks:
         if look.drifts:
             emit(f"{look.metric.name} drifts: {described(found, look)}")

@@ -132,7 +132,10 @@ def _check_usage(
     if log is not None and given:
         raise typer.BadParameter("only with --manoeuvre; a log has its own", param_hint=given)
     if manoeuvre is not None and manoeuvre not in NAMES:
-        raise typer.BadParameter(f"one of {', '.join(NAMES)}", param_hint="--manoeuvre")
+        raise typer.BadParameter(
+            f"no manoeuvre {manoeuvre!r}; expected one of {', '.join(NAMES)}",
+            param_hint="--manoeuvre",
+        )
     refuse_ending(out, (".csv", ".parquet"))
     refuse_folder(out)
     refuse_overwriting([out], [log] if log else [])

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from calib.plain import NBSP, plain, plus_minus
+from calib.plain import plain, plus_minus, signed_percent
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.station import pads_over_time
 from calib.plots.stop import sheet as stop_sheet
@@ -102,7 +102,7 @@ def _figures(result: Validation, table: Table, truth: bool) -> tuple[str, ...]:
     for axle, ramp in (("f", cal.pad_friction_f), ("r", cal.pad_friction_r)):
         mu = f[f"pad_friction_{axle}"]
         cells.append(_pads(mu, f[f"interval_{axle}"]))
-        cells.append("" if mu is None else f"{100.0 * (mu / ramp.value - 1.0):+.0f}{NBSP}%")
+        cells.append("" if mu is None else signed_percent(mu / ramp.value - 1.0))
     names = ("valid_share", *(("torque_error_f", "torque_error_r") if truth else ()))
     cells += [plain(name).with_unit(f[name]) for name in names]
     return result.log, *cells, words.word(result)
