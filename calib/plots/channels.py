@@ -126,4 +126,10 @@ def _legend(made: "Figure", events: tuple[RunEvent, ...]) -> None:
         for kind in kinds
     ]
     if marks:
-        made.legend(handles=marks, loc="upper right", ncols=len(marks), bbox_to_anchor=(0.99, 1.0))
+        made.legend(
+            handles=marks,
+            loc="upper right",
+            ncols=len(marks),
+            bbox_to_anchor=(0.99, 1.0),
+            borderaxespad=0.9,  # at the height of the title
+        )

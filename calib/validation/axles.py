@@ -27,7 +27,7 @@ GAIN = 1.1
 """Friction of the rear pads over that on the ramp [1] that no weak front pads explain.
 
 Swapped wheel speeds need 1.2 or more, beside weak front pads the rear ones keep theirs
-(`tests/validation/test_axles.py`)."""
+(`tests/studies/weak_pads.py`)."""
 
 
 def require_same_axles(table: Table, log: Log, e: Estimate) -> None:
