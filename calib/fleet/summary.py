@@ -122,9 +122,9 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     known = {name: np.flatnonzero(np.isfinite(x)) for name, x in values.items()}
     # the column that orders the line always increases along it
     along = {name: x[known[name]] for name, x in values.items() if name != fleet.ordered_by}
-    changes = _changes(along)
-    drifting = named(np.array([c.p if c else np.nan for c in changes.values()]), DRIFT)
-    drifts = dict(zip(changes, drifting, strict=True))
+    tested, significant = drifting(list(along.values()))
+    changes = dict(zip(along, tested, strict=True))
+    drifts = dict(zip(along, significant, strict=True))
     looks = tuple(
         Look(
             m,
@@ -151,11 +151,18 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     )
 
 
-def _changes(lines: dict[str, Array]) -> dict[str, LevelChange | None]:
-    """Change of each metric; None if even a clear step could not be significant."""
-    found = {name: change(x) for name, x in lines.items()}
-    enough = DRIFT / max(sum(c is not None for c in found.values()), 1)
-    return {n: c if c and least_p(lines[n].size) <= enough else None for n, c in found.items()}
+def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[bool]]:
+    """Change of each metric in the order of the line, and whether it is significant among all.
+
+    None if even a clear step could not be significant.
+    """
+    found = [change(x) for x in lines]
+    enough = DRIFT / max(sum(c is not None for c in found), 1)
+    tested = [
+        c if c and least_p(x.size) <= enough else None for c, x in zip(found, lines, strict=True)
+    ]
+    p = np.array([c.p if c else np.nan for c in tested])
+    return tested, named(p, DRIFT).tolist()
 
 
 def _chosen(fleet: FleetFile, wanted: tuple[str, ...]) -> tuple[ResultColumn, ...]:
