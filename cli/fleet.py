@@ -145,7 +145,8 @@ def _pictures(found: "Summary") -> "dict[str, tuple[bytes, Picture]]":
 
 
 def _report(found: "Summary") -> None:
-    from calib.reports.fleet import described, headline, reason
+    from calib.plain import plain
+    from calib.reports.fleet import described, headline, reach, reason
 
     emit(headline(found))
     emit(", ".join(f"{count} {name}" for name, count in found.status.items()))
@@ -154,8 +155,11 @@ def _report(found: "Summary") -> None:
         emit(f"{failure.count} x {failure.message}{others}")
     for look in found.looks:
         if look.drifts:
-            emit(f"{look.metric.name} drifts: {described(found, look)}")
+            name = plain(look.metric.name, look.metric.unit).name
+            emit(f"{name} drifts: {described(found, look)}")
     for car in found.apart[:SHOWN]:
         emit(f"{car.log} stands apart: {'; '.join(reason(found, o) for o in car.reasons)}")
     if len(found.apart) > SHOWN:
         emit(f"and {len(found.apart) - SHOWN} more, see --json or fleet.json")
+    if told := reach(found):
+        emit(told)

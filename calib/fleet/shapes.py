@@ -85,7 +85,8 @@ def _at(tables: Array, u: Array) -> Array:
     at = np.clip((np.arcsinh(u) + _REACH) / _STEP, 0.0, tables.shape[1] - 1.001)
     i = at.astype(np.intp)
     part = at - i
-    return np.asarray(tables[:, i] * (1.0 - part) + tables[:, i + 1] * part)
+    low, high = tables.take(i, axis=1), tables.take(i + 1, axis=1)
+    return np.asarray(low + (high - low) * part)
 
 
 def _scales(bulk: Bulk) -> Array:

@@ -66,6 +66,13 @@ class Look:
     drifts: bool
     outlying: NDArray[np.bool_]
 
+    @property
+    def others(self) -> tuple[float, float]:
+        """5 and 95 % of the values that stand not apart; of all if none or each does."""
+        kept = self.values[~self.outlying]
+        low, high = np.quantile(kept if kept.size else self.values, [0.05, 0.95])
+        return float(low), float(high)
+
 
 @dataclass(frozen=True)
 class Failure:

@@ -1,11 +1,13 @@
 """One metric of a fleet: its distribution, and its values in the order of the line.
 
-distribution   bars of cars, median, 5 to 95 %, outliers as marks below, beyond the axis as arrows
-in order       cars as points, centre and 3 sigma; where the level changes, both levels and the
-               alarms of the run rules
+distribution   bars of cars, median, 5 to 95 %, the limits beyond which a car is named, outliers as
+               marks below, beyond the axis as arrows
+in order       cars as points, centre and the same limits; where the level changes, both levels,
+               3 sigma of a steady line and the alarms of the run rules
 """
 
 import re
+import textwrap
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -17,18 +19,34 @@ from calib.fleet.control_chart import FEWEST, RULES
 from calib.fleet.summary import Look, Summary
 from calib.plain import plain
 from calib.plots.sheet import Panel, Sheet
-from calib.plots.style import BODY, DASHED, FRONT, IDENTIFIED, NOMINAL, REAR, SHADE
+from calib.plots.style import (
+    BODY,
+    DASHED,
+    DOTTED,
+    FRONT,
+    IDENTIFIED,
+    NOMINAL,
+    REAR,
+    SHADE,
+    Stroke,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+EDGE: Stroke = {"color": REAR["color"], "linestyle": DOTTED, "linewidth": 1.4}
+
 DOTS = 2000
 """Above this number of cars the points are drawn as a raster image, not as vectors."""
 
-LIMITS = "3 sigma (1 log in 370 outside)"
+LIMITS = "3 sigma of a steady line"
 
-TAIL = 6.0
-"""Range of the axes about the median, in scales; a value beyond is a mark at the edge."""
+LINE = 32
+"""Letters of an axis' name that fit beside a panel."""
+
+TAIL, WIDEST = 6.0, 20.0
+"""Range of the axes about the median, in scales; a value beyond is a mark at the edge. It grows to
+the second one where the limits beyond which a log is named are wider."""
 
 
 def sheet(found: Summary, look: Look) -> Sheet:
@@ -53,10 +71,12 @@ def distribution(ax: "Axes", look: Look) -> None:
     low, high = window(look)
     inside = look.values[(look.values >= low) & (look.values <= high)]
     bins = int(np.clip(2.0 * np.sqrt(inside.size), 5, 60))
-    ax.hist(inside, bins=bins, range=(low, high), color="#8DB9DA", linewidth=0.0)
-    five, _, _, ninety = look.spread.quantiles
-    ax.axvspan(five, ninety, color=SHADE, linewidth=0.0, zorder=0, label="90 % of the logs")
+    ax.hist(inside, bins=bins, color="#8DB9DA", linewidth=0.0)
+    share = "90 % of the others" if look.outlying.any() else "90 % of the logs"
+    ax.axvspan(*look.others, color=SHADE, linewidth=0.0, zorder=0, label=share)
     ax.axvline(look.spread.median, color=FRONT["color"], label="median")
+    for edge, label in _edges(look, low, high):
+        ax.axvline(edge, label=label, **EDGE)
     for part, marker, label in _outliers(look, low, high, "<>"):
         # x in axes coordinates and not clipped: marks at the edge for values beyond it
         far = np.clip(look.values[part], low, high)
@@ -65,7 +85,7 @@ def distribution(ax: "Axes", look: Look) -> None:
     ax.set_xlim(*_room(low, high))
     ax.locator_params(axis="x", nbins=4)
     ax.locator_params(axis="y", integer=True)
-    ax.set(xlabel=_axis(look), ylabel="logs")
+    ax.set(xlabel=textwrap.fill(_axis(look), 2 * LINE), ylabel="logs")
 
 
 def in_order(ax: "Axes", found: Summary, look: Look) -> None:
@@ -76,10 +96,12 @@ def in_order(ax: "Axes", found: Summary, look: Look) -> None:
     ax.plot(x, y, ".", color=NOMINAL["color"], ms=2.0 if many else 4.0, alpha=0.5, rasterized=many)
     if look.chart is not None:
         ax.axhline(look.chart.centre, color=BODY["color"], linewidth=0.8, label="median")
+    for edge, label in _edges(look, low, high):
+        ax.axhline(edge, label=label, **EDGE)
+    if look.chart is not None and look.drifts:
         shown = [end for end in look.chart.limits if low <= end <= high]
         for end, label in zip(shown, (LIMITS, None), strict=False):
             ax.axhline(end, color=BODY["color"], linestyle=DASHED, linewidth=0.8, label=label)
-    if look.chart is not None and look.drifts:
         alarm = np.logical_or.reduce([look.chart.alarms[rule] for rule in RULES])
         if alarm.any():
             label = "run rule broken"
@@ -95,7 +117,7 @@ def in_order(ax: "Axes", found: Summary, look: Look) -> None:
     ax.set_xlim(0.0, len(found.logs) + 1.0)
     ax.locator_params(axis="x", integer=True)
     ordered_by = found.ordered_by.replace("$", r"\$")
-    ax.set(xlabel=f"log, ordered by {ordered_by}", ylabel=_axis(look))
+    ax.set(xlabel=f"log, ordered by {ordered_by}", ylabel=textwrap.fill(_axis(look), LINE))
 
 
 def _outliers(
@@ -116,14 +138,29 @@ def _outliers(
             yield part, marker, label or f"stands apart: {ends}"
 
 
+def _edges(look: Look, low: float, high: float) -> Iterator[tuple[float, str | None]]:
+    """Limits beyond which a log is named, NaN if outside of the axes; the first with its label."""
+    finite = [edge for edge in look.spread.edges or () if np.isfinite(edge)]
+    places = int(np.clip(2 - np.floor(np.log10(high - low)), 0, 10))
+    told = "named beyond " + " or ".join(f"{edge:.{places}f}" for edge in finite)
+    seen = [edge if low <= edge <= high else np.nan for edge in finite]
+    if not np.isfinite(seen).any():
+        told += " (not in view)"
+    yield from zip(seen, (told, None), strict=False)
+
+
 def window(look: Look) -> tuple[float, float]:
-    """Range of the axes: all values, but at most `TAIL` scales from the median."""
+    """Range of the axes: all values, but at most `TAIL` scales from the median, and the limits."""
     low, high = float(np.min(look.values)), float(np.max(look.values))
     reach = TAIL * look.spread.scale
     if look.chart is not None:
         reach = max(reach, 3.5 * look.chart.sigma)
     if reach > 0.0 and look.values.size >= FEWEST:
         low, high = max(low, look.spread.median - reach), min(high, look.spread.median + reach)
+    for edge in look.spread.edges or ():
+        away = edge - look.spread.median
+        if abs(away) <= WIDEST * look.spread.scale:  # a mark beyond the limit has room, too
+            low, high = min(low, edge + 0.1 * away), max(high, edge + 0.1 * away)
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 
@@ -137,10 +174,11 @@ def in_unit(look: Look) -> Look:
     if k == 1.0:
         return look
     q = (k * s.quantiles[0], k * s.quantiles[1], k * s.quantiles[2], k * s.quantiles[3])
+    edges = s.edges and (k * s.edges[0], k * s.edges[1])
     return replace(
         look,
         values=k * look.values,
-        spread=replace(s, median=k * s.median, scale=k * s.scale, quantiles=q),
+        spread=replace(s, median=k * s.median, scale=k * s.scale, quantiles=q, edges=edges),
         chart=chart and replace(chart, centre=k * chart.centre, sigma=k * chart.sigma),
         change=c and replace(c, before=k * c.before, after=k * c.after),
     )

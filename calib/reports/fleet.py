@@ -85,6 +85,7 @@ def report_html(found: Summary, title: str, pictures: Mapping[str, Picture]) -> 
             for s in found.shares
         ],
         ordered_by=_ordered_by(found),
+        reach=reach(found),
         share=outliers.SHARE,
         fewest=outliers.FEWEST,
         fewest_by_chance=FEWEST_BY_CHANCE,
@@ -94,11 +95,34 @@ def report_html(found: Summary, title: str, pictures: Mapping[str, Picture]) -> 
     )
 
 
+def reach(found: Summary) -> str:
+    """How far from the others a log must be to be named, in words; "" if none can be judged."""
+    ratios = [
+        min(abs(edge - s.median) for edge in s.edges) / s.scale
+        for look in found.looks
+        if (s := look.spread).edges is not None and s.scale > plain(look.metric.name).step
+    ]
+    if not ratios:
+        return ""
+    least, middle, most = np.quantile(ratios, [0.0, 0.5, 1.0], method="nearest")
+    logs = _count(max(look.spread.count for look in found.looks), "log", "logs")
+    if not np.isfinite(middle):
+        return f"{logs} are too few to tell one apart in a typical metric, however far away it is."
+    text = (
+        f"Among {logs} only one that is far away can be told apart: {middle:.1f} times the usual "
+        "scatter (one sigma) from the median"
+    )
+    if len(ratios) > 1:
+        end = f" to {most:.1f}" if np.isfinite(most) else ""
+        text += f" in a typical metric; by metric, from {least:.1f}{end} times on"
+    return text + ". A log that is nearer may be odd, too: these logs cannot show it."
+
+
 def reason(found: Summary, o: Outlier) -> str:
     """One reason in words: `Pad friction, front 0.550: above the others, 90 % of them ...`."""
     look = next(look for look in found.looks if look.metric.name == o.metric)
     s, shown = look.spread, _shown(look)
-    low, high = shown(s.quantiles[0]), shown(s.quantiles[3])
+    low, high = map(shown, look.others)
     side = "above" if o.value > s.median else "below"
     return (
         f"{plain(o.metric).name} {shown(o.value)}: {side} the others, "
@@ -149,16 +173,24 @@ def _row(look: Look) -> tuple[str, ...]:
         str(s.count),
         shown(s.median),
         f"{shown(s.quantiles[0])} to {shown(s.quantiles[3])}",
+        _named_beyond(look),
         str(int(look.outlying.sum())) if judged else "not judged",
         drift,
     )
 
 
+def _named_beyond(look: Look) -> str:
+    """The limits beyond which a log is named: `0.31 or 0.45`."""
+    finite = [edge for edge in look.spread.edges or () if np.isfinite(edge)]
+    return " or ".join(map(_shown(look), finite)) or "no limit"
+
+
 def described(found: Summary, look: Look) -> str:
     """One metric in words: median and range, change of level, limits of the line."""
     s, shown = look.spread, _shown(look)
-    low, high = shown(s.quantiles[0]), shown(s.quantiles[3])
-    parts = [f"Median {shown(s.median)}, 90 % of the logs from {low} to {high}."]
+    low, high = map(shown, look.others)
+    whose = "others" if look.outlying.any() else "logs"
+    parts = [f"Median {shown(s.median)}, 90 % of the {whose} from {low} to {high}."]
     if look.drifts and look.change is not None:
         c = look.change
         parts.append(
@@ -166,13 +198,15 @@ def described(found: Summary, look: Look) -> str:
             f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1} of the line "
             f"(p {c.p:.1e})."
         )
-    if look.chart is not None:
+    if look.spread.edges is not None:
+        parts.append(f"One more log is named beyond {_named_beyond(look)}.")
+    else:
+        parts.append("No log is named: too few logs, or no scatter that matters.")
+    if look.metric.name == found.ordered_by:
+        parts.append("The logs are ordered by it, so it cannot drift.")
+    elif look.drifts and look.chart is not None:
         low, high = map(shown, look.chart.limits)
         parts.append(f"Limits of a steady line: {low} to {high}, three sigma from log to log.")
-    elif look.metric.name == found.ordered_by:
-        parts.append("The logs are ordered by it, so it has no limits and cannot drift.")
-    else:
-        parts.append("No limits: too few logs, or no scatter.")
     return " ".join(parts)
 
 
@@ -224,6 +258,7 @@ def _entry(found: Summary, look: Look) -> dict[str, Any]:
         "quantiles": dict(zip(("5", "25", "75", "95"), s.quantiles, strict=True)),
         "beyond_3": {"count": s.beyond, "by_chance": s.expected},
         "outliers": int(look.outlying.sum()),
+        "named_beyond": s.edges,
         "chart": look.chart
         and {
             "centre": look.chart.centre,

@@ -13,6 +13,7 @@ from calib.fleet.control_chart import (
     change,
     chart,
     least_p,
+    likeness,
 )
 
 
@@ -146,3 +147,27 @@ def test_one_wild_car_is_no_change():
     y[50] += 1e6
     assert change(y).p == pytest.approx(p, abs=0.3)
     assert change(y).p > 0.05
+
+
+@pytest.mark.parametrize("drift", ["none", "step", "line"])
+def test_the_likeness_of_neighbours_is_that_of_the_cars_and_not_of_the_drift(drift):
+    rng = np.random.default_rng(7)
+    n, r = 400, 0.6
+    moved = {"none": np.zeros(n), "step": np.arange(n) >= 150, "line": np.arange(n) / n}[drift]
+    found = []
+    for noise in rng.normal(size=(40, n)):
+        x = np.empty(n)
+        x[0] = noise[0]
+        for i in range(1, n):  # AR(1) with variance 1
+            x[i] = r * x[i - 1] + np.sqrt(1.0 - r * r) * noise[i]
+        x += 3.0 * moved
+        found.append(likeness(x - x.mean(), 150))
+    assert np.mean(found) == pytest.approx(r, abs=0.03)
+
+
+def test_a_slow_drift_is_found_among_cars_that_are_measured_twice():
+    rng = np.random.default_rng(8)
+    for _ in range(10):
+        y = np.repeat(rng.normal(size=100), 2) + 0.3 * rng.normal(size=200)
+        assert change(y + np.linspace(0.0, 4.0, 200)).p < 0.001
+    assert change(np.arange(200.0)).p == pytest.approx(least_p(200))

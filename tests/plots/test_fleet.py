@@ -38,6 +38,27 @@ def test_the_levels_of_a_change_are_drawn(found):
     assert "level" not in labels(quiet)
 
 
+def test_every_panel_has_the_limits_beyond_which_a_log_is_named(found):
+    for look in found.looks[:2]:
+        alone, along = axes(), axes()
+        distribution(alone, look)
+        in_order(along, found, look)
+        for ax in (alone, along):
+            (told,) = (label for label in labels(ax) if label.startswith("named beyond "))
+            assert [float(x) for x in told.removeprefix("named beyond ").split(" or ")] == (
+                pytest.approx(look.spread.edges, abs=0.001)
+            )
+
+
+def test_limits_that_are_far_away_are_told_and_not_drawn(found):
+    pads = found.looks[0]
+    far = replace(pads, spread=replace(pads.spread, edges=(-50.0, 50.0)))
+    ax = axes()
+    distribution(ax, far)
+    assert "named beyond -50.0000 or 50.0000 (not in view)" in labels(ax)
+    assert max(ax.get_xlim()) < 1.0
+
+
 def test_the_bars_hold_the_bulk(found):
     pads, ax = found.looks[0], axes()
     distribution(ax, pads)

@@ -3,11 +3,11 @@ from html.parser import HTMLParser
 
 import pytest
 
-from calib.fleet.outliers import judge
+from calib.fleet.outliers import SHARE, judge
 from calib.fleet.results import open_fleet
 from calib.fleet.summary import summarise
 from calib.plots.fleet import sheet
-from calib.reports.fleet import document, headline, number, reason, report_html
+from calib.reports.fleet import document, headline, number, reach, reason, report_html
 from calib.reports.html import Picture, drawn
 from cli.console import plain
 from tests.support.fleet_results import results
@@ -60,7 +60,10 @@ def test_the_document_is_json_and_says_what_chance_gives(found):
     pads = told["figures"]["pad_friction_f"]
     assert pads["change"]["drifts"] is True
     assert pads["chart"]["rules"]["1"]["by_chance"] == pytest.approx(0.0027 * 397)
-    assert told["outliers_by_chance"] == pytest.approx(0.05 * len(told["outliers"]))
+    assert told["outliers_by_chance"] == pytest.approx(SHARE * len(told["outliers"]))
+    low, high = pads["named_beyond"]
+    assert low < pads["quantiles"]["5"]
+    assert pads["quantiles"]["95"] < high < told["outliers"][0]["value"]
     assert told["outliers"][0]["log"] == "line/car134.csv"
     assert list(told["outliers"][0]) == ["log", "figure", "value", "z", "p"]
 
@@ -97,3 +100,17 @@ def test_a_car_is_told_once_in_plain_names_and_units(found):
     text = reason(found, car.reasons[0])
     assert text.startswith("Pad friction, front 0.550: above the others, 90 % of them from 0.3")
     assert document(found)["apart"] == [{"log": car.log, "p": car.p, "figures": ["pad_friction_f"]}]
+
+
+def test_the_page_says_what_so_few_logs_can_show(tmp_path, found):
+    few = summarise(open_fleet(results(tmp_path / "r.parquet", 12)), ("settling",))
+    picture = Picture("data:,")
+    told = reach(few)
+    assert told.startswith("Among 12 logs only one that is far away can be told apart: ")
+    assert told in " ".join(Page(report_html(few, "t", {"settling": picture})).text)
+    assert reach(summarise(open_fleet(results(tmp_path / "s.parquet", 3)))) == ""
+
+    def times(text):
+        return float(text.split("apart: ")[1].split(" times")[0])
+
+    assert times(told) > times(reach(found)) > 3.0
