@@ -16,8 +16,8 @@ from tests.support.bad_input import (
 )
 from tests.support.fuzzed import READERS
 
-STILL_GOOD = {("dbc", "truncated")}
-"""What is left of a DBC whose second half is gone is a DBC: of fewer messages."""
+STILL_GOOD = {("dbc", "truncated"), ("sym", "truncated")}
+"""What is left of them is a whole file that describes less: neither format has an end."""
 
 UNUSABLE = ("missing", "empty", "truncated", "wrong type", "NaN", "infinite", "out of range")
 UNUSABLE_TOO = ("wrong quantity", "wrong sign", "duplicated", "constant", "huge", "hostile")

@@ -4,10 +4,10 @@ import hashlib
 import json
 import pickle
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 from calib import __version__
 from calib.fleet.command import Command
+from calib.logs.bus.databases import DatabaseFile
 from calib.logs.channel_map import ChannelMap
 from calib.logs.read import log_bytes
 from calib.physics.vehicle import Vehicle
@@ -49,13 +49,14 @@ def _of_map(mapped: ChannelMap) -> str:
     """Digest of a map and of the content of the files that describe frames."""
     content = asdict(mapped)
     del content["where"]
-    content["dbc"] = [_of_file(path) for path in mapped.dbc]
-    content["buses"] = [(bus, [_of_file(path) for path in files]) for bus, files in mapped.buses]
+    content["dbc"] = [_of_file(file) for file in mapped.dbc]
+    content["buses"] = [(bus, [_of_file(file) for file in files]) for bus, files in mapped.buses]
     return _digest(content)
 
 
-def _of_file(path: Path) -> str:
-    return hashlib.sha256(log_bytes(path, any_format=True)).hexdigest()
+def _of_file(file: DatabaseFile) -> tuple[str, str | None]:
+    """Digest of the content of a file, and the bus of it that is meant."""
+    return hashlib.sha256(log_bytes(file.path, any_format=True)).hexdigest(), file.bus
 
 
 def _digest(value: object) -> str:

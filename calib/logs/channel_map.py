@@ -1,9 +1,8 @@
 """A channel map: the columns of a foreign log that are channels, with unit and sign."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
-from calib.logs.bus.databases import Databases
+from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.source import Array
 from calib.logs.text.dialect import LOOKED, TextFormat
 from calib.units import to_si
@@ -52,8 +51,8 @@ class ChannelMap:
     channels: dict[str, Mapping]
     text: TextFormat = LOOKED
     ignore: tuple[str, ...] = ()
-    dbc: tuple[Path, ...] = ()
-    buses: tuple[tuple[str, tuple[Path, ...]], ...] = ()
+    dbc: tuple[DatabaseFile, ...] = ()
+    buses: tuple[tuple[str, tuple[DatabaseFile, ...]], ...] = ()
     j1939: tuple[int, ...] | None = None
 
     @property

@@ -3,7 +3,9 @@
 schema = 1
 dbc = "chassis.dbc"           # optional: describes the frames of a bus (DBC, ARXML, KCD or SYM);
                               # relative to this file; or a list, or one for each bus of the log:
-                              # dbc = {1 = "chassis.dbc", 2 = ["drive.arxml", "brakes.kcd"]}
+                              # dbc = {1 = "chassis.dbc", 2 = ["drive.arxml", "brakes.kcd"]};
+                              # one bus of a file that has several, by its name in the file:
+                              # dbc = {1 = {file = "car.kcd", bus = "Chassis"}}
 j1939 = "any"                 # optional: find J1939 frames by their parameter group, from any
                               # source address, or from these: j1939 = [0x0B, 0x21]
 ignore = ["p_rl"]             # optional: columns that have the name of a channel and are not used
@@ -23,6 +25,7 @@ encoding = "latin-1"
 """
 
 import codecs
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -36,6 +39,7 @@ from pydantic import (
 )
 
 from calib.errors import ChannelMapError
+from calib.logs.bus.databases import DatabaseFile
 from calib.logs.channel_map import METHODS, ChannelMap, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 from calib.names import CHANNELS
@@ -137,16 +141,29 @@ def _columns(written: object) -> list[str]:
     return _names(written, "a list of names of columns")
 
 
-_FILES = "the path of a DBC file (or ARXML, KCD, SYM), or a list of them"
+_FILES = (
+    "the path of a DBC file (or ARXML, KCD, SYM), or {file, bus} for one bus of it, or a list "
+    "of them"
+)
 
 
-def _files(written: object) -> list[str]:
-    return _names([written] if isinstance(written, str) else written, _FILES)
+def _file(written: object) -> DatabaseFile:
+    """One file, relative to the map, or one bus of it."""
+    parts = {"file": written} if isinstance(written, str) else written
+    if not isinstance(parts, dict) or set(parts) not in ({"file"}, {"file", "bus"}):
+        raise wrong(f"{written!r}", _FILES)
+    if not all(isinstance(part, str) and part.strip() for part in parts.values()):
+        raise wrong(f"{written!r}", _FILES)
+    return DatabaseFile(Path(parts["file"]), parts.get("bus"))
 
 
-def _databases(written: object) -> dict[str, list[str]]:
+def _files(written: object) -> list[DatabaseFile]:
+    return [_file(one) for one in (written if isinstance(written, list) else [written])]
+
+
+def _databases(written: object) -> dict[str, list[DatabaseFile]]:
     """Files by bus; those for every bus have an empty name."""
-    if not isinstance(written, dict):
+    if not isinstance(written, dict) or set(written) == {"file", "bus"}:
         return {"": _files(written)}
     if not written or not all(bus.strip() for bus in written):
         raise wrong(f"{written!r}", f"{_FILES}, for each bus by its number or name")
@@ -167,11 +184,24 @@ HIGHEST_SOURCE = 253
 """Highest source address of a J1939 message; 254 and 255 stand for none and for all."""
 
 _LIST: dict[str, Any] = {"type": "array", "items": {"type": "string", "minLength": 1}}
-_ONE_OR_LIST: dict[str, Any] = {"anyOf": [{"type": "string", "minLength": 1}, _LIST]}
+_TEXT = {"type": "string", "minLength": 1}
+_ONE_BUS = {
+    "type": "object",
+    "properties": {"file": _TEXT, "bus": _TEXT},
+    "required": ["file"],
+    "additionalProperties": False,
+}
+_FILE = [_TEXT, _ONE_BUS]
+_SEVERAL: dict[str, Any] = {"type": "array", "items": {"anyOf": _FILE}}
 _BY_BUS: dict[str, Any] = {
     "anyOf": [
-        *_ONE_OR_LIST["anyOf"],
-        {"type": "object", "minProperties": 1, "additionalProperties": _ONE_OR_LIST},
+        _TEXT,
+        _SEVERAL,
+        {
+            "type": "object",
+            "minProperties": 1,
+            "additionalProperties": {"anyOf": [*_FILE, _SEVERAL]},
+        },
     ]
 }
 _ADDRESSES: dict[str, Any] = {
@@ -194,9 +224,9 @@ class ChannelMapFile(FileSchema):
     ignore: Annotated[list[str], BeforeValidator(_columns), WithJsonSchema(_LIST)] = Field(
         default_factory=list
     )
-    dbc: Annotated[dict[str, list[str]], BeforeValidator(_databases), WithJsonSchema(_BY_BUS)] = (
-        Field(default_factory=dict)
-    )
+    dbc: Annotated[
+        dict[str, list[DatabaseFile]], BeforeValidator(_databases), WithJsonSchema(_BY_BUS)
+    ] = Field(default_factory=dict)
     j1939: Annotated[list[int], BeforeValidator(_sources), WithJsonSchema(_ADDRESSES)] | None = None
 
     @model_validator(mode="after")
@@ -216,8 +246,8 @@ def read_channel_map(path: Path) -> ChannelMap:
     file = read_toml(path, ChannelMapFile, ChannelMapError)
     entries: dict[str, Section] = dict(file.channels.entries()) if file.channels else {}
     files = {
-        bus: tuple((path.parent / name).absolute() for name in names)
-        for bus, names in file.dbc.items()
+        bus: tuple(replace(one, path=(path.parent / one.path).absolute()) for one in several)
+        for bus, several in file.dbc.items()
     }
     return ChannelMap(
         where=str(path),

@@ -1,16 +1,17 @@
 """A suggestion as a channel map, and as lines of text."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from calib.logs.bus.databases import DatabaseFile
 from calib.logs.channel_map import ChannelMap
 from calib.suggest.proposal import Proposal, Suggestion
 
 if TYPE_CHECKING:
-    from tomlkit.items import Table
+    from tomlkit.items import Array, Table
 
 
 def to_toml(
@@ -44,11 +45,22 @@ def to_toml(
     return tomlkit.dumps(document)
 
 
-def _databases(read_with: ChannelMap, folder: Path | None) -> list[str] | dict[str, list[str]]:
-    """The files that describe frames, by bus where the map has them so."""
-    of_all = [_path_from(folder, path) for path in read_with.dbc]
-    by_bus = {bus: [_path_from(folder, path) for path in paths] for bus, paths in read_with.buses}
-    return by_bus or of_all
+def _databases(read_with: ChannelMap, folder: Path | None) -> "Array | dict[str, Array] | None":
+    """The files that describe frames, by bus where the map has them so; None for no files."""
+    if read_with.buses:
+        return {bus: _files(files, folder) for bus, files in read_with.buses}
+    return _files(read_with.dbc, folder) if read_with.dbc else None
+
+
+def _files(files: Iterable[DatabaseFile], folder: Path | None) -> "Array":
+    import tomlkit
+
+    found = tomlkit.array()
+    for file in files:
+        path = _path_from(folder, file.path)
+        one_bus = tomlkit.inline_table().append("file", path).append("bus", file.bus or "")
+        found.append(one_bus if file.bus else path)
+    return found
 
 
 def _path_from(folder: Path | None, path: Path) -> str:

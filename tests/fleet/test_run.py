@@ -12,6 +12,7 @@ from calib.fleet.job import Job
 from calib.fleet.journal import NAME, Journal
 from calib.fleet.run import AHEAD, run_batch
 from calib.fleet.work import run_items
+from calib.logs.bus.databases import DatabaseFile
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.read import read_log
 from calib.logs.text.dialect import TextFormat
@@ -194,7 +195,8 @@ MAPS = (
     {"ignore": ("v",)},
     {"j1939": ()},
     {"buses": ("a.dbc",)},
-    {"dbc": ("a.dbc",)},
+    {"dbc": "chassis"},
+    {"dbc": None},
 )
 
 
@@ -205,12 +207,12 @@ def test_all_that_a_channel_map_says_is_a_setting(tmp_path):
     def settings(**told):
         told = {"channels": {}, **told}
         if "dbc" in told:
-            told["dbc"] = (bus,)
+            told["dbc"] = (DatabaseFile(bus, told["dbc"]),)
         if "buses" in told:
-            told["buses"] = (("1", (bus,)),)
+            told["buses"] = (("1", (DatabaseFile(bus),)),)
         return Job("check", channel_map=ChannelMap("m.toml", **told)).settings()["map"]
 
     found = [settings(), *(settings(**told) for told in MAPS)]
     bus.write_text("VERSION 2")
     found.append(settings(**MAPS[-1]))
-    assert len(set(found)) == len(found) == 9
+    assert len(set(found)) == len(found) == 10

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from calib.errors import ChannelMapError, LogError
+from calib.logs.bus.databases import DatabaseFile
 from calib.logs.channel_map import Mapping
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import read_log
@@ -135,13 +136,25 @@ def test_no_file(tmp_path):
 def test_dbc_files_are_relative_to_the_map(tmp_path):
     text = "schema = 1\ndbc = {}\n"
     one = read_channel_map(write_map(tmp_path, text.format('"a.dbc"')))
-    assert (one.dbc, one.channels) == ((tmp_path / "a.dbc",), {})
+    assert (one.dbc, one.channels) == ((DatabaseFile(tmp_path / "a.dbc"),), {})
     two = read_channel_map(write_map(tmp_path, text.format('["a.dbc", "/x/b.dbc"]')))
-    assert two.dbc == (tmp_path / "a.dbc", Path("/x/b.dbc"))
+    assert two.dbc == (DatabaseFile(tmp_path / "a.dbc"), DatabaseFile(Path("/x/b.dbc")))
     assert read_channel_map(write_map(tmp_path, MAP)).dbc == ()
 
 
-@pytest.mark.parametrize("dbc", ["5", '""', '["a.dbc", 5]', "{can0 = 5}", "{}", "{'' = 'a.dbc'}"])
+@pytest.mark.parametrize(
+    "dbc",
+    [
+        "5",
+        '{1 = {bus = "Motor"}}',
+        '{1 = {file = "a", bus = ""}}',
+        '""',
+        '["a.dbc", 5]',
+        "{can0 = 5}",
+        "{}",
+        "{'' = 'a.dbc'}",
+    ],
+)
 def test_dbc_that_is_no_path(tmp_path, dbc):
     assert "expected the path of a DBC file" in refused(
         write_map(tmp_path, f"schema = 1\ndbc = {dbc}\n")
@@ -153,10 +166,28 @@ def test_a_dbc_for_each_bus(tmp_path):
     found = read_channel_map(write_map(tmp_path, text))
     assert found.dbc == ()
     assert found.buses == (
-        ("1", (tmp_path / "a.dbc",)),
-        ("can0", (tmp_path / "b.kcd", Path("/x/c.arxml"))),
+        ("1", (DatabaseFile(tmp_path / "a.dbc"),)),
+        ("can0", (DatabaseFile(tmp_path / "b.kcd"), DatabaseFile(Path("/x/c.arxml")))),
     )
-    assert found.databases.paths == (*found.buses[0][1], *found.buses[1][1])
+    assert found.databases.all == (*found.buses[0][1], *found.buses[1][1])
+
+
+ONE_BUS = '{file = "car.kcd", bus = "Motor"}'
+
+
+@pytest.mark.parametrize(
+    ("written", "bus"),
+    [
+        (ONE_BUS, ""),
+        (f"[{ONE_BUS}]", ""),
+        (f"{{1 = {ONE_BUS}}}", "1"),
+        (f"{{1 = [{ONE_BUS}]}}", "1"),
+    ],
+)
+def test_one_bus_of_a_file(tmp_path, written, bus):
+    found = read_channel_map(write_map(tmp_path, f"schema = 1\ndbc = {written}\n"))
+    file = DatabaseFile(tmp_path / "car.kcd", "Motor")
+    assert (found.dbc, found.buses) == (((), (("1", (file,)),)) if bus else ((file,), ()))
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import pytest
 
+from calib.logs.bus.databases import DatabaseFile
 from calib.logs.channel_map import ChannelMap
 from calib.logs.channel_map_file import read_channel_map
 from calib.suggest.proposal import Suggestion
@@ -11,9 +12,9 @@ from calib.suggest.written import to_toml
 @pytest.mark.parametrize("sources", [None, (), (0x0B, 0x21)])
 @pytest.mark.parametrize("by_bus", [False, True])
 def test_databases_and_source_addresses_are_kept(tmp_path, sources, by_bus):
-    files = (tmp_path / "a.dbc", tmp_path / "b.kcd")
+    files = (DatabaseFile(tmp_path / "a.dbc"), DatabaseFile(tmp_path / "b.kcd", "Motor"))
     for file in files:
-        file.write_text("")
+        file.path.write_text("")
     buses = (("1", files[:1]), ("can0", files[1:])) if by_bus else ()
     used = ChannelMap("old.toml", {}, dbc=() if by_bus else files, buses=buses, j1939=sources)
     found = Suggestion("x.blf", (), (), {}, {}, ())

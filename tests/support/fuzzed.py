@@ -71,15 +71,33 @@ def read_a_log(path: Path) -> object:
 
 
 def on_bus(path: Path) -> object:
+    from calib.logs.bus.databases import DatabaseFile
     from calib.logs.channel_map import ChannelMap, Mapping
     from calib.logs.read import read_log
     from tests.support.recordings import CHANNELS
 
+    mapped = {ours: Mapping(theirs) for ours, theirs in CHANNELS.items()}
+    chart = ChannelMap("map.toml", mapped, dbc=(DatabaseFile(_beside(path)),))
+    return read_log(path, chart, require=())
+
+
+def signals_of_a_bus(path: Path) -> object:
+    """Every signal; the older versions of TRC lack CAN FD, so not all channels are there."""
+    from calib.logs.bus.databases import DatabaseFile
+    from calib.logs.channel_map import ChannelMap
+    from calib.logs.read import open_log
+
+    chart = ChannelMap("map.toml", {}, dbc=(DatabaseFile(_beside(path)),))
+    opened = open_log(path, chart).source
+    return opened.read(range(len(opened.columns)))
+
+
+def _beside(path: Path) -> Path:
+    """The DBC of the bus, beside a log."""
     dbc = path.with_name("chassis.dbc")
     if not dbc.exists():
         dbc.write_text(_dbc())
-    mapped = {ours: Mapping(theirs) for ours, theirs in CHANNELS.items()}
-    return read_log(path, ChannelMap("map.toml", mapped, dbc=(dbc,)), require=())
+    return dbc
 
 
 def _dbc() -> str:
@@ -106,6 +124,13 @@ def recorded(ending: str) -> Seeds:
     return make
 
 
+def trcs() -> list[bytes]:
+    from tests.support.recordings import messages
+    from tests.support.trc import HEADS, trc
+
+    return [trc(version, messages()[:200]).encode() for version in HEADS]
+
+
 def mdfs() -> list[bytes]:
     import numpy as np
     from asammdf import MDF, Signal
@@ -123,9 +148,21 @@ def mdfs() -> list[bytes]:
 
 
 def read_a_dbc(path: Path) -> object:
+    from calib.logs.bus.databases import DatabaseFile
     from calib.logs.bus.dbc import read_dbc
 
-    return read_dbc([path], "can", "a.blf")
+    return read_dbc([DatabaseFile(path)], "can", "a.blf")
+
+
+def described(kind: str) -> Seeds:
+    """A file of this kind that describes a bus."""
+
+    def make() -> list[bytes]:
+        from tests.support.databases import DATABASES
+
+        return [DATABASES[kind].encode()]
+
+    return make
 
 
 def read_a_map(path: Path) -> object:
@@ -309,7 +346,11 @@ READERS = {
     "blf": Reader("a.blf", on_bus, recorded(".blf")),
     "asc": Reader("a.asc", on_bus, recorded(".asc")),
     "candump": Reader("a.log", on_bus, recorded(".log")),
+    "trc": Reader("a.trc", signals_of_a_bus, trcs),
     "dbc": Reader("a.dbc", read_a_dbc, lambda: [_dbc().encode()]),
+    "arxml": Reader("a.arxml", read_a_dbc, described("arxml")),
+    "kcd": Reader("a.kcd", read_a_dbc, described("kcd")),
+    "sym": Reader("a.sym", read_a_dbc, described("sym")),
     "map": Reader("a.toml", read_a_map, maps),
     "vehicle": Reader("a.toml", read_a_vehicle, of_file(SEDAN / "vehicle.toml")),
     "limits": Reader("a.toml", read_some_limits, of_file(ROOT / "sample_logs" / "limits.toml")),

@@ -5,8 +5,19 @@ from pathlib import Path
 
 
 @dataclass(frozen=True)
+class DatabaseFile:
+    """A file that describes frames (DBC, ARXML, KCD or SYM).
+
+    ``bus`` is the name that the file has for one of its buses, if only that one is meant.
+    """
+
+    path: Path
+    bus: str | None = None
+
+
+@dataclass(frozen=True)
 class Databases:
-    """Files that describe frames (DBC, ARXML, KCD or SYM).
+    """The files of a channel map that describe frames.
 
     Attributes
     ----------
@@ -16,11 +27,11 @@ class Databases:
         group; empty for any address; None if identifiers must be equal.
     """
 
-    files: tuple[Path, ...] = ()
-    buses: tuple[tuple[str, tuple[Path, ...]], ...] = ()
+    files: tuple[DatabaseFile, ...] = ()
+    buses: tuple[tuple[str, tuple[DatabaseFile, ...]], ...] = ()
     sources: tuple[int, ...] | None = None
 
     @property
-    def paths(self) -> tuple[Path, ...]:
+    def all(self) -> tuple[DatabaseFile, ...]:
         """All files, in the order of the map."""
-        return (*self.files, *(path for _, files in self.buses for path in files))
+        return (*self.files, *(file for _, files in self.buses for file in files))

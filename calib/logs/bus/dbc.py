@@ -4,6 +4,7 @@ All are read with cantools; the ending of the file names the format.
 """
 
 import hashlib
+import logging
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from calib.bounded import DBC, bytes_of
 from calib.errors import ChannelMapError
 from calib.logs.bus.bits import last_byte, number, raw
-from calib.logs.bus.databases import Databases
+from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.bus.frames import Frames, Key
 from calib.logs.bus.j1939 import group_of, source_of
 from calib.logs.extra import need
@@ -125,45 +126,79 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
     return Dbc(general.messages, tuple(notes), buses, databases.sources)
 
 
-def read_dbc(paths: Sequence[Path], extra: str, where: str) -> Dbc:
+def read_dbc(files: Sequence[DatabaseFile], extra: str, where: str) -> Dbc:
     """Read DBC, ARXML, KCD and SYM files.
 
     ``extra`` is the package extra that installs cantools; ``where`` names the log in messages.
     Raises LogError if cantools is missing, ChannelMapError for a file that is missing or not valid,
-    and for an identifier that two files describe differently.
+    that lacks the bus that is asked for, and for an identifier that is described twice.
     """
     cantools: Any = need("cantools", extra, where)
+    logging.getLogger("cantools").setLevel(logging.CRITICAL + 1)  # what it warns of is refused here
     messages: dict[Key, Message] = {}
     notes = []
-    for path in paths:
-        kind = path.suffix[1:].lower() if path.suffix[1:].lower() in ENCODINGS else "dbc"
-        name = kind.upper()
-        content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
-        try:
-            text = content.decode(ENCODINGS[kind], errors="replace")
-            database = cantools.database.load_string(text, database_format=kind, strict=True)
-        except Exception as cause:  # cantools raises many kinds, some of its parser's
-            raise ChannelMapError(
-                f"not a valid {name}: {cause}", where=path, expected=f"the format {name}"
-            ) from cause
-        if not database.messages:
-            raise ChannelMapError(
-                "the file has no messages", where=path, expected="the messages of a bus"
-            )
-        for message in database.messages:
+    for file in files:
+        content, found = _load(cantools, file.path)
+        for message in _of_bus(found, file):
             key = (message.frame_id, message.is_extended_frame)
             if key in messages:
-                raise ChannelMapError(
-                    f"{message.name} has the identifier {message.frame_id:#x} of "
-                    f"{messages[key].name}",
-                    where=path,
-                    expected="one description of each frame",
-                    do="name the DBC of one bus only",
-                )
+                raise _described_twice(message, messages[key], found, file.path)
             messages[key] = message
+        name = file.path.name + (f", bus {file.bus}" if file.bus else "")
         digest = hashlib.sha256(content).hexdigest()
-        notes.append(f"frames decoded by {path.name} (SHA-256 {digest[:16]})")
+        notes.append(f"frames decoded by {name} (SHA-256 {digest[:16]})")
     return Dbc(messages, tuple(notes))
+
+
+def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Message]]":
+    """The bytes of a file, and its messages. Raises ChannelMapError if it has none."""
+    kind = path.suffix[1:].lower() if path.suffix[1:].lower() in ENCODINGS else "dbc"
+    name = kind.upper()
+    content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
+    try:
+        text = content.decode(ENCODINGS[kind], errors="replace")
+        database = cantools.database.load_string(text, database_format=kind, strict=True)
+    except Exception as cause:  # cantools raises many kinds, some of its parser's
+        raise ChannelMapError(
+            f"not a valid {name}: {cause}", where=path, expected=f"the format {name}"
+        ) from cause
+    if not database.messages:
+        raise ChannelMapError(
+            "the file has no messages", where=path, expected="the messages of a bus"
+        )
+    return content, database.messages
+
+
+def _of_bus(messages: "list[Message]", file: DatabaseFile) -> "list[Message]":
+    """The messages of the bus that is asked for. Raises ChannelMapError if the file lacks it."""
+    if file.bus is None:
+        return messages
+    found = [message for message in messages if message.bus_name == file.bus]
+    if not found:
+        names = sorted({message.bus_name for message in messages if message.bus_name})
+        raise ChannelMapError(
+            f"the file has no messages of a bus {file.bus!r}",
+            where=file.path,
+            expected=f"one of {', '.join(map(repr, names))}" if names else "no bus: it names none",
+        )
+    return found
+
+
+def _described_twice(
+    one: "Message", other: "Message", own: "list[Message]", path: Path
+) -> ChannelMapError:
+    """The error for an identifier that two messages have; ``own`` are those of the file of one."""
+    several = other in own and one.bus_name != other.bus_name
+    names = [f"{m.name} (bus {m.bus_name})" if several else m.name for m in (one, other)]
+    entry = f'{{file = "{path.name}", bus = "{one.bus_name}"}}'
+    return ChannelMapError(
+        f"{names[0]} has the identifier {one.frame_id:#x} of {names[1]}",
+        where=path,
+        expected="one description of each frame",
+        do=f"name a bus of the file for each bus of the log: dbc = {{1 = {entry}}}"
+        if several
+        else "name the DBC of one bus only",
+    )
 
 
 def decode(frames: Frames, message: "Message", signal: "Signal") -> Decoded:

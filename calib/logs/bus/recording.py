@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
     """Read the files of the channel map that describe frames. Raises LogError if there are none."""
-    if not databases.paths:
+    if not databases.all:
         raise LogError(
             "bus frames do not contain the names of their signals",
             where=where,

@@ -72,7 +72,7 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
     buses = bus_groups(mdf)
     columns, places, more_notes = _channels(mdf, buses)
     notes += more_notes
-    known = require_dbc(dbc, "mdf", where) if buses and (dbc.paths or not columns) else None
+    known = require_dbc(dbc, "mdf", where) if buses and (dbc.all or not columns) else None
     frames = frames_in(mdf, buses, known.knows, where) if known else []
     if known and not columns:
         require_known(frames, (), known, where)

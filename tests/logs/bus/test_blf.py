@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from calib.errors import LogError
 from calib.logs.bus.blf import check_whole, open_blf
-from calib.logs.bus.databases import Databases
+from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.read import read_log
 from tests.support.blf import HEADER, RESTORE, blf, block, container, frame, header
 from tests.support.recordings import messages, ramp, write_bus
@@ -155,7 +155,7 @@ def test_objects_that_the_writer_does_not_count(folder, compressed):
     path.write_bytes(vector(compressed=compressed))
     objects = check_whole(path)
     assert (objects.all, objects.frames, objects.counted) == (302, 300, 300)
-    opened = open_blf(path, Databases((folder / "chassis.dbc",)))
+    opened = open_blf(path, Databases((DatabaseFile(folder / "chassis.dbc"),)))
     (wheel,) = opened.read([1])
     np.testing.assert_allclose(wheel.time, 0.01 * np.arange(300), atol=5e-7)
     np.testing.assert_allclose(wheel.values, 0.005 * (np.arange(300) % 200))

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from calib.errors import ChannelMapError
+from calib.logs.bus.databases import DatabaseFile
 from calib.logs.bus.dbc import decode, read_dbc
 from calib.logs.bus.frames import frames_of
 from calib.logs.bus.recording import described
@@ -33,7 +34,7 @@ VAL_ 1 Speed 255 "SNA" ;
 def known(tmp_path, text, name="a.dbc"):
     path = tmp_path / name
     path.write_text(text)
-    return read_dbc([path], "can", "run.blf")
+    return read_dbc([DatabaseFile(path)], "can", "run.blf")
 
 
 def decoded(dbc, name, data):
@@ -101,9 +102,9 @@ def test_two_that_describe_one_frame(tmp_path):
     for name in ("a.dbc", "b.dbc"):
         (tmp_path / name).write_text(MUX)
     with pytest.raises(ChannelMapError, match="M has the identifier 0x1 of M"):
-        read_dbc([tmp_path / "a.dbc", tmp_path / "b.dbc"], "can", "run.blf")
+        read_dbc([DatabaseFile(tmp_path / f"{n}.dbc") for n in "ab"], "can", "run.blf")
     with pytest.raises(ChannelMapError, match="no such file"):
-        read_dbc([tmp_path / "c.dbc"], "can", "run.blf")
+        read_dbc([DatabaseFile(tmp_path / "c.dbc")], "can", "run.blf")
 
 
 @pytest.mark.parametrize("kind", [*DATABASES, "KCD"])

@@ -5,7 +5,7 @@ import pytest
 
 from calib.errors import LogError
 from calib.logs.bus.candump import open_candump
-from calib.logs.bus.databases import Databases
+from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.bus.j1939 import group_of, source_of
 
 DBC = """VERSION ""
@@ -48,7 +48,9 @@ def frame(time, identifier, speed):
 def opened(folder, frames, sources):
     (folder / "j.dbc").write_text(DBC)
     (folder / "run.log").write_text("".join(frame(*row) for row in frames))
-    return open_candump(folder / "run.log", Databases((folder / "j.dbc",), (), sources))
+    return open_candump(
+        folder / "run.log", Databases((DatabaseFile(folder / "j.dbc"),), (), sources)
+    )
 
 
 def names(found):
@@ -107,5 +109,7 @@ def test_an_equal_identifier_comes_before_the_group(tmp_path):
     rows = [(0.1 * i, 0x18FEF10C, 50.0) for i in range(60)]
     (tmp_path / "both.dbc").write_text(DBC + other)
     (tmp_path / "run.log").write_text("".join(frame(*row) for row in rows))
-    found = open_candump(tmp_path / "run.log", Databases((tmp_path / "both.dbc",), (), ()))
+    found = open_candump(
+        tmp_path / "run.log", Databases((DatabaseFile(tmp_path / "both.dbc"),), (), ())
+    )
     assert names(found) == ["OWN.Speed"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.errors import LogError
-from calib.logs.bus.databases import Databases
+from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.bus.trc import open_trc
 from calib.logs.read import read_log
 from tests.support.recordings import messages, write_bus
@@ -28,7 +28,7 @@ def texts():
 def opened(folder, text, name="run.trc"):
     path = folder / name
     path.write_text(text)
-    return open_trc(path, Databases((folder / "chassis.dbc",)))
+    return open_trc(path, Databases((DatabaseFile(folder / "chassis.dbc"),)))
 
 
 def refused(folder, text):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.errors import LogError
-from calib.logs.bus.databases import Databases
+from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.mdf.finish import finished
 from calib.logs.mdf.mdf import open_mdf
 from tests.support.logger_mf4 import Row, logger_mf4
@@ -21,7 +21,7 @@ def opened(folder, data):
     write_dbc(folder)
     path = folder / "run.mf4"
     path.write_bytes(data)
-    found = open_mdf(path, Databases((folder / "chassis.dbc",)))
+    found = open_mdf(path, Databases((DatabaseFile(folder / "chassis.dbc"),)))
     traces = found.read([1, 4])
     found.close()
     assert path.read_bytes() == data

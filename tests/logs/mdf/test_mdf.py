@@ -8,7 +8,7 @@ import pytest
 from asammdf.blocks.conversion_utils import from_dict
 
 from calib.errors import ChannelMapError, LogError
-from calib.logs.bus.databases import Databases
+from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.mdf.mdf import open_mdf
 from calib.logs.read import read_log
 from calib.names import G
@@ -170,7 +170,7 @@ def test_nothing_that_is_known(tmp_path):
 def test_frames_of_a_bus_are_decoded_as_asammdf_does(tmp_path):
     """Its own extraction, with canmatrix instead of cantools."""
     path, chart = write_bus(tmp_path / "bus.mf4"), write_dbc(tmp_path)
-    opened = open_mdf(path, Databases((tmp_path / "chassis.dbc",)))
+    opened = open_mdf(path, Databases((DatabaseFile(tmp_path / "chassis.dbc"),)))
     names = ["WhlFL", "WhlRR", "PMc", "Ax", "VRef"]
     index = [[c.name for c in opened.columns].index(name) for name in names]
     ours = opened.read(index)
