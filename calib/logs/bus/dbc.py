@@ -20,7 +20,7 @@ from calib.errors import ChannelMapError
 from calib.logs.bus.bits import last_byte, number, raw
 from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.bus.frames import Frames, Key
-from calib.logs.bus.j1939 import group_of, source_of
+from calib.logs.bus.j1939 import CONNECTION, group_of, source_of
 from calib.logs.extra import need
 from calib.logs.source import Array
 
@@ -57,8 +57,12 @@ class Dbc:
     sources: tuple[int, ...] | None = None
 
     def knows(self, bus: str, key: Key) -> bool:
-        """Whether `find` finds a message."""
-        return self.find(bus, key) is not None
+        """Whether `find` finds a message, or the frames announce messages of several frames."""
+        return self.find(bus, key) is not None or self.announces(key)
+
+    def announces(self, key: Key) -> bool:
+        """Whether frames of an identifier announce J1939 messages of several frames."""
+        return self._is_j1939(key) and group_of(key[0]) == CONNECTION
 
     def find(self, bus: str, key: Key) -> "Message | None":
         """The message that describes frames of an identifier on a bus, or None.
@@ -69,14 +73,19 @@ class Dbc:
         for messages in (self.buses.get(bus, {}), self.messages):
             if key in messages:
                 return messages[key]
-        identifier, extended = key
-        if self.sources is None or not extended:
-            return None
-        if self.sources and source_of(identifier) not in self.sources:
-            return None
-        group = group_of(identifier)
+        return self.of_group(bus, group_of(key[0])) if self._is_j1939(key) else None
+
+    def of_group(self, bus: str, group: int) -> "Message | None":
+        """The message of a parameter group on a bus, or None."""
         own = self._groups.get(bus, {}).get(group)
         return own or self._groups[EVERY].get(group)
+
+    def _is_j1939(self, key: Key) -> bool:
+        """Whether frames of an identifier are found by their parameter group."""
+        identifier, extended = key
+        if self.sources is None or not extended:
+            return False
+        return not self.sources or source_of(identifier) in self.sources
 
     @cached_property
     def _groups(self) -> "dict[str, dict[int, Message]]":

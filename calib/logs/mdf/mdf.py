@@ -12,7 +12,7 @@ import numpy as np
 from calib.errors import LogError
 from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import Dbc
-from calib.logs.bus.recording import described, require_dbc, require_known, trace
+from calib.logs.bus.recording import described, left_out, require_dbc, require_known, trace
 from calib.logs.extra import need
 from calib.logs.mdf.channels import check_channels
 from calib.logs.mdf.finish import finished, is_unfinished
@@ -78,7 +78,9 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
         require_known(frames, (), known, where)
     if buses and not known:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
-    more, signals = described(frames, known or Dbc({}, ()))
+    database = known or Dbc({}, ())
+    notes += left_out(frames, database)
+    more, signals = described(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
         own = [places[i - 1] for i in indices if i <= len(places)]
@@ -88,8 +90,7 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
             for i in indices
         ]
 
-    all_notes = (*(known.notes if known else ()), *notes)
-    return Recording(named([*columns, *more]), read, all_notes, mdf.close)
+    return Recording(named([*columns, *more]), read, (*database.notes, *notes), mdf.close)
 
 
 def _check_layout(mdf: Any, where: str) -> None:

@@ -113,3 +113,50 @@ def test_an_equal_identifier_comes_before_the_group(tmp_path):
         tmp_path / "run.log", Databases((DatabaseFile(tmp_path / "both.dbc"),), (), ())
     )
     assert names(found) == ["OWN.Speed"]
+
+
+LONG = """BO_ 2566843646 VI: 17 A
+ SG_ First : 0|8@1+ (1,0) [0|255] "" A
+BO_ 2565800190 PropA: 20 A
+ SG_ Level : 0|8@1+ (1,0) [0|255] "" A
+"""
+"""Groups 65260 and 61184 (SAE J1939-71), both longer than a frame."""
+
+SENT = """
+18ECFF0B#20110003FFECFE00 1CEBFF0B#015756575A5A5A31 1CEBFF0B#024A5A5857303030
+1CEBFF0B#03303031FFFFFFFF 18EC210B#101400030100EF00 1CEC0B21#110101FFFF00EF00
+1CEB210B#0101020304050607 1CEC0B21#110102FFFF00EF00 1CEB210B#0208090A0B0C0D0E
+1CEC0B21#110103FFFF00EF00 1CEB210B#030F1011121314FF 1CEC0B21#13140003FF00EF00
+"""
+"""Two units of can-j1939 2.0.12: 17 bytes of group 65260 to all, 20 bytes of 61184 to 0x21."""
+
+
+def with_long_ones(folder, rows, sources):
+    sent = [f"({8 + 0.1 * i:.6f}) can0 {frame}\n" for i, frame in enumerate(SENT.split())]
+    (folder / "long.dbc").write_text(DBC + LONG)
+    (folder / "run.log").write_text("".join([frame(*row) for row in rows] + sent))
+    databases = Databases((DatabaseFile(folder / "long.dbc"),), (), sources)
+    return open_candump(folder / "run.log", databases)
+
+
+ROWS = [(0.1 * i, 0x18FEF10B, 50.0) for i in range(60)]
+
+
+def test_messages_of_several_frames_are_left_out_by_name(tmp_path):
+    found = with_long_ones(tmp_path, ROWS, ())
+    assert names(found) == ["CCVS1.Speed"]
+    assert found.notes[-1].endswith("several frames are left out: 1 x PropA, 1 x VI")
+
+
+@pytest.mark.parametrize("sources", [None, (0x21,)])
+def test_nothing_is_said_where_none_is_looked_for(tmp_path, sources):
+    """Without ``j1939``, and for another address than that of the sender."""
+    rows = [(0.01 * i, 0x100, 1.0) for i in range(60)]
+    found = with_long_ones(tmp_path, rows, sources)
+    assert names(found) == ["Plain.Level"]
+    assert not any("several frames" in note for note in found.notes)
+
+
+def test_a_log_with_nothing_else(tmp_path):
+    with pytest.raises(LogError, match=r"no frame of the log.*left out: 1 x PropA, 1 x VI"):
+        with_long_ones(tmp_path, [], ())
