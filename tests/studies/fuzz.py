@@ -29,6 +29,9 @@ sys.path.insert(0, str(ROOT))
 
 SLOW = 10.0
 """Seconds of one read that count as a finding."""
+HUNG = 300
+"""Seconds of one read after which atheris ends the process. With 0, for none, it ends any process
+after 300 s: its alarm goes off, and libFuzzer, which would judge it, does not listen."""
 
 
 class Tally:
@@ -91,8 +94,8 @@ def guided(tally: Tally) -> None:
         for number, seed in enumerate(tally.reader.seeds()):
             (Path(corpus) / str(number)).write_bytes(seed)
         atheris.Setup(
-            [sys.argv[0], corpus, f"-seed={tally.chosen.seed}", "-max_len=200000", "-timeout=0",
-             "-rss_limit_mb=4000", "-verbosity=0"],
+            [sys.argv[0], corpus, f"-seed={tally.chosen.seed}", "-max_len=200000",
+             f"-timeout={HUNG}", "-rss_limit_mb=4000", "-verbosity=0"],
             one,
         )  # fmt: skip
         atheris.Fuzz()
