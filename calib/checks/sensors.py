@@ -30,6 +30,13 @@ FOLLOWED = 0.3
 RELEASED = 0.05
 """Below this deceleration no brake is applied [1]."""
 
+RUSTLES = 0.4
+"""Share of the unbraked samples with the most frequent value, up to which noise alone keeps a value
+from staying as it is for a second [1]: normal noise is then 0.78 of the resolution or more, and 40
+samples are equal in fewer than 1 of 10^12 cases."""
+FEWEST = 20
+"""Samples from which noise is seen."""
+
 UNKNOWN = (float("nan"),) * 3
 
 
@@ -124,11 +131,12 @@ def noise_of(x: Array, quiet: Mask, step: float) -> tuple[float, float, float]:
 
     Returns
     -------
-    Standard deviation, its white part [unit of x], and autocorrelation [1]; NaN with fewer than 20
-    quiet samples. Outliers beyond five times the usual size are left out. The high-pass removes
-    about 1/k of the variance, with k samples in 0.2 s; this is corrected, exactly for white noise.
+    Standard deviation, its white part [unit of x], and autocorrelation [1]; NaN with fewer than
+    `FEWEST` quiet samples. Outliers beyond five times the usual size are left out. The high-pass
+    removes about 1/k of the variance, with k samples in 0.2 s; this is corrected, exactly for white
+    noise.
     """
-    if quiet.sum() < 20:
+    if quiet.sum() < FEWEST:
         return float("nan"), float("nan"), float("nan")
     k = max(5, round(HIGH_PASS / step)) | 1
     rest = (x - centred_mean(x, k))[quiet] / np.sqrt(1.0 - 1.0 / k)
@@ -209,8 +217,14 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
             return False
         if log[name][part.start] == 0:
             return float(z.max()) > 0.3
-        return float(z.min()) < RELEASED or _returns_with_a_jump(log[name], part.stop)
+        returns = _returns_with_a_jump(log[name], part.stop)
+        return float(z.min()) < RELEASED or returns or _rustles(log[name][driving.unbraked])
     return False
+
+
+def _rustles(quiet: Array) -> bool:
+    """Whether a channel has noise that a pedal cannot hold: a constant value is then a fault."""
+    return quiet.size >= FEWEST and flatness(quiet) <= RUSTLES
 
 
 def _returns_with_a_jump(x: Array, end: int) -> bool:

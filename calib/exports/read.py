@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from calib.bounded import CALIBRATION, read_bounded
+from calib.bounded import CALIBRATION, bytes_of
 from calib.errors import DamagedTable, ExchangeError, TableNotFound
 from calib.exports.build import build
 from calib.exports.cdfx_reader import read_cdfx
@@ -19,10 +19,7 @@ def read_back(path: Path) -> Returned:
     Raises ExchangeError when it cannot be read, is cut off or damaged, or is no export of this
     program.
     """
-    try:
-        data = read_bounded(path, CALIBRATION)
-    except OSError as error:
-        raise ExchangeError(f"cannot be read ({error.strerror})", where=path) from error
+    data = bytes_of(path, CALIBRATION, ExchangeError, "DCM or CDF")
     if data.lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<"):
         return read_cdfx(path, data)
     try:

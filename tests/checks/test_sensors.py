@@ -152,6 +152,17 @@ def test_a_pressure_that_hangs_to_the_end_is_stuck(value):
     assert "p_mc" in stuck(changed(log, p_mc=hanging))
 
 
+@pytest.mark.parametrize("rate", [40.0, 200.0])
+def test_a_pressure_without_its_noise_is_stuck(rate):
+    """From 2 s to the end, while the driver lets go by two thirds: nothing is released."""
+    log = made_run(lambda t: np.interp(t, [1.0, 1.5, 3.5, 4.0], [0, 25, 25, 8]), rate=rate)
+    assert "p_mc" not in stuck(log)
+    hanging = np.where(log.time > 2.0, log["p_mc"][log.time > 2.0][0], log["p_mc"])
+    ((start, end),) = stuck(changed(log, p_mc=hanging))["p_mc"]
+    assert start == pytest.approx(2.0, abs=0.05)
+    assert end == pytest.approx(log.time[-1])
+
+
 def test_a_channel_that_was_interpolated_has_no_step():
     log = made_run()
     coarse = changed(log, p_mc=np.round(log["p_mc"] / 1e5) * 1e5)

@@ -76,4 +76,4 @@ def test_half_a_file_ends_with_3(tables, exported, form):
 def test_a_file_that_is_not_there_ends_with_3(tables, tmp_path):
     ran = tables("import", tmp_path / "none.dcm")
     assert (ran.code, ran.result) == (3, "")
-    assert "cannot be read" in ran.err
+    assert "no such file" in ran.err
