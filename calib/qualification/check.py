@@ -6,6 +6,7 @@ A check computes its value from the material; the outcome holds the value and wh
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from importlib.util import find_spec
 
 from calib.qualification.material import Material
 
@@ -18,7 +19,8 @@ class Check:
     """What is computed, and what must come out.
 
     ``quantity`` in words; ``expected`` and ``tolerance`` [``unit``], the tolerance above zero;
-    ``truth`` where the expected value comes from; ``measure`` computes the value.
+    ``truth`` where the expected value comes from; ``measure`` computes the value; ``needs`` modules
+    that an extra of the package installs.
     """
 
     name: str
@@ -28,6 +30,12 @@ class Check:
     tolerance: float
     truth: str
     measure: Callable[[Material], float]
+    needs: tuple[str, ...] = ()
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Modules that the check needs and that are not installed: it cannot be made."""
+        return tuple(name for name in self.needs if find_spec(name) is None)
 
 
 @dataclass(frozen=True)

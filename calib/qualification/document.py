@@ -54,6 +54,7 @@ def to_dict(found: Qualification, at: Surroundings) -> dict[str, Any]:
         "packages": at.packages,
         "use_cases": [asdict(case) for case in USE_CASES],
         "checks": [_entry(outcome) for outcome in found.outcomes],
+        "left_out": [{"name": c.name, "missing": list(c.missing)} for c in found.left_out],
         "files": found.files,
     }
 

@@ -25,6 +25,10 @@ SEARCHED = {
 """The folder of a hidden case and the two logs that are searched: enough to see its cause."""
 
 
+DAMAGED = "cut_in_half.parquet"
+"""The damaged log of a batch."""
+
+
 class Material:
     """Logs below ``samples``, and work in the empty folder ``scratch``; made on first use."""
 
@@ -35,6 +39,7 @@ class Material:
         self.log = cache(self._log)
         self.table = cache(self._table)
         self.stop = cache(self._stop)
+        self.batch = cache(self._batch)
         self.diagnosis = cache(self._diagnosis)
 
     def files(self) -> dict[str, str]:
@@ -66,6 +71,33 @@ class Material:
         """The validation of one hold-out with the table of its folder."""
         told = self.vehicle(f"{folder}/{vehicle}")
         return validate(self.table(folder), [self.log(f"{folder}/{stop}")], told)[0]
+
+    def _batch(self, folder: str, stops: tuple[str, ...]) -> dict[str, tuple[str, float]]:
+        """Status and front pad friction by log, from the results of `batch validate`.
+
+        The first of ``stops`` is also there cut in half, as `DAMAGED`.
+        """
+        import pyarrow.parquet as pq
+
+        from calib.fleet.command import Command
+        from calib.fleet.job import Job
+        from calib.fleet.pool import Pool
+        from calib.fleet.run import run_batch
+
+        logs = self.scratch / "batch"
+        logs.mkdir()
+        for stop in stops:
+            (logs / stop).write_bytes(self._file(f"{folder}/{stop}").read_bytes())
+        whole = (logs / stops[0]).read_bytes()
+        (logs / DAMAGED).write_bytes(whole[: len(whole) // 2])
+        pool = Pool(2)
+        try:
+            job = Job(Command.VALIDATE, self.table(folder))
+            found = run_batch(job, [str(logs)], self.scratch / "results", pool)
+        finally:
+            pool.close()
+        rows = pq.read_table(found.results, columns=["log", "status", "pad_friction_f"]).to_pylist()
+        return {Path(row["log"]).name: (row["status"], row["pad_friction_f"]) for row in rows}
 
     def _diagnosis(self, case: str) -> Diagnosis:
         """The diagnosis of a hidden case from two logs and one hold-out."""

@@ -15,10 +15,19 @@ def headline(found: Qualification) -> str:
     failed = [o.check.name for o in found.outcomes if not o.held]
     number = len(found.outcomes)
     if not failed:
-        return f"All {number} checks hold."
+        return f"All {number} checks hold.{_left_out(found)}"
     return f"{len(failed)} of {number} checks {'do' if len(failed) > 1 else 'does'} not hold: " + (
-        ", ".join(failed) + "."
+        ", ".join(failed) + f".{_left_out(found)}"
     )
+
+
+def _left_out(found: Qualification) -> str:
+    """A sentence on the checks that were not made, if there are any."""
+    if not found.left_out:
+        return ""
+    missing = sorted({name for check in found.left_out for name in check.missing})
+    names = ", ".join(check.name for check in found.left_out)
+    return f" Not made, because {', '.join(missing)} is not installed: {names}."
 
 
 def report_html(found: Qualification, at: Surroundings) -> str:

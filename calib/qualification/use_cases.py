@@ -42,7 +42,13 @@ USE_CASES = (
                 "A damaged or incomplete file is taken for a whole one.",
                 "The table rests on a part of the run.",
                 "Sizes, counts and footers are compared; exit code 3.",
-                ("broken_logs",),
+                ("broken_logs", "broken_bus_logs", "broken_mdf"),
+            ),
+            Malfunction(
+                "A signal of a bus, or a channel of another rate, is decoded or timed wrongly.",
+                "Pressure, speeds and acceleration do not belong together.",
+                "The notes of check name the DBC and what was interpolated.",
+                ("read_asc", "read_blf", "read_log", "read_mf4"),
             ),
         ),
     ),
@@ -95,6 +101,42 @@ USE_CASES = (
                 "Every limit with value and verdict in summary.json; release with reason and "
                 "evidence.",
                 ("verdict",),
+            ),
+        ),
+    ),
+    UseCase(
+        "station",
+        "A car at the line gets its table, a verdict and the state of the table.",
+        (
+            Malfunction(
+                "A car that breaks a limit passes, or a good one fails.",
+                "A wrong table is released, or a good car is held back.",
+                "Every limit with value and verdict in station.json and on the page.",
+                ("station_verdicts",),
+            ),
+            Malfunction(
+                "A log of the fit is taken for proof.",
+                "The verdict rests on nothing.",
+                "Such a log is refused; exit code 3.",
+                ("station_holdout",),
+            ),
+        ),
+    ),
+    UseCase(
+        "batch",
+        "Many logs are judged in worker processes.",
+        (
+            Malfunction(
+                "A row has the result of another log, or of another table.",
+                "Cars are sorted by wrong numbers.",
+                "Each row has the SHA-256 of its log.",
+                ("batch_pads",),
+            ),
+            Malfunction(
+                "A damaged log ends the batch, or has a result.",
+                "Logs are missing, or a result rests on a part of a run.",
+                "A row with status error and the message; counts at the end.",
+                ("batch_rows",),
             ),
         ),
     ),

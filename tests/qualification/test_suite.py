@@ -11,22 +11,27 @@ import pytest
 from calib.demo.samples import sample_logs
 from calib.estimation import adaptive
 from calib.exports import export
+from calib.fleet import run
+from calib.logs import read
+from calib.logs.bus import dbc
 from calib.physics import forces
 from calib.physics.vehicle import Axle
-from calib.qualification import causes, material
+from calib.qualification import causes, check, material
+from calib.qualification.report import headline
 from calib.qualification.suite import SUITE, qualify
 from calib.qualification.use_cases import USE_CASES
+from calib.station import station
 from calib.statistics import random_effects
 from calib.store import store
 from calib.units import QUANTITIES, Unit
 from calib.validation import validate
 
-NAMES = [check.name for check in SUITE]
+NAMES = [one.name for one in SUITE]
 
 
 def failed(*names):
     """Names of the checks that do not hold, of those named."""
-    found = qualify([check for check in SUITE if check.name in names])
+    found = qualify([one for one in SUITE if one.name in names])
     assert len(found.outcomes) == len(names)
     return {outcome.check.name for outcome in found.outcomes if not outcome.held}
 
@@ -96,6 +101,64 @@ def test_a_wrong_unit_is_seen_by_itself_and_in_a_log(monkeypatch):
 def test_a_reader_that_takes_everything_is_seen(monkeypatch):
     monkeypatch.setattr("calib.qualification.reading.read_log", lambda path: path)
     assert failed("broken_logs") == {"broken_logs"}
+
+
+BUS = {"read_asc", "read_blf", "read_log"}
+
+
+def test_a_bus_that_is_decoded_wrong_is_seen(monkeypatch):
+    right = dbc.raw
+    monkeypatch.setattr(
+        dbc, "raw", lambda data, start, length, little: right(data, start, length, True)
+    )
+    assert failed(*BUS, "read_mf4") == BUS
+
+
+def test_a_recording_that_is_timed_wrong_is_seen(monkeypatch):
+    right = read.on_one_clock
+
+    def late(wanted, where):
+        moved = [replace(w, trace=replace(w.trace, time=w.trace.time + 0.01 * (i == 0)))
+                 for i, w in enumerate(wanted)]  # fmt: skip
+        return right(moved, where)
+
+    monkeypatch.setattr(read, "on_one_clock", late)
+    assert failed(*BUS, "read_mf4", "read_units") == BUS | {"read_mf4"}
+
+
+def test_readers_that_take_half_a_recording_are_seen(monkeypatch):
+    monkeypatch.setattr("calib.qualification.recorded.read_log", lambda path, chart: path)
+    assert failed("broken_bus_logs", "broken_mdf") == {"broken_bus_logs", "broken_mdf"}
+
+
+def test_what_a_missing_package_reads_is_left_out_and_told(monkeypatch):
+    right = check.find_spec
+    monkeypatch.setattr(check, "find_spec", lambda name: None if name == "can" else right(name))
+    found = qualify([c for c in SUITE if c.name in (*BUS, "read_mf4", "broken_bus_logs")])
+    assert [o.check.name for o in found.outcomes] == ["read_mf4"]
+    assert {c.name: c.missing for c in found.left_out} == dict.fromkeys(
+        (*BUS, "broken_bus_logs"), ("can",)
+    )
+    assert headline(found).startswith("All 1 checks hold. Not made, because can is not installed: ")
+
+
+@pytest.mark.parametrize("verdict", ["passed", "failed"])
+def test_a_station_with_one_verdict_is_seen(monkeypatch, verdict):
+    monkeypatch.setattr(station.Check, "verdict", property(lambda self: verdict))
+    assert failed("station_verdicts", "station_holdout") == {"station_verdicts"}
+
+
+def test_a_batch_that_mixes_its_rows_is_seen(monkeypatch):
+    right = run.write_results
+
+    def turned(rows, settings, out):
+        *rows, last = rows
+        cells = [row.cells for row in rows]
+        moved = [replace(row, cells=c) for row, c in zip(rows, [*cells[1:], cells[0]], strict=True)]
+        return right([*moved, last], settings, out)
+
+    monkeypatch.setattr(run, "write_results", turned)
+    assert "batch_pads" in failed("batch_pads", "batch_rows")
 
 
 def test_pads_that_are_estimated_wrong_are_seen(monkeypatch):
