@@ -1,9 +1,8 @@
 """Vector ASC, read with python-can; an ASC file without the end of its last block is refused."""
 
 import re
-from operator import attrgetter
 from pathlib import Path
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from calib.errors import LogError
 from calib.logs.bus.databases import Databases
@@ -12,9 +11,14 @@ from calib.logs.bus.text_log import Counted, whole_frames
 from calib.logs.extra import need
 from calib.logs.recording import Recording
 
+if TYPE_CHECKING:
+    from can import Message
+
 FRAME = re.compile(
     r"\s*\d+\.\d+\s+(\d+\s+(\w+\s+(Tx|Rx)\b|ErrorFrame)|CANFD\s+\d+\s+(Tx|Rx)\b)", re.IGNORECASE
 )
+_LENGTH = re.compile(r"\s*\S+\s+\d+\s+\w+\s+(?:Tx|Rx)\s+d\s+(\w{2,})\s", re.IGNORECASE)
+"""A frame of classic CAN whose code of length is no single digit."""
 _HEADER = re.compile(r"\s*(date|base|//|(no\s+)?internal\s+events)", re.IGNORECASE)
 _EVENTS = re.compile(r"\s*(no\s+)?internal\s+events", re.IGNORECASE)
 _DELTA = re.compile(r"\s*base\s+\w+\s+timestamps\s+relative", re.IGNORECASE)
@@ -41,6 +45,7 @@ class _Lines(Counted):
         line = super().__next__()
         if self._headed:
             self._mark(line)
+            self._require_code(line)
             return line
         if _DELTA.match(line):
             raise _relative(self.path)
@@ -53,6 +58,16 @@ class _Lines(Counted):
         self._mark(line)
         self._kept = line
         return "no internal events logged\n"
+
+    def _require_code(self, line: str) -> None:
+        """Raise LogError for a classic frame of more than 8 bytes: python-can drops the others."""
+        if found := _LENGTH.match(line):
+            raise LogError(
+                f"line {self.line} states a length of {found[1]!r} for a frame of classic CAN",
+                where=self.path,
+                expected="a digit from 0 to F, and 8 bytes at most",
+                do="export the log again; CAN FD is written as CANFD",
+            )
 
     def _mark(self, line: str) -> None:
         if not line[:1].isdigit() and not line[:1].isspace():
@@ -72,7 +87,7 @@ def open_asc(path: Path, dbc: Databases) -> Recording:
     known = require_dbc(dbc, "can", where)
     with path.open(encoding="utf-8", errors="replace") as file:
         lines = _Lines(file, path)
-        found = lines.gathered(whole_frames(can.ASCReader(lines), attrgetter("dlc"), where), known)
+        found = lines.gathered(whole_frames(can.ASCReader(lines), _stated, where), known)
     if lines.begun and not lines.ended:
         raise LogError(
             f"the end is missing: {len(found.times)} frames up to {found.times[-1]:.3f} s were "
@@ -83,6 +98,11 @@ def open_asc(path: Path, dbc: Databases) -> Recording:
         )
     lines.require_all(found)
     return recording(found, known, () if lines.begun else (NO_FOOTER,), where)
+
+
+def _stated(message: "Message") -> int:
+    """Bytes of a frame by its line; in classic CAN the codes 9 to F stand for 8 (ISO 11898-1)."""
+    return int(message.dlc if message.is_fd else min(message.dlc, 8))
 
 
 NO_FOOTER = "no trigger block: a file cut at the end of a line looks like a complete one"

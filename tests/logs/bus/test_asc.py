@@ -68,6 +68,22 @@ def test_a_frame_with_too_little_data(folder, text):
     assert "7 of 8 bytes" in refused(folder, "".join(lines))
 
 
+def test_a_length_code_past_8_stands_for_8_bytes(folder, text):
+    """ISO 11898-1; CANalyzer writes such frames as they were sent."""
+    found = re.search(r"(?m)^.* 100 .*(Rx|Tx) +d 8 .*$", text)[0]
+    whole, coded = (
+        read(folder, text),
+        read(folder, text.replace(found, found.replace("d 8", "d D"))),
+    )
+    np.testing.assert_array_equal(coded["omega_fl"], whole["omega_fl"])
+
+
+def test_a_classic_frame_of_more_than_8_bytes(folder, text):
+    found = re.search(r"(?m)^.* 100 .*(Rx|Tx) +d 8 .*$", text)[0]
+    longer = found.replace("d 8", "d 10") + " 00 00 00 00 00 00 00 00"
+    assert "a length of '10'" in refused(folder, text.replace(found, longer))
+
+
 def test_a_line_that_is_damaged(folder, text):
     lines = text.splitlines(keepends=True)
     classic = [i for i, x in enumerate(lines) if " d 8 " in x][30]

@@ -1,0 +1,94 @@
+"""Files of other projects (samples/SOURCES.txt): signals are what canmatrix decodes."""
+
+import logging
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from calib.logs.bus.databases import DatabaseFile
+from calib.logs.bus.dbc import decode, read_dbc
+from calib.logs.bus.frames import frames_of
+
+SAMPLES = Path(__file__).parent / "samples"
+TWIN = "comments_hex_and_motorola"
+"""A SYM that canmatrix cannot decode; beside it is the same as DBC, made by another program."""
+
+FRAMES = 30
+
+
+def theirs(path):
+    """Frames of canmatrix by identifier."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import canmatrix.formats
+
+        logging.getLogger("canmatrix").setLevel(logging.CRITICAL)
+        found = canmatrix.formats.loadp(str(path))
+    return {
+        (frame.arbitration_id.id, bool(frame.arbitration_id.extended)): frame
+        for matrix in found.values()
+        for frame in matrix.frames
+    }
+
+
+def random_frames(key, length):
+    rows = np.random.default_rng(key[0]).integers(0, 256, (FRAMES, length), np.uint8)
+    data = [bytes(row) for row in rows]
+    return data, frames_of("0", key, np.arange(float(FRAMES)), data)
+
+
+def ours(frames, message, signal):
+    """Value by number of the frame."""
+    found = decode(frames, message, signal)
+    return dict(zip(found.time.astype(int).tolist(), found.values.tolist(), strict=True))
+
+
+@pytest.mark.parametrize("path", sorted(SAMPLES.glob("*.*[dkx][bcm][cdl]")), ids=lambda p: p.name)
+def test_signals_are_those_of_another_reader(path):
+    matrix, compared = theirs(path), 0
+    for key, message in read_dbc([DatabaseFile(path)], "can", "x").messages.items():
+        data, frames = random_frames(key, message.length)
+        decoded = [matrix[key].decode(row) for row in data]
+        for signal in message.signals:
+            expected = {i: float(row[signal.name].phys_value) for i, row in enumerate(decoded)
+                        if signal.name in row}  # fmt: skip
+            found = ours(frames, message, signal)
+            assert found.keys() == expected.keys(), signal.name
+            np.testing.assert_allclose(
+                [found[i] for i in expected], list(expected.values()), rtol=1e-12, equal_nan=True
+            )
+            compared += len(expected)
+    assert compared >= 20
+
+
+def test_a_sym_is_what_was_made_of_it_as_dbc():
+    one, other = (
+        read_dbc([DatabaseFile(SAMPLES / name)], "can", "x").messages
+        for name in (f"{TWIN}.sym", f"{TWIN}_converted_from_sym.dbc")
+    )
+    assert one.keys() == other.keys()
+    for key, message in one.items():
+        _, frames = random_frames(key, message.length)
+        twins = {signal.name: signal for signal in other[key].signals}
+        assert twins.keys() == {signal.name for signal in message.signals}
+        for signal in message.signals:
+            assert ours(frames, message, signal) == ours(frames, other[key], twins[signal.name])
+
+
+def test_a_frame_in_the_readme_of_cantools():
+    """80 4A 0F ... is told there as 255.92 degK, 0.0 m, Enabled."""
+    dbc = read_dbc([DatabaseFile(SAMPLES / "motohawk.dbc")], "can", "x")
+    ((key, message),) = dbc.messages.items()
+    frames = frames_of("0", key, np.zeros(1), [bytes.fromhex("804A0F0000000000")])
+    found = {signal.name: ours(frames, message, signal)[0] for signal in message.signals}
+    assert found == pytest.approx({"Temperature": 255.92, "AverageRadius": 0.0, "Enable": 1.0})
+
+
+def test_each_sample_has_its_source():
+    told = (SAMPLES / "SOURCES.txt").read_text().split()
+    assert {path.name for path in SAMPLES.iterdir()} - {"SOURCES.txt"} <= {
+        *told,
+        "LICENSE.cantools",
+    }

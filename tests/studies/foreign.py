@@ -1,0 +1,122 @@
+"""Read logs that no one here wrote, and compare with what their own libraries read.
+
+python tests/studies/foreign.py FOLDER
+
+FOLDER has recordings of any format, such as a clone of hardbyte/python-can (test/data/, LGPL) or of
+danielhrisca/asammdf (test/data/, LGPL); `tests/logs/bus/samples/SOURCES.txt` says why they are not
+kept here. Frames are decoded with a DBC that has a signal for each byte of each identifier of the
+log. One line a file: what python-can or asammdf reads, and what this program reads or why it
+refuses. Ends with the counts of each format.
+"""
+
+import argparse
+import logging
+import sys
+import tempfile
+import warnings
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT))
+
+from calib.errors import BrakeCalError  # noqa: E402
+from calib.logs.bus.databases import DatabaseFile  # noqa: E402
+from calib.logs.channel_map import ChannelMap  # noqa: E402
+from calib.logs.read import opened_recording  # noqa: E402
+from calib.logs.recordings import RECORDINGS  # noqa: E402
+from calib.logs.tables import ending_of  # noqa: E402
+
+EXTENDED = 1 << 31
+
+
+def by_python_can(path: Path) -> dict[tuple[int, bool], int]:
+    """Number of bytes of all data frames, by identifier."""
+    import can
+
+    found: Counter[tuple[int, bool]] = Counter()
+    with can.LogReader(path) as reader:
+        for m in reader:
+            legal = m.arbitration_id < 1 << 11 or m.is_extended_id  # what a DBC can describe
+            if legal and not (m.is_error_frame or m.is_remote_frame):
+                found[m.arbitration_id, m.is_extended_id] += len(m.data)
+    return found
+
+
+def database(identifiers: "list[tuple[int, bool]]") -> str:
+    """A DBC with one signal for each byte of 64."""
+    rows = ['VERSION ""', "NS_ :", "BS_:", "BU_: A"]
+    for number, extended in identifiers:
+        rows.append(f"BO_ {number | EXTENDED * extended} M{number:X}{'x' * extended}: 64 A")
+        rows += [f' SG_ B{i} : {8 * i}|8@1+ (1,0) [0|255] "" A' for i in range(64)]
+    return "\n".join(rows) + "\n"
+
+
+def by_us(path: Path, identifiers: "list[tuple[int, bool]]", folder: Path) -> int:
+    """Number of bytes of all frames, or of samples of all channels; raises BrakeCalError."""
+    files = ()
+    if identifiers:
+        (folder / "all.dbc").write_text(database(identifiers))
+        files = (DatabaseFile(folder / "all.dbc"),)
+    opened = opened_recording(path, ChannelMap("map", {}, dbc=files))
+    try:
+        traces = opened.read(range(1, len(opened.columns)))
+        return sum(trace.values.size for trace in traces)
+    finally:
+        opened.close()
+
+
+def by_asammdf(path: Path) -> int:
+    """Number of samples of all channels of numbers, clocks left out."""
+    import asammdf
+
+    with asammdf.MDF(path) as mdf:
+        return sum(
+            np.size(mdf.get(group=g, index=i, raw=True).samples)
+            for g, group in enumerate(mdf.groups)
+            for i in range(len(group.channels))
+            if i != mdf.masters_db.get(g)
+        )
+
+
+def judged(path: Path, folder: Path) -> tuple[str, str]:
+    """What came of a file, in a word, and the line about it."""
+    try:
+        mdf = path.suffix.lower() in (".mf4", ".mdf", ".dat")
+        frames = {} if mdf else by_python_can(path)
+        theirs = by_asammdf(path) if mdf else sum(frames.values())
+        told = f"{theirs} values"
+    except Exception as error:  # theirs refuses it, in any way
+        frames, theirs, told = {}, -1, f"refused ({type(error).__name__})"
+    if theirs == 0:
+        return "empty", "no data frame of a legal identifier"
+    try:
+        ours = by_us(path, sorted(frames), folder)
+    except BrakeCalError as error:
+        return "refused", f"theirs {told}; ours refused: {error.what}; {error.expected or ''}"
+    except Exception as error:  # what this is run for
+        return "TRACEBACK", f"theirs {told}; ours {type(error).__name__}: {error}"
+    return ("read" if ours == theirs else "DIFFERENT"), f"theirs {told}; ours {ours}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path)
+    chosen = parser.parse_args()
+    warnings.simplefilter("ignore")
+    logging.disable(logging.CRITICAL)
+    counts: Counter[tuple[str, str]] = Counter()
+    paths = sorted(p for p in chosen.folder.rglob("*") if p.is_file())
+    for path in (p for p in paths if ending_of(p) in RECORDINGS):
+        with tempfile.TemporaryDirectory() as folder:
+            word, line = judged(path, Path(folder))
+        counts[ending_of(path), word] += 1
+        print(f"{word:9} {path.relative_to(chosen.folder)}: {line}", flush=True)
+    for (ending, word), number in sorted(counts.items()):
+        print(f"{ending:8} {word:9} {number:4}")
+
+
+if __name__ == "__main__":
+    main()
