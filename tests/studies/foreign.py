@@ -16,8 +16,7 @@ import tempfile
 import warnings
 from collections import Counter
 from pathlib import Path
-
-import numpy as np
+from typing import Any
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
@@ -30,6 +29,7 @@ from calib.logs.recordings import RECORDINGS  # noqa: E402
 from calib.logs.tables import ending_of  # noqa: E402
 
 EXTENDED = 1 << 31
+FRAME = "CAN_DataFrame"
 
 
 def by_python_can(path: Path) -> dict[tuple[int, bool], int]:
@@ -68,25 +68,41 @@ def by_us(path: Path, identifiers: "list[tuple[int, bool]]", folder: Path) -> in
         opened.close()
 
 
-def by_asammdf(path: Path) -> int:
-    """Number of samples of all channels of numbers, clocks left out."""
+def by_asammdf(path: Path) -> tuple[dict[tuple[int, bool], int], int]:
+    """Number of bytes of all data frames by identifier, and of samples of all other channels."""
     import asammdf
 
+    frames: Counter[tuple[int, bool]] = Counter()
+    samples = 0
     with asammdf.MDF(path) as mdf:
-        return sum(
-            np.size(mdf.get(group=g, index=i, raw=True).samples)
-            for g, group in enumerate(mdf.groups)
-            for i in range(len(group.channels))
-            if i != mdf.masters_db.get(g)
-        )
+        for number, group in enumerate(mdf.groups):
+            names = {channel.name for channel in group.channels}
+            if f"{FRAME}.ID" in names:
+                frames += bytes_of_frames(mdf, number, names)
+            elif not any(name.startswith(("CAN_", "LIN_")) for name in names):
+                places = set(range(len(group.channels))) - {mdf.masters_db.get(number)}
+                samples += sum(mdf.get(group=number, index=i).samples.size for i in places)
+    return frames, samples
+
+
+def bytes_of_frames(mdf: Any, number: int, names: set[str]) -> "Counter[tuple[int, bool]]":
+    """Number of bytes by identifier in one group of data frames."""
+    ids = mdf.get(f"{FRAME}.ID", group=number).samples.astype(int)
+    sizes = mdf.get(f"{FRAME}.DataLength", group=number).samples.astype(int)
+    ide = f"{FRAME}.IDE"
+    extended = mdf.get(ide, group=number).samples if ide in names else ids > 0x7FF
+    found: Counter[tuple[int, bool]] = Counter()
+    for identifier, is_long, size in zip(ids & 0x1FFFFFFF, extended, sizes, strict=True):
+        found[int(identifier), bool(is_long)] += int(size)
+    return found
 
 
 def judged(path: Path, folder: Path) -> tuple[str, str]:
     """What came of a file, in a word, and the line about it."""
     try:
         mdf = path.suffix.lower() in (".mf4", ".mdf", ".dat")
-        frames = {} if mdf else by_python_can(path)
-        theirs = by_asammdf(path) if mdf else sum(frames.values())
+        frames, samples = by_asammdf(path) if mdf else (by_python_can(path), 0)
+        theirs = samples + sum(frames.values())
         told = f"{theirs} values"
     except Exception as error:  # theirs refuses it, in any way
         frames, theirs, told = {}, -1, f"refused ({type(error).__name__})"
