@@ -21,10 +21,11 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from calib.errors import BrakeCalError  # noqa: E402
+from calib.errors import BrakeCalError, LogError  # noqa: E402
 from calib.logs.bus.databases import DatabaseFile  # noqa: E402
 from calib.logs.channel_map import ChannelMap  # noqa: E402
 from calib.logs.read import opened_recording  # noqa: E402
+from calib.logs.recording import Recording  # noqa: E402
 from calib.logs.recordings import RECORDINGS  # noqa: E402
 from calib.logs.tables import ending_of  # noqa: E402
 
@@ -62,10 +63,19 @@ def by_us(path: Path, identifiers: "list[tuple[int, bool]]", folder: Path) -> in
         files = (DatabaseFile(folder / "all.dbc"),)
     opened = opened_recording(path, ChannelMap("map", {}, dbc=files))
     try:
-        traces = opened.read(range(1, len(opened.columns)))
-        return sum(trace.values.size for trace in traces)
+        return sum(size_of(opened, index) for index in range(1, len(opened.columns)))
     finally:
         opened.close()
+
+
+def size_of(opened: Recording, index: int) -> int:
+    """Number of values of a column; 0 if it holds text."""
+    try:
+        return opened.read([index])[0].values.size
+    except LogError as error:
+        if error.expected != "a numeric channel":
+            raise
+        return 0
 
 
 def by_asammdf(path: Path) -> tuple[dict[tuple[int, bool], int], int]:
@@ -81,7 +91,9 @@ def by_asammdf(path: Path) -> tuple[dict[tuple[int, bool], int], int]:
                 frames += bytes_of_frames(mdf, number, names)
             elif not any(name.startswith(("CAN_", "LIN_")) for name in names):
                 places = set(range(len(group.channels))) - {mdf.masters_db.get(number)}
-                samples += sum(mdf.get(group=number, index=i).samples.size for i in places)
+                wanted = [(None, number, i) for i in sorted(places)]
+                found = [x.samples for x in mdf.select(wanted, ignore_value2text_conversions=True)]
+                samples += sum(x.size for x in found if x.ndim == 1 and x.dtype.kind in "biuf")
     return frames, samples
 
 
