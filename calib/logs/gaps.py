@@ -28,6 +28,10 @@ NEAR = 0.5
 FEWEST = 4
 """Fewest samples of a side: nearly every line goes through fewer."""
 
+INSTANT = 1e-9
+"""Samples with a spread of less [s] are at one time, and show no slope: recorders count no finer
+than nanoseconds, and only damaged times are nearer."""
+
 SMOOTH = 0.01
 """Largest error of a bridge beside the noise, over the range of the channel [1]."""
 
@@ -177,6 +181,8 @@ def _leads_to(t: Array, x: Array, noise: float, allowed: float) -> bool:
     """Whether the samples of a side lie on a line that goes through the origin."""
     n, centre = t.size, float(t.mean())
     spread = float(np.sum((t - centre) ** 2))
+    if spread < INSTANT**2:
+        return False
     slope = float(np.sum((t - centre) * x)) / spread
     line = x.mean() + slope * (t - centre)
     at_origin = float(x.mean()) - slope * centre

@@ -72,6 +72,15 @@ def test_a_gap_without_a_wanted_value_is_none():
     assert lost(30.0 - TIME, 5.0, 0.4, at).left_open == ()
 
 
+def test_samples_at_one_time_show_no_slope():
+    """Times of a damaged file, so near that the square of their distance is zero."""
+    t = np.concatenate([np.arange(8) * 1e-300, 0.125 + 0.005 * np.arange(60)])
+    x = np.arange(68.0)
+    filled = fill("v", t, x, np.arange(0.0, 0.3, 0.005))
+    assert not filled.bridged
+    assert filled.left_open
+
+
 def test_too_few_samples_beside_a_gap_show_nothing():
     filled = lost(30.0 - 3.0 * TIME, 0.04, 0.1)  # two samples before it
     assert len(filled.left_open) == 1

@@ -232,6 +232,18 @@ def on_bus(file: str, data: bytes | Callable[[], bytes]) -> Callable[[Path], Wor
     return make
 
 
+def described_by(file: str, data: bytes) -> Callable[[Path], Words]:
+    """A log of a bus whose map names ``file`` as what describes it."""
+
+    def make(folder: Path) -> Words:
+        (folder / "map.toml").write_text(f'schema = 1\ndbc = "{file}"\n')
+        (folder / file).write_bytes(data)
+        (folder / "a.log").write_text("(1.0) can0 100#00\n")
+        return ["check", "a.log", "--map", "map.toml"]
+
+    return make
+
+
 def long_name(folder: Path) -> Words:
     return ["check", f"{'a' * 300}.csv"]
 
@@ -257,6 +269,11 @@ def ramp_named(name: str) -> Callable[[Path], Words]:
     return make
 
 
+SYM_TEXT = b'FormatVersion=6.0\nTitle="' + b"a" * 4_000_000 + b'"\n'
+DBC_TEXT = b'VERSION ""\nBU_: E\nCM_ "' + b"a" * 4_000_000 + b'";\n'
+DBC_SIGNALS = b'VERSION ""\nBU_: E\nBO_ 256 M: 64 E\n' + b"".join(
+    b' SG_ V%d m%d : 8|8@1+ (1,0) [0|1] "" E\n' % (i, i) for i in range(100_000)
+)
 ENTITIES = b"<!DOCTYPE MSRSW [<!ENTITY a '" + b"z" * 100_000 + b"'>]><MSRSW>" + b"&a;" * 9_000
 RECORD = "sedan-2up/v0001/record.json"
 IMPORT = ["tables", "import", "in.dcm"]
@@ -428,6 +445,25 @@ CASES: list[Case] = [
         b"x=" + b"-" * 100_000 + b"1",
         ["fit", str(RAMP), "--store", "new", "--vehicle", str(CAR), "--effect", "e.py"],
     ),
+    *(
+        case
+        for kind in ("kcd", "arxml")
+        for case in (
+            Case(
+                f"{kind.upper()} with entities of 900 MB",
+                3,
+                described_by(f"a.{kind}", ENTITIES + b"</MSRSW>"),
+            ),
+            Case(
+                f"{kind.upper()} nested 100,000 deep",
+                3,
+                described_by(f"a.{kind}", b"<a>" * 100_000 + b"</a>" * 100_000),
+            ),
+        )
+    ),
+    Case("SYM with a text of 4 MB", 3, described_by("a.sym", SYM_TEXT)),
+    Case("DBC with a text of 4 MB", 3, described_by("a.dbc", DBC_TEXT)),
+    Case("DBC of 100,000 signals", 3, described_by("a.dbc", DBC_SIGNALS)),
     Case("DBC of another grammar", 3, on_bus("a.dbc", b"BO_ 1 \n\nx\r\ny")),
     bytes_case(
         "controls in a header, check", "a.csv", header(f"{TERMINAL} [bar]"), ["check", "a.csv"], 0

@@ -17,7 +17,7 @@ from calib.logs.bus.recording import gathered, recording, require_dbc
 from calib.logs.extra import need
 from calib.logs.recording import Recording
 
-_HEADER = struct.Struct("<4sL8xQQL")
+_HEADER = struct.Struct("<4sL8xQQL36x")
 
 
 @dataclass(frozen=True)

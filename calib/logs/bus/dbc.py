@@ -39,6 +39,9 @@ ENCODINGS = {"dbc": "cp1252", "arxml": "utf-8", "kcd": "utf-8", "sym": "cp1252"}
 EVERY = ""
 """Stands for every bus, where buses are named."""
 
+LONGEST_TEXT = 1_000_000
+"""Characters of the longest text in quotes, such as a comment."""
+
 LONGEST = 64
 """Bits of the longest signal that is a number; longer ones are text or raw bytes."""
 
@@ -164,8 +167,10 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Message]]":
     kind = path.suffix[1:].lower() if path.suffix[1:].lower() in ENCODINGS else "dbc"
     name = kind.upper()
     content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
+    text = content.decode(ENCODINGS[kind], errors="replace")
+    if kind in ("dbc", "sym"):  # the others are XML, whose parser takes no more than their size
+        _refuse_long_text(text, path)
     try:
-        text = content.decode(ENCODINGS[kind], errors="replace")
         database = cantools.database.load_string(text, database_format=kind, strict=True)
     except Exception as cause:  # cantools raises many kinds, some of its parser's
         raise ChannelMapError(
@@ -176,6 +181,21 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Message]]":
             "the file has no messages", where=path, expected="the messages of a bus"
         )
     return content, database.messages
+
+
+def _refuse_long_text(text: str, path: Path) -> None:
+    """Raise ChannelMapError for a text in quotes that is too long: cantools takes 300 bytes for
+    each of its characters.
+    """
+    quoted = text.replace('\\"', "''").split('"')[1::2]
+    longest = max(map(len, quoted), default=0)
+    if longest > LONGEST_TEXT:
+        raise ChannelMapError(
+            f"a text in quotes has {longest} characters",
+            where=path,
+            expected=f"at most {LONGEST_TEXT}",
+            do="is a quote missing?",
+        )
 
 
 def _of_bus(messages: "list[Message]", file: DatabaseFile) -> "list[Message]":

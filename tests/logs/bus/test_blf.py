@@ -81,7 +81,11 @@ def test_a_container_that_cannot_be_unpacked(folder):
     assert "unpacked" in refused(folder, bytes(data)) or "objects:" in refused(folder, bytes(data))
 
 
-@pytest.mark.parametrize("data", [b"", b"LOGG", b"time [s],p_mc [bar]\n" * 20])
+SHORT_HEADER = struct.pack("<4sL8xQQL", b"LOGG", 36, 36, 36, 1)
+"""Its sizes are right, and the times of start and end are missing."""
+
+
+@pytest.mark.parametrize("data", [b"", b"LOGG", b"time [s],p_mc [bar]\n" * 20, SHORT_HEADER])
 def test_what_is_no_blf(folder, data):
     assert "not a BLF file" in refused(folder, data)
 

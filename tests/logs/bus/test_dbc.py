@@ -132,3 +132,14 @@ def test_a_signal_of_more_than_64_bits_is_no_number(tmp_path):
     dbc = known(tmp_path, text)
     columns, _ = described([frames_of("0", (1, False), np.zeros(1), [bytes(16)])], dbc)
     assert [c.name for c in columns] == ["Speed"]
+
+
+@pytest.mark.parametrize("part", ["aaa", 'a\\"'])
+def test_a_text_without_end_is_refused_before_it_costs_memory(tmp_path, part):
+    text = DBC + f'CM_ "{part * 400_000}";\n'
+    with pytest.raises(ChannelMapError, match=r"a text in quotes has \d+ characters.*1000000"):
+        known(tmp_path, text)
+
+
+def test_a_comment_of_a_usual_length_is_read(tmp_path):
+    assert known(tmp_path, DBC + f'CM_ "{"a" * 10_000}";\n').messages
