@@ -32,9 +32,9 @@ _LENGTHS = (12, 16, 20, 24, 32, 48, 64)
 
 _VERSION = re.compile(r";\$FILEVERSION=\s*(\S+)")
 _COLUMNS = re.compile(r";\$COLUMNS=(\S+)")
-_WHOLE = re.compile(r".*\s([0-9A-F]{2}|RTR)\s*|.*\sRR\s.*\s\d\s*", re.IGNORECASE)
-"""Lines that are whole without an end of line, if they have all bytes: PEAK-Converter writes none
-after the last line."""
+_LAST = re.compile(r"[0-9A-F]{2}|RTR", re.IGNORECASE)
+"""Last word of a line that is whole without an end of line, if it has all bytes: PEAK-Converter
+writes none after the last line."""
 _NUMBER = re.compile(r"\s*(\d+)\)?\s")
 
 NO_FOOTER = "PEAK TRC has no footer: a log cut at the end of a line looks like a complete one"
@@ -57,7 +57,11 @@ class _Lines(Counted):
 
     def is_whole(self, line: str) -> bool:
         """Whether the last line has an end of line, or cannot be a part of a longer one."""
-        return super().is_whole(line) or not FRAME.match(line) or bool(_WHOLE.fullmatch(line))
+        if super().is_whole(line) or not FRAME.match(line):
+            return True
+        *words, last = line.split()
+        remote = "RR" in words and len(last) == 1 and last.isdigit()
+        return remote or bool(_LAST.fullmatch(last))
 
     def _follow(self, line: str) -> None:
         """Raise LogError if the number of a message is not the next one."""
