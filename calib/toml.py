@@ -15,7 +15,8 @@ from calib.units import UnknownUnit, is_unit, si_of, to_si
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 """A number in a quantity, as a regular expression."""
 
-_QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*")
+_QUANTITY = re.compile(rf"({NUMBER})\s*+(.*)", re.DOTALL)
+"""A quantity without blanks around it."""
 
 _DECIMALS = re.compile(r",\d")
 """What follows the digits of a number with a decimal comma."""
@@ -146,12 +147,12 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
     if isinstance(value, int | float) and not isinstance(value, bool):
         number, unit = _float(value), ""
     else:
-        match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+        match = _QUANTITY.fullmatch(value.strip()) if isinstance(value, str) else None
         if match is not None and _DECIMALS.match(match[2]):
             raise error(
                 f"{_short(value)} has a decimal comma",
                 where=where,
-                expected=f"a decimal point: {with_point(match[0].strip())!r}",
+                expected=f"a decimal point: {with_point(match[0])!r}",
             )
         if match is None:
             wanted = "a number" if dimensionless else f'a quantity such as "1.5 {si}"'

@@ -307,6 +307,7 @@ CASES: list[Case] = [
     *toml_case("TOML with a nul", b"schema = 1\0\n"),
     Case("mass of 400 digits", 3, car_with("mass = " + "1" * 400)),
     Case("mass of 400 digits in text", 3, car_with(f'mass = "{"1" * 400} kg"')),
+    Case("mass with 200,000 blanks", 3, car_with(f'mass = "1{" " * 200_000}x kg"')),
     Case("mass of 5,000 digits", 3, car_with("mass = " + "1" * 5_000)),
     bytes_case(
         "scale of 400 digits",
@@ -468,6 +469,10 @@ CASES: list[Case] = [
     bytes_case(
         "controls in a header, check", "a.csv", header(f"{TERMINAL} [bar]"), ["check", "a.csv"], 0
     ),
+    bytes_case(
+        "header of 100,000 blanks", "r.csv", header(f"x{chr(9) * 100_000}y"), ["check", "r.csv"], 0
+    ),
+    bytes_case("header of 30,000 brackets", "r.csv", header("x (" * 30_000), ["check", "r.csv"], 0),
     Case("controls in a unit, check", 0, unit_of_source),
     bytes_case(
         "controls in a header, suggest",

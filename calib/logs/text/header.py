@@ -14,9 +14,6 @@ from calib.logs.source import Column
 from calib.names import CHANNELS
 from calib.units import is_unit, spelling
 
-_SQUARE = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
-_ROUND = re.compile(r"\s*(.*\S)\s*\(([^()]*)\)\s*")
-
 ENDINGS = {
     **{u: u for u in ("bar", "mbar", "hPa", "kPa", "MPa", "psi", "kmh", "kph", "mph", "rpm")},
     **{u: u for u in ("degC", "degF", "Nm", "kNm", "mps", "percent", "deg")},
@@ -46,15 +43,25 @@ def column_from_cell(cell: str) -> Column:
     Column(name='p_mc', unit=None, full='')
     """
     cell = cell.strip()
-    match = _SQUARE.fullmatch(cell)
-    if match is not None and match[2] is not None:
-        return _column(match[1], match[2], cell)
-    match = _ROUND.fullmatch(cell)
-    if match is not None and (is_unit(match[2]) or _ours(match[1])):
-        return _column(match[1], match[2], cell)
+    found = _split(cell, "[", "]")
+    if found is not None:
+        return _column(*found, cell)
+    found = _split(cell, "(", ")")
+    if found is not None and found[0] and (is_unit(found[1]) or _ours(found[0])):
+        return _column(*found, cell)
     for name, unit in _endings(cell):
         return _column(name, unit, cell)
     return Column(cell, None)
+
+
+def _split(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
+    """Name and unit of ``name [unit]``, or None. An expression would take cubic time for a cell of
+    many blanks.
+    """
+    name, found, unit = cell.rpartition(opening)
+    if not found or not unit.endswith(closing) or closing in unit[:-1]:
+        return None
+    return name.strip(), unit[:-1]
 
 
 def _column(name: str, unit: str, cell: str) -> Column:

@@ -58,3 +58,19 @@ def test_row_of_units(cells, units):
 
 def test_bare_unit():
     assert [bare_unit(c) for c in ("[bar]", "(bar)", " bar ", "[", "")] == ["bar"] * 3 + ["[", ""]
+
+
+@pytest.mark.parametrize("cell", ["x" + "\t" * 20_000 + "y", "x (" * 20_000, "[" * 20_000])
+def test_a_long_cell_takes_no_time(cell):
+    """Time that grows with the square of its length would be minutes."""
+    assert column_from_cell(cell).unit is None
+
+
+@pytest.mark.parametrize(
+    ("cell", "name", "unit"),
+    [("[bar]", "", "bar"), ("p [x] [bar]", "p [x]", "bar"), ("p[bar] x", "p[bar] x", None),
+     ("p ]x[ bar]", "p ]x", " bar"), ("p (kPa)", "p", "kPa"), ("p (x)", "p (x)", None)],
+)  # fmt: skip
+def test_the_last_brackets_have_the_unit(cell, name, unit):
+    found = column_from_cell(cell)
+    assert (found.name, found.unit) == (name, unit and unit.strip())
