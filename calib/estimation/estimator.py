@@ -42,7 +42,7 @@ from calib.signals.axle_signals import Signals, eta_of, signals
 from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks, blocks
 from calib.signals.brake_balance import BrakeBalance, brake_balance
-from calib.signals.filters import block_mean
+from calib.signals.filters import block_mean, block_slope
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -303,6 +303,7 @@ def demand_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> SplitInput:
     now = np.where(np.maximum(b.p_f, b.p_r) > BITE, level.value[ends], np.nan)
     mode = (plan.priors.pitch_frequency, plan.priors.pitch_damping)
     late = pitch_deficit(car, s.time, s.z, *mode)
+    total = np.add(*brake_forces(car, s.p_f, s.p_r))
     return SplitInput(
         nominal_f=B_f,
         nominal_r=B_r,
@@ -317,6 +318,7 @@ def demand_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> SplitInput:
         tyre_sum=np.where(b.lead_in, forces.moment_f + forces.moment_r, forces.tyre_sum),
         slip=None if b.v is None else mean_slip(car, forces.load_f, b.omega_f, b.omega_r, b.v),
         pitch_deficit=late[ends],
+        rise=block_slope(total, b.samples) / s.sample_time,
     )
 
 

@@ -29,7 +29,8 @@ class SplitInput:
     (NaN: not braked); ``moment_f``, ``moment_r`` other forces at the road [N], of which
     ``drive_f``, ``drive_r`` are those of engine or motor; ``load_f``, ``load_r`` [N];
     ``tyre_sum`` all tyre forces [N]; ``slip`` measured mean slip [1] or None;
-    ``pitch_deficit`` load that the pitch mode has not yet moved, over the weight [1].
+    ``pitch_deficit`` load that the pitch mode has not yet moved, over the weight [1]; ``rise`` rate
+    of the brake force of nominal pads [N/s].
     """
 
     nominal_f: Array
@@ -44,6 +45,7 @@ class SplitInput:
     tyre_sum: Array
     slip: Array | None
     pitch_deficit: Array
+    rise: Array
 
 
 class Measured(NamedTuple):
@@ -84,6 +86,7 @@ def given(vehicle: Vehicle, b: Blocks, d: SplitInput) -> list[list[float]]:
         lag_gain=G * b.z / np.maximum(b.speed, 1.0),
         static_f=np.full(b.end.size, vehicle.static_loads[0]),
         static_r=np.full(b.end.size, vehicle.static_loads[1]),
+        rise=d.rise,
     )
     rows: list[list[float]] = np.column_stack(columns).tolist()
     return rows

@@ -4,15 +4,19 @@
     loads                    L_f = F_zf - P,  L_r = F_zr + P
     brakes, (2)              phi = B_f e^(rho/2)/(B_f e^(rho/2) + B_r e^(-rho/2))
     forces, (1)              F_f = (phi B + M_f)/L_f,  F_r = ((1 - phi) B + M_r)/L_r
-    tyre                     lambda = e^(c - s +- T/2) (2 L/W)^q F (1 + b2 F w + b3 (F w)^2),
+    tyre                     lambda_0 = e^(c - s +- T/2) (2 L/W)^q F (1 + b2 F w + b3 (F w)^2),
                              T = tau + dtau, + in front
+    delay                    lambda = lambda_0 - delta d lambda_0/dF dF/dt,  dF_f/dt = phi B'/L_f
     radius under load        1 - lambda' = (1 - lambda) e^(r (L/L_0 - 1)),  L_0 at rest
     sensed, (22)             eta = (1 + eta0) (1 - lambda'_r)/(1 - lambda'_f)
     sensed, (19), (20)       slip = x lambda'_f + (1 - x) lambda'_r + sl0 + g z/V lag,  x = F_zf/W
 
-B_f, B_r are the brake forces of nominal pads, B = level (B_f + B_r), M other moments as a force at
-the road. Where the brakes do not act, the normalised force is that of the coasting car, on both
-axles, and that of the drive on its own. Symbols are those of `calib.estimation.states`.
+B_f, B_r are the brake forces of nominal pads, B = level (B_f + B_r) with its rate B', M other
+moments as a force at the road. Brakes that follow the pressure late make less slip than it says
+while it rises; tyres that build up their force over a way sigma make more, by a delay of -sigma/V
+(Pacejka, Tyre and Vehicle Dynamics, section 7.2). Where the brakes do not act, the normalised force
+is that of the coasting car, on both axles, and that of the drive on its own. Symbols are those of
+`calib.estimation.states`.
 """
 
 from collections.abc import Callable, Sequence
@@ -33,7 +37,7 @@ class Given(NamedTuple, Generic[T]):
     road [N]; ``load_f``, ``load_r`` [N]; ``coasting_f``, ``coasting_r`` normalised force [1], read
     where not braked; ``weight`` [N]; ``pitch_deficit`` load over W that the pitch mode has not yet
     moved [1]; ``lag_gain`` g z/V, slip per second of clock offset [1/s]; ``static_f``, ``static_r``
-    axle loads at rest [N].
+    axle loads at rest [N]; ``rise`` of the brake force of nominal pads [N/s].
     """
 
     brake_f: T
@@ -50,6 +54,7 @@ class Given(NamedTuple, Generic[T]):
     lag_gain: T
     static_f: T
     static_r: T
+    rise: T
 
 
 Pair = tuple[Expression, Expression]
@@ -64,7 +69,9 @@ def braked(x: States[Expression], g: Given[Expression]) -> Pair:
     total = g.level * (g.brake_f + g.brake_r)
     force_f = (share * total + g.moment_f) / load_f  # (1)
     force_r = ((1.0 - share) * total + g.moment_r) / load_r
-    return sensed(x, g, *slips(x, g, (force_f, force_r), (load_f, load_r)))
+    rise = g.level * g.rise
+    rises = (share * rise / load_f, (1.0 - share) * rise / load_r)
+    return sensed(x, g, *slips(x, g, (force_f, force_r), (load_f, load_r), rises))
 
 
 def coasting(x: States[Expression], g: Given[Expression]) -> Pair:
@@ -78,10 +85,19 @@ def loads(x: States[Expression], g: Given[Expression]) -> Pair:
     return g.load_f - late, g.load_r + late
 
 
-def slips(x: States[Expression], g: Given[Expression], forces: Pair, load: Pair) -> Pair:
-    """Slips [1] that the wheel speeds show: `calib.physics.tyre.AxleTyres`."""
+def slips(
+    x: States[Expression],
+    g: Given[Expression],
+    forces: Pair,
+    load: Pair,
+    rises: tuple[Expression | float, Expression | float] = (0.0, 0.0),
+) -> Pair:
+    """Slips [1] that the wheel speeds show: `calib.physics.tyre.AxleTyres`.
+
+    ``rises`` rates of the normalised ``forces`` [1/s].
+    """
     apart = exp(0.5 * (x.log_tyre_ratio + x.tyre_change))
-    front, rear = (slip(x, g, *axle) for axle in zip(forces, load, strict=True))
+    front, rear = (slip(x, g, *axle) for axle in zip(forces, load, rises, strict=True))
     return (
         1.0 - (1.0 - front * apart) * exp(x.radius_load * (load[0] / g.static_f - 1.0)),
         1.0 - (1.0 - rear / apart) * exp(x.radius_load * (load[1] / g.static_r - 1.0)),
@@ -89,12 +105,21 @@ def slips(x: States[Expression], g: Given[Expression], forces: Pair, load: Pair)
 
 
 def slip(
-    x: States[Expression], g: Given[Expression], force: Expression, load: Expression
+    x: States[Expression],
+    g: Given[Expression],
+    force: Expression,
+    load: Expression,
+    rise: Expression | float,
 ) -> Expression:
-    """Slip [1] that carries a normalised force: the compliance of `calib.physics.tyre`."""
+    """Slip [1] that carries a normalised force: the compliance of `calib.physics.tyre`.
+
+    As late as ``slip_delay`` says where the force rises by ``rise`` [1/s].
+    """
     gain = exp(x.log_compliance - x.log_stiffness) * (2.0 * load / g.weight) ** x.load_exponent
     u = force * x.peak_ratio
-    return gain * force * (1.0 + x.curvature_2 * u + x.curvature_3 * u * u)
+    still = gain * force * (1.0 + x.curvature_2 * u + x.curvature_3 * u * u)
+    slope = gain * (1.0 + 2.0 * x.curvature_2 * u + 3.0 * x.curvature_3 * u * u)
+    return still - x.slip_delay * slope * rise
 
 
 def sensed(

@@ -7,6 +7,7 @@ Studies that try them: tests/studies/coverage.py (filter), tests/estimation/test
 from dataclasses import dataclass
 
 from calib.physics.effects.pitch_coupling import DAMPING, ELASTIC_SHARE, NATURAL_FREQUENCY
+from calib.signals.brake_response import SPREAD, USUAL
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,14 @@ class Priors:
     # The tyres.
     tyre_change: float = 0.02
     """Sigma of tyre_change: wear and inflation since the ramp; new tyres on one axle are more."""
+
+    # Brakes and tyres that act late.
+    delay: float = USUAL
+    """Mean of slip_delay [s]: that of brakes and filters, `calib.signals.brake_response`."""
+    delay_sigma: float = SPREAD
+    """Sigma of it [s], there. It holds tyres as well: one that builds up its force over sigma, 0.1
+    to 0.6 m, slips early by sigma/v, 25 ms with 0.5 m at 20 m/s (Pacejka, Tyre and Vehicle
+    Dynamics, section 7.2). Run `tests/studies/fast_pedal.py`."""
 
     # The surface.
     stiffness: float = 0.35

@@ -50,6 +50,7 @@ PART = States[str](
     slip_zero="zeros",
     table_log_pad_ratio="ramp",
     tyre_change="tyres",
+    slip_delay="tyres",
 )
 """The part of an uncertainty that a state's own prior and drift belong to; a state that is a
 parameter of the ramp belongs where it does."""

@@ -37,6 +37,7 @@ class States(NamedTuple, Generic[T]):
     log_tyre_ratio: T  # the table's tyres, rear over front
     radius_load: T  # share by which a radius falls when its load doubles
     tyre_change: T  # ln of the tyres' ratio, what has changed since the ramp
+    slip_delay: T  # time by which the slip follows the pressure
 
 
 class State(NamedTuple):
@@ -79,6 +80,7 @@ def state_list(p: Priors) -> States[State]:
         log_tyre_ratio      = State("tau",   "1", None,            0.0,             0.0),
         radius_load         = State("r",     "1", None,            0.0,             0.0),
         tyre_change         = State("dtau",  "1", 0.0,             p.tyre_change,   0.0),
+        slip_delay          = State("delta", "s", p.delay,         p.delay_sigma,   0.0),
     )
     # fmt: on
 

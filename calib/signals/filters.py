@@ -20,6 +20,20 @@ def block_mean(x: Array, size: int) -> Array:
     return np.asarray(x[..., : count * size].reshape(*x.shape[:-1], count, size).mean(axis=-1))
 
 
+def block_slope(x: Array, size: int) -> Array:
+    """Slope per sample over blocks of ``size`` samples, by least squares; a rest is left out.
+
+    A block of one sample has none: 0.
+
+    >>> block_slope(np.array([1.0, 3.0, 5.0, 6.0, 6.0, 6.0, 9.0]), 3)
+    array([2., 0.])
+    """
+    count = x.size // size
+    place = np.arange(size) - 0.5 * (size - 1)
+    weight = place / max(float(place @ place), 0.5)
+    return np.asarray(x[: count * size].reshape(count, size) @ weight)
+
+
 def trailing_mean(x: Array, width: int) -> Array:
     """Mean of the last ``width`` samples, fewer at the start. Shape (n,)."""
     total = np.cumsum(np.concatenate([[0.0], x]))

@@ -76,9 +76,9 @@ def table():
 
 
 def ends(table, log):
-    """Last valid values of the law as written, front and rear [1]."""
+    """Last values of the law as written while the car brakes above 3 m/s, front and rear [1]."""
     e = estimate(table, log)
-    last = int(np.flatnonzero(e.valid)[-1])
+    last = int(np.flatnonzero(e.braked & (e.speed > 3.0))[-1])
     return tuple(float(pad[last]) for pad in e.baselines["gradient_as_written"])
 
 

@@ -1,5 +1,6 @@
 """The estimator: causal, blind to truth, honest in its intervals, quiet where it knows nothing."""
 
+import math
 from dataclasses import fields, replace
 
 import numpy as np
@@ -9,11 +10,13 @@ from calib.errors import LogError
 from calib.estimation.estimator import estimate
 from calib.estimation.gates import Gates
 from calib.estimation.plan import calibrated, known_resistance, merged_noise
+from calib.estimation.priors import Priors
 from calib.fitting.fit import fit
 from calib.names import WHEELS, G
 from calib.physics.balance import brake_forces
 from calib.physics.effects.effects import Effects
 from calib.signals.noise import SensorNoise
+from calib.simulation.sensor_noise import LEVELS, add_noise
 from calib.table.table import TyrePosterior
 from calib.validation.validate import validate
 from tests.studies.ensemble import cases
@@ -502,6 +505,34 @@ def test_a_given_share_is_believed_and_may_move_a_little(table, pitching):
         assert np.max(np.abs(split.elastic_share - given)) < 3.0 * max(0.1 * given, 0.05)
     unknown = estimate(table, pitching).split.elastic_share
     assert unknown[0] == pytest.approx(0.4, abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def quick():
+    """A fast pedal on tyres with 0.5 m of relaxation, on basalt, the rear pads 15 % worse."""
+    ratio = math.exp(0.5 * 0.15)
+    front, rear = (0.7 * a.pad_friction * k for a, k in ((CAR.front, ratio), (CAR.rear, 1 / ratio)))
+    plant = replace(with_pads(REAL, front, rear), relaxation=0.5, surface=lambda x: (0.95, 0.55))
+    run = drive(plant, lambda t: 90e5 * min(max(t - 1.5, 0.0), 0.31), 20.0, duration=6.0)
+    levels = {name: replace(level, sd=0.3 * level.sd) for name, level in LEVELS.items()}
+    return add_noise(as_log(run, "quick"), 3, levels)
+
+
+def rear_error(e, log):
+    """Mean relative error of the rear pads over the valid samples [1]."""
+    return float(np.mean((e.rear.pad_friction / log.truth["true_mu_pad_r"])[e.valid])) - 1.0
+
+
+def test_a_fast_pedal_on_soft_tyres_is_no_change_of_the_pads(table, quick):
+    """Slip leads the force by sigma/v. Who takes the tyre for stiff finds worse rear pads."""
+
+    def rear_error(e):
+        return float(np.mean((e.rear.pad_friction / quick.truth["true_mu_pad_r"])[e.valid])) - 1.0
+
+    e = estimate(table, quick)
+    stiff = estimate(table, quick, priors=Priors(delay=0.0, delay_sigma=1e-6))
+    assert all(np.mean(inside) > 0.95 for inside in truth_inside(e, quick))
+    assert abs(rear_error(e)) < 0.03 < abs(rear_error(stiff))
 
 
 def test_the_right_mode_surprises_less_than_none(table):

@@ -18,11 +18,12 @@ STRAIGHT = States(
     eta_zero=0.0, slip_zero=0.0, clock_offset=0.0, load_exponent=0.0,
     log_compliance=math.log(0.04), curvature_2=0.0, curvature_3=0.0, table_log_pad_ratio=0.0,
     log_tyre_ratio=0.0, radius_load=0.0, tyre_change=0.0,
+    slip_delay=0.0,
 )  # fmt: skip
 """A straight tyre of stiffness 25: every slip has a closed form."""
 
 
-def block(z=0.3, level=0.9, pitch_deficit=0.02, rear=1.0):
+def block(z=0.3, level=0.9, pitch_deficit=0.02, rear=1.0, rise=0.0):
     """One block of a stop of the reference car, with drag-like moments."""
     share = WEIGHT / (L_F + L_R)
     return Given(
@@ -40,6 +41,7 @@ def block(z=0.3, level=0.9, pitch_deficit=0.02, rear=1.0):
         lag_gain=G * z / 20.0,
         static_f=share * L_R,
         static_r=share * L_F,
+        rise=rise,
     )
 
 
@@ -61,6 +63,7 @@ STATES = st.builds(
     log_tyre_ratio=st.floats(-0.3, 0.3),
     radius_load=st.floats(-0.01, 0.02),
     tyre_change=st.floats(-0.1, 0.1),
+    slip_delay=st.floats(-0.05, 0.2),
 )
 BLOCKS = st.builds(
     block,
@@ -68,6 +71,7 @@ BLOCKS = st.builds(
     level=st.sampled_from([0.4, 1.0, 1.3]),
     pitch_deficit=st.floats(-0.05, 0.05),
     rear=st.sampled_from([0.0, 1.0]),
+    rise=st.floats(-3e4, 3e4),
 )
 
 
@@ -122,6 +126,27 @@ def test_unlike_tyres_and_radii_under_load_are_the_closed_form(z, ratio, change,
     assert eta == pytest.approx(turned_r / turned_f)
     share = g.load_f / WEIGHT
     assert slip == pytest.approx(share * (1.0 - turned_f) + (1.0 - share) * (1.0 - turned_r))
+
+
+@given(
+    z=st.floats(0.05, 0.5),
+    level=st.floats(0.4, 1.2),
+    rho=st.floats(-0.4, 0.4),
+    late=st.floats(-0.05, 0.1),
+    rise=st.floats(-3e4, 3e4),
+)
+def test_slip_that_is_late_is_the_closed_form(z, level, rho, late, rise):
+    """The force of a straight tyre is that of the pressure a while before, by axle."""
+    x = STRAIGHT._replace(log_pad_ratio=rho, slip_delay=late)
+    g = block(z, level, 0.0, rise=rise)._replace(moment_f=0.0, moment_r=0.0)
+    (eta, slip), _ = measurement(braked)(list(x), list(g))
+    odds = g.brake_f / g.brake_r * math.exp(rho)
+    built = level * (g.brake_f + g.brake_r - late * rise)
+    slip_f = 0.04 * built * odds / (1.0 + odds) / g.load_f
+    slip_r = 0.04 * built / (1.0 + odds) / g.load_r
+    assert eta == pytest.approx((1.0 - slip_r) / (1.0 - slip_f))
+    share = g.load_f / WEIGHT
+    assert slip == pytest.approx(share * slip_f + (1.0 - share) * slip_r)
 
 
 def test_a_coasting_car_has_one_force_on_both_axles():

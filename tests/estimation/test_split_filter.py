@@ -43,7 +43,8 @@ SHOWN = ("log_pad_ratio", "sigma", "nominal_weight", "log_stiffness", "load_shif
 def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, length=0.05):
     """Blocks and demand of a car that decelerates with ``z`` (k,), straight tyre, no noise.
 
-    Everything follows from (2), (6), (7), (19), (20) and (22), written out here.
+    Everything follows from (2), (6), (7), (19), (20) and (22), written out here, and from the
+    delay of the priors: slip = (F - delta dF/dt)/stiffness.
     """
     end = length * np.arange(1, z.size + 1)
     speed = 30.0 - G * np.cumsum(z) * length
@@ -52,8 +53,10 @@ def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, l
     braked = z > 0.0
     total = WEIGHT * z
     odds = 2.7 * math.exp(ratio)
-    slip_f = total * odds / (1.0 + odds) / load_f / stiffness
-    slip_r = total / (1.0 + odds) / load_r / stiffness
+    rise = np.where(braked, np.diff(total, prepend=0.0) / length, 0.0)
+    built = total - PRIORS.delay * rise
+    slip_f = built * odds / (1.0 + odds) / load_f / stiffness
+    slip_r = built / (1.0 + odds) / load_r / stiffness
     omega_f = speed * (1.0 - slip_f) / R
     omega_r = speed * (1.0 - slip_r) / R * (1.0 + eta_zero)
     pressure = 70e5 * z
@@ -76,6 +79,7 @@ def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, l
         tyre_sum=total,
         slip=mean if v else None,
         pitch_deficit=still,
+        rise=rise,
     )
     return blocks, demand
 

@@ -186,6 +186,14 @@ def hydraulic_lag(rng: Rng) -> Hidden:
     return Hidden(car=lambda role, p, *_: replace(p, hydraulic_lag=lag))
 
 
+def tyre_relaxation(rng: Rng) -> Hidden:
+    """0.1 to 0.6 m of way until a tyre has built up its force: slip stiffness, 20 to 30 times 4 kN,
+    over the carcass' stiffness along the wheel, 0.2 to 1 kN/mm (Pacejka, ch. 7). The pedals of the
+    stops are fast, 20 to 250 bar/s (`tests.studies.ensemble.profile`); more in `fast_pedal`."""
+    way = float(rng.uniform(0.1, 0.6))
+    return Hidden(car=lambda role, p, *_: replace(p, relaxation=way))
+
+
 def bends(rng: Rng) -> Hidden:
     """Stops in bends of 1 to 4 m/s^2 at first, less on a slippery road: what drivers do (our
     estimate); the ramp is straight."""
@@ -287,6 +295,7 @@ CAUSES: dict[str, Callable[[Rng], Hidden]] = {
     "load exponent": load_exponent,
     "motor torque": motor_torque,
     "hydraulic lag": hydraulic_lag,
+    "tyre relaxation": tyre_relaxation,
     "bends": bends,
     "tone ring": tone_ring,
     "quantisation": quantisation,

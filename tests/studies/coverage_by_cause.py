@@ -1,19 +1,20 @@
 """How often the 95 % intervals hold the truth on real cars, by what the model of them lacks.
 
-    python tests/studies/coverage_by_cause.py --cars 6 --seed 1 [--cause "a_x bias"] [--jobs 2]
+    python tests/studies/coverage_by_cause.py --cars 6 --seed 1 [--cause "a_x bias"] [--weighed]
 
 The cars of `ensemble`, each with a ramp, a coast and three stops, and with one cause of `causes`
 drawn on top; car i is the same car for every cause. One table with the reference speed `v` and one
 without. A stop is warned if `validate` has a warning on it; "unwarned" is what a reader would
 believe. Errors are those of the pad friction against the plant, over the valid samples. In two of
 five stops the pads really changed apart, of the control, too: a warning of that is a right one.
+With ``--weighed`` the vehicle file says that its mass is known to 0.5 %.
 """
 
 import argparse
 import sys
 import zlib
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from calib.errors import BrakeCalError
 from calib.fitting.fit import fit
 from calib.logs.log import Log
+from calib.physics.mass import WEIGHED
 from calib.table.table import Table
 from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
@@ -48,11 +50,13 @@ class Row:
     refused: str = ""
 
 
-def tried(job: tuple[str, int, int]) -> list[Row]:
-    """All stops of one car with one cause: (cause, seed, car)."""
-    cause, seed, number = job
+def tried(job: tuple[str, int, int, bool]) -> list[Row]:
+    """All stops of one car with one cause: (cause, seed, car, weighed)."""
+    cause, seed, number, weighed = job
     hidden = CAUSES[cause](np.random.default_rng([seed, number, zlib.crc32(cause.encode())]))
     of = case(np.random.default_rng([seed, number]), 3, 1000 * seed + number, hidden)
+    if weighed:
+        of = replace(of, vehicle=replace(of.vehicle, mass_tolerance=WEIGHED))
     return [row for keep_v in (True, False) for row in rows(cause, of, keep_v)]
 
 
@@ -144,10 +148,13 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--cause", action="append", choices=list(CAUSES), metavar="CAUSE")
+    parser.add_argument("--weighed", action="store_true")
     asked = parser.parse_args()
-    jobs = [(c, asked.seed, i) for c in asked.cause or CAUSES for i in range(asked.cars)]
+    each = [(c, i) for c in asked.cause or CAUSES for i in range(asked.cars)]
+    jobs = [(c, asked.seed, i, asked.weighed) for c, i in each]
     found = [row for part in carried_out(tried, jobs, asked.jobs) for row in part]
-    print(f"{asked.cars} cars a cause, seed {asked.seed}")
+    told = ", mass known to 0.5 %" if asked.weighed else ""
+    print(f"{asked.cars} cars a cause, seed {asked.seed}{told}")
     for with_v in (True, False):
         report(found, with_v)
 

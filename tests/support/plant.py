@@ -24,8 +24,9 @@ AIR = 1.2
 
 WHEELS = ("fl", "fr", "rl", "rr")
 SIDES = (0, 0, 1, 1)
-# State: v, distance, the transferred deceleration and its rate, then omega of every wheel.
-V, X, TRANSFER, RATE, OMEGA = 0, 1, 2, 3, slice(4, 8)
+# State: v, distance, the transferred deceleration and its rate, then omega of every wheel and the
+# slip that its tyre's deflection stands for.
+V, X, TRANSFER, RATE, OMEGA, DEFLECTED = 0, 1, 2, 3, slice(4, 8), slice(8, 12)
 
 STANDING = 0.1
 """Spin rate [rad/s] within which a wheel counts as standing; tanh is 1 to the last bit past 2."""
@@ -88,6 +89,8 @@ class Plant:
         negative where it slows, at a time [s]; None for a car that rolls freely.
     hydraulic_lag : time constant [s] of the wheels' pressures behind that of the master cylinder.
     curvature : of the path [1/m] at a time [s], positive to the left; straight if None.
+    relaxation : way [m] over which a tyre builds up its force: sigma d lambda'/dt = v (lambda -
+        lambda'), and the force is that of lambda' (Pacejka, Tyre and Vehicle Dynamics, ch. 7).
     """
 
     vehicle: Vehicle
@@ -107,17 +110,23 @@ class Plant:
     motor: Callable[[float], tuple[float, float]] | None = None
     hydraulic_lag: float = 0.0
     curvature: Callable[[float], float] | None = None
+    relaxation: float = 0.0
 
 
 @dataclass(frozen=True)
 class Moment:
-    """One instant: ``z`` force against the motion over the weight [1]; the rest by wheel."""
+    """One instant: ``z`` force against the motion over the weight [1]; the rest by wheel.
+
+    ``slip`` [1] by wheel speed, path and radius; ``deflecting`` rate of what the tyre has of it.
+    """
 
     z: float
     load: tuple[float, ...]
     force: tuple[float, ...]
     torque: tuple[float, ...]
     spin: tuple[float, ...]
+    slip: tuple[float, ...]
+    deflecting: tuple[float, ...]
 
 
 def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) -> Moment:
@@ -153,9 +162,10 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
             1.0 - radius[i] * w / (v * k)
             for i, w, k in zip(SIDES, state[OMEGA], turn.path, strict=True)
         ]
+        carried = state[DEFLECTED] if plant.relaxation else slips
         forces = [
             n * along(plant.tyre, s, turn.across, 4.0 * n / weight, road[i])
-            for i, s, n in zip(SIDES, slips, loads, strict=True)
+            for i, s, n in zip(SIDES, carried, loads, strict=True)
         ]
         last, z = z, (sum(forces) + drag + turn.resistance * 2.0 * half[0]) / weight
         if abs(z - last) < 1e-13:
@@ -172,7 +182,11 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
         (radius[i] * (f - plant.rolling_resistance * n) - b * k + m) / axles[i].wheel_inertia
         for i, f, n, b, k, m in zip(SIDES, forces, loads, braking, turning, driving, strict=True)
     ]
-    return Moment(z, tuple(loads), tuple(forces), tuple(torque), tuple(spin))
+    deflecting = []
+    if plant.relaxation:
+        deflecting = [v / plant.relaxation * (s - c) for s, c in zip(slips, carried, strict=True)]
+    by_wheel = (loads, forces, torque, spin, slips, deflecting)
+    return Moment(z, *(tuple(values) for values in by_wheel))
 
 
 def drive(
@@ -202,7 +216,8 @@ def drive(
         s = state.tolist()
         now = instant(plant, t, s, tuple(trace(t) for trace in traces))
         follow = omega_n**2 * (now.z - s[TRANSFER]) - 2.0 * plant.pitch_damping * omega_n * s[RATE]
-        return [-GRAVITY * (now.z + plant.grade), s[V], s[RATE], follow, *now.spin]
+        body = [-GRAVITY * (now.z + plant.grade), s[V], s[RATE], follow]
+        return [*body, *now.spin, *now.deflecting]
 
     def stopped(t: float, state: np.ndarray) -> float:
         return float(state[V] - stop_speed)
@@ -242,7 +257,7 @@ def _start(plant: Plant, v0: float, traces: list[Pressure]) -> list[float]:
     axles = (plant.vehicle.front, plant.vehicle.rear)
     radius = [a.rolling_radius * s for a, s in zip(axles, plant.radius_scale, strict=True)]
     p = tuple(trace(0.0) for trace in traces)
-    quick = replace(plant, pitch_frequency=0.0)
+    quick = replace(plant, pitch_frequency=0.0, relaxation=0.0)
 
     def frozen(t: float, omega: np.ndarray) -> list[float]:
         now = instant(quick, 0.0, [v0, 0.0, 0.0, 0.0, *omega.tolist()], p)
@@ -252,8 +267,9 @@ def _start(plant: Plant, v0: float, traces: list[Pressure]) -> list[float]:
     free = [v0 / radius[i] for i in SIDES]
     settled = solve_ivp(frozen, (0.0, 0.5), free, method="LSODA", rtol=1e-9, atol=1e-10)
     omega = settled.y[:, -1].tolist()
-    z = instant(quick, 0.0, [v0, 0.0, 0.0, 0.0, *omega], p).z
-    return [v0, 0.0, z if plant.pitch_frequency else 0.0, 0.0, *omega]
+    now = instant(quick, 0.0, [v0, 0.0, 0.0, 0.0, *omega], p)
+    carried = now.slip if plant.relaxation else ()
+    return [v0, 0.0, now.z if plant.pitch_frequency else 0.0, 0.0, *omega, *carried]
 
 
 def _channels(

@@ -47,6 +47,20 @@ def test_pitch_tilts_the_accelerometer():
     assert felt[50] / z[50] == pytest.approx(1.0 + dip, abs=1e-3)
 
 
+def test_a_tyre_builds_up_its_force_over_its_relaxation():
+    """F = 25 lambda', and lambda = lambda' + (sigma/v) d lambda'/dt of the wheel speed."""
+    way = 0.4
+    straight = replace(IDEAL, relaxation=way, tyre=lambda slip, load, *_: 25.0 * slip)
+    rise = lambda t: 40e5 * min(max((t - 0.5) / 0.5, 0.0), 1.0)  # noqa: E731
+    run = drive(straight, rise, 25.0, duration=1.5, rate=1000.0)
+    carried = run["true_Fx_rl"] / run["true_Fz_rl"] / 25.0
+    slip = 1.0 - CAR.rear.rolling_radius * run["omega_rl"] / run["v"]
+    built = carried + way / run["v"] * np.gradient(carried, run["time"])
+    inside = (run["time"] > 0.55) & (run["time"] < 0.95)
+    assert slip[inside] == pytest.approx(built[inside], rel=1e-3)
+    assert np.max(slip[inside] / carried[inside]) > 1.05
+
+
 def test_a_lag_is_an_exponential():
     trace = lagged(lambda t: 1e5 if t > 0.0 else 0.0, 0.15, 1.0)
     assert trace(0.0) == 0.0

@@ -11,6 +11,7 @@ matrices, numerical gradients, both measurements at once (Simon, Optimal State E
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from calib.names import G
 
 STATES = (
     *("rho", "s", "w", "xi", "kappa", "eta0", "sl0", "lag"),
-    *("q", "c", "b2", "b3", "rho0", "tau", "r", "dtau"),
+    *("q", "c", "b2", "b3", "rho0", "tau", "r", "dtau", "delta"),
 )
 PLACE = {name: i for i, name in enumerate(STATES)}
 COUNT = len(STATES)
@@ -38,7 +39,7 @@ OF_A_RAMP = {"tau": 0.1, "r": 0.003}
 
 @dataclass(frozen=True)
 class Answer:
-    """States (k, 16), covariances (k, 16, 16), normalised innovations (k, 2), times of changes."""
+    """States (k, 17), covariances (k, 17, 17), normalised innovations (k, 2), times of changes."""
 
     x: np.ndarray
     P: np.ndarray
@@ -64,16 +65,21 @@ def sensed(x, demand, block):
         total = demand["level"] * (demand["nominal_f"] + demand["nominal_r"])
         F_f = (front / (front + rear) * total + demand["moment_f"]) / loads[0]
         F_r = (rear / (front + rear) * total + demand["moment_r"]) / loads[1]
+        steeper = demand["level"] * demand["rise"] / (front + rear)
+        rises = front * steeper / loads[0], rear * steeper / loads[1]
     else:
+        rises = 0.0, 0.0
         free = (demand["tyre_sum"] - demand["drive_f"] - demand["drive_r"]) / W
         F_f = free + demand["drive_f"] / demand["load_f"]
         F_r = free + demand["drive_r"] / demand["load_r"]
     slips = []
     apart = 0.5 * (a["tau"] + a["dtau"])
     rests = block["rest_f"], block["rest_r"]
-    for F, load, rest, sign in zip((F_f, F_r), loads, rests, (1.0, -1.0), strict=True):
+    signs = (1.0, -1.0)
+    for F, rise, load, rest, sign in zip((F_f, F_r), rises, loads, rests, signs, strict=True):
         u = F * a["w"]
         curve = F + a["b2"] * F * u + a["b3"] * F * u**2
+        curve -= a["delta"] * rise * (1.0 + 2.0 * a["b2"] * u + 3.0 * a["b3"] * u**2)
         compliance = math.exp(a["c"] - a["s"] + sign * apart)
         slip = compliance * (2.0 * load / W) ** a["q"] * curve
         # the radius under load over that at rest
@@ -85,15 +91,16 @@ def sensed(x, demand, block):
 
 
 def gradients(h, x):
-    """Central differences of h over x; the third-order error is taken out (Richardson)."""
+    """Central differences of h over x; errors of third and fifth order taken out (Richardson)."""
     columns = []
     for i in range(x.size):
         slopes = []
-        for step in (1e-4, 5e-5):
+        for step in (8e-4, 4e-4, 2e-4):
             e = np.zeros_like(x)
             e[i] = step
             slopes.append((h(x + e) - h(x - e)) / (2.0 * step))
-        columns.append((4.0 * slopes[1] - slopes[0]) / 3.0)
+        coarse, fine = ((4.0 * b - a) / 3.0 for a, b in pairwise(slopes))
+        columns.append((16.0 * fine - coarse) / 15.0)
     return np.column_stack(columns)
 
 
@@ -105,6 +112,7 @@ def first(posterior, p):
     at = [PLACE[FROM_TABLE[name]] for name in posterior.names]
     x[at], P[np.ix_(at, at)] = posterior.mean, np.asarray(posterior.covariance)
     x[PLACE["w"]], x[PLACE["kappa"]] = 1.0, p.elastic_share
+    x[PLACE["delta"]] = p.delay
     # rho = rho0 + an own part; w - 1 = slope * s + an own part
     T = np.eye(COUNT)
     T[PLACE["rho"], PLACE["rho0"]] = 1.0
@@ -113,7 +121,7 @@ def first(posterior, p):
     for name, sigma in (
         ("rho", p.ratio), ("s", p.stiffness), ("w", p.peak),
         ("kappa", p.elastic_sigma), ("eta0", p.zero), ("sl0", p.zero),
-        ("dtau", p.tyre_change),
+        ("dtau", p.tyre_change), ("delta", p.delay_sigma),
     ):  # fmt: skip
         P[PLACE[name], PLACE[name]] = sigma**2
     return x, T @ P @ T.T
