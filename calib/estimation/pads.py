@@ -80,21 +80,30 @@ def _changes(
     """Pad friction of each axle over that of the calibration, and the sigma of its logarithm.
 
     ``total`` brake force of both axles [N] (n,). The tyres, the radii under load and the pads'
-    ratio of the ramp are those of today and fall out; the error of the mass does not, since the
-    load may be another one. It counts once where both masses are that of the file, and once more
-    where that of today was stated: then they were found apart.
+    ratio of the ramp are those of today and fall out.
     """
     cal, car = plan.table.calibration, plan.table.vehicle
     p_f, p_r = np.maximum(s.p_f, 1.0), np.maximum(s.p_r, 1.0)
     rho, change = cal.pad_log_ratio.value, answer.change[at]
     x, y = brake_forces(car, p_f, p_r, rho + change)
     share = x / (x + y)
-    ramp = cal.pad_scale.sigma / cal.pad_scale.value
-    common = 0.0 if plan.mass_stated else car.mass_tolerance
-    level = np.sqrt(sigma_level**2 + max(ramp**2 - common**2, 0.0))
+    level = level_change_sigma(plan, sigma_level)
     sigma = answer.change_sigma[at]
     then_f, then_r = (cal.pad_scale.value * B for B in brake_forces(car, p_f, p_r, rho))
     return (
         (total * share / then_f, np.hypot(level, (1.0 - share) * sigma)),
         (total * (1.0 - share) / then_r, np.hypot(level, share * sigma)),
     )
+
+
+def level_change_sigma(plan: Plan, sigma_level: Array) -> Array:
+    """Sigma of the logarithm of the level over that of the ramp [1] (n,).
+
+    ``sigma_level`` of the level against nominal pads. The error of the mass does not fall out,
+    since the load may be another one. It counts once where both masses are that of the file, and
+    once more where that of today was stated: then they were found apart.
+    """
+    scale, car = plan.table.calibration.pad_scale, plan.table.vehicle
+    common = 0.0 if plan.mass_stated else car.mass_tolerance
+    ramp = scale.sigma / scale.value
+    return np.sqrt(sigma_level**2 + max(ramp**2 - common**2, 0.0))

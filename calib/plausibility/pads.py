@@ -25,6 +25,14 @@ a dry one 40."""
 APART = 0.08
 """Change of the front pads over that of the rear ones [1] from which it is named."""
 
+LEVEL = 0.06
+"""Change of the brakes since the ramp (logarithm) from which it is named: pads with one load and
+one temperature repeat to 2 %, and the estimate of a stop errs by 2 %."""
+
+LOADED = 0.25
+"""Change past which no load and no sensor that works is the cause (logarithm): all seats and the
+boot are a quarter of a car's mass. Pads that are soaked lose half."""
+
 LEVEL_CAUSES = (
     "the unit or the scale of p_mc",
     "the scale of a_x",
@@ -102,6 +110,28 @@ def calibration_warnings(
                 "cg_height of the vehicle file",
             ),
             "check the wheel speeds with `brake-cal check`, then cg_height",
+        )
+
+
+def level_warnings(log: str, level: float, sigma: float) -> Iterator[PlausibilityWarning]:
+    """Brakes that are not those of the ramp, as another load or a wrong sensor makes them seem.
+
+    ``level`` ln of the brake force over that of the ramp's pads, with its ``sigma``.
+    """
+    usual = max(LEVEL, Z95 * sigma)
+    if usual < abs(level) < LOADED:
+        yield PlausibilityWarning(
+            "level_changed",
+            log,
+            math.expm1(level),
+            (math.expm1(-usual), math.expm1(usual)),
+            (
+                "more load than on the ramp" if level < 0.0 else "less load than on the ramp",
+                "the scale or the zero of p_mc or a_x, in one of the runs",
+                "pads that were wet or hot in one of the runs",
+            ),
+            "weigh the car and state its mass with --mass; check p_mc and a_x; if all of this is "
+            "right and the pads were warm and dry in both runs, they have changed",
         )
 
 

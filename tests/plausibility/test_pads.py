@@ -5,7 +5,12 @@ import math
 import pytest
 
 from calib.errors import LogError
-from calib.plausibility.pads import calibration_warnings, change_warnings, require_possible_pads
+from calib.plausibility.pads import (
+    calibration_warnings,
+    change_warnings,
+    level_warnings,
+    require_possible_pads,
+)
 from calib.table.table import Calibration, TyrePosterior, Value
 from tests.support.reference_car import CAR
 
@@ -64,3 +69,17 @@ def test_pads_that_changed_apart(apart, sigma, named):
     found = list(change_warnings("log", apart, sigma))
     assert len(found) == named
     assert all(one.measured == pytest.approx(math.expm1(apart)) for one in found)
+
+
+@pytest.mark.parametrize(
+    ("level", "sigma", "named"),
+    [(-0.1, 0.02, 1), (0.1, 0.02, 1), (-0.1, 0.06, 0), (-0.04, 0.0, 0), (-0.6, 0.02, 0)],
+    ids=["heavier", "lighter", "unsure", "as usual", "soaked pads"],
+)
+def test_brakes_that_another_load_or_sensor_makes_seem_changed(level, sigma, named):
+    found = list(level_warnings("log", level, sigma))
+    assert len(found) == named
+    for one in found:
+        assert one.measured == pytest.approx(math.expm1(level))
+        assert one.causes[0].startswith("more load" if level < 0.0 else "less load")
+        assert "--mass" in one.do

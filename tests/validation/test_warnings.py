@@ -73,6 +73,16 @@ def test_pads_wet_on_one_axle_are_named(fitted):
     assert warning.measured == pytest.approx(0.38 / 0.24 - 1.0, rel=0.3)
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_a_load_that_nobody_stated_is_named_and_measured(fitted, seed):
+    """The same pads under 1.12 times the mass seem weaker by 1/1.12; with --mass they do not."""
+    log = noisy(stop(replace(REAL, mass_scale=1.12)), seed)
+    (warning,) = warnings_of(log, estimate(fitted, log))
+    assert warning.code == "level_changed"
+    assert warning.measured == pytest.approx(1.0 / 1.12 - 1.0, abs=0.02)
+    assert codes(log, estimate(fitted, log, mass=1.12 * CAR.mass)) == []
+
+
 def test_the_summary_holds_the_warnings_with_their_log(fitted, clean):
     log = replace(misread(noisy(clean, 0), 1.08), name="wrong")
     results = validate(fitted, [replace(noisy(clean, 1), name="right"), log], CAR)
