@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 class Base:
     """Parameters that are always re-identified [1]: pad friction by axle, and the tyre.
 
-    ``stiffness``, ``peak``, ``shape`` and ``load_exponent`` as in `MagicFormula`.
+    ``stiffness``, ``peak``, ``shape`` and ``load_exponent`` as in `MagicFormula`; ``radius`` the
+    factor on the rolling radii of the vehicle file, common to both axles.
     """
 
     pad_friction_f: float
@@ -29,6 +30,7 @@ class Base:
     peak: float
     shape: float = MagicFormula.shape
     load_exponent: float = MagicFormula.load_exponent
+    radius: float = 1.0
 
     @property
     def tyre(self) -> MagicFormula:

@@ -44,7 +44,11 @@ BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04])
 the shape factor, and on the load exponent: the spread of passenger tyres."""
 
 BASE = BASE_SIGMA.size
-"""Number of base parameters, the first ones of every vector."""
+"""Number of base parameters, the first ones of every vector, where the rolling radii are given."""
+
+RADIUS_SIGMA, RADIUS_RANGE = 0.01, 0.05
+"""Prior on the logarithm of the rolling radii over those of the file, and its largest value, where
+they are free: tyres wear by 2 % of their radius, and heat, load and pressure change it by 0.5 %."""
 
 QUIETER = 0.9
 """Share of a channel's noise below which it counts as quieter with an explanation than without."""
@@ -59,12 +63,26 @@ SECOND_SIGMA = 2.0
 
 @dataclass(frozen=True)
 class Problem:
-    """All runs of a case and their noise; ``tell`` is told of the progress."""
+    """All runs of a case and their noise; ``tell`` is told of the progress.
+
+    The effects of ``vehicle`` are known: they act in every candidate. ``free_radius`` says whether
+    the rolling radii are one of the base parameters, beside those of the file.
+    """
 
     vehicle: Vehicle
     runs: tuple[ObservedRun, ...]
     noise: ChannelNoise
     tell: Tell = silent
+    free_radius: bool = False
+
+    @property
+    def base_size(self) -> int:
+        """Number of base parameters, the first ones of every vector."""
+        return BASE + self.free_radius
+
+    def parameters_of(self, name: str) -> int:
+        """Number of parameters of an effect."""
+        return len(definition(self.vehicle.effects, name).card.parameters)
 
     def whitened(self, base: Base, effects: Effects) -> list[list[Array]]:
         """Innovations by run and channel."""
@@ -112,19 +130,23 @@ class Candidate:
         """Mean squared innovation [1]; 1 if the model explains everything but noise."""
         return self.chi2 / self.count
 
+    def without(self, name: str) -> Effects:
+        """The effects without what an effect of this explanation adds to the known ones."""
+        return self.effects.without(name).with_(self.problem.vehicle.effects.only(name))
+
     @cached_property
     def whitened(self) -> list[list[Array]]:
         """Innovations at ``x`` by run and channel; without a term."""
-        return self.problem.whitened(*unpack(self.problem.vehicle, self.names, self.x))
+        return self.problem.whitened(*unpack(self.problem, self.names, self.x))
 
     @cached_property
     def jacobian(self) -> Array:
         """Derivatives (n, k) of the innovations by ``x``; without a term and its knots."""
         problem = self.problem
-        own = bounds(problem.vehicle, self.names)[1]
+        own = bounds(problem, self.names)[1]
 
         def innovations(x: Array) -> Array:
-            return problem.flat(*unpack(problem.vehicle, self.names, x))
+            return problem.flat(*unpack(problem, self.names, x))
 
         return columns(innovations, self.x[: own.size], joined(self.whitened), own)
 
@@ -132,14 +154,14 @@ class Candidate:
     def covariance(self) -> Array:
         """Covariance (k, k) of ``x``, from the derivatives of the innovations and the priors."""
         J = self.jacobian
-        priors = _prior_derivatives(self.problem.vehicle, self.names, J.shape[1])
+        priors = _prior_derivatives(self.problem, self.names, J.shape[1])
         return np.asarray(np.linalg.pinv(J.T @ J + priors.T @ priors))
 
 
 def derivatives(problem: Problem, at: Candidate, innovations: Array) -> Array:
     """Derivatives (n, k) of the ``innovations`` (n,) of a candidate by its vector."""
     return columns(
-        lambda x: problem.flat(*unpack(problem.vehicle, at.names, x)),
+        lambda x: problem.flat(*unpack(problem, at.names, x)),
         at.x,
         innovations,
         np.full(at.x.size, np.inf),
@@ -149,7 +171,7 @@ def derivatives(problem: Problem, at: Candidate, innovations: Array) -> Array:
 def problem_of(vehicle: Vehicle, runs: list[ObservedRun], tell: Tell = silent) -> Problem:
     """Build a problem; its noise is that of the unbraked parts, where no base parameter acts."""
     nominal = base_of(vehicle, np.zeros(BASE))
-    noise = _unbraked_noise(vehicle, nominal, Effects(), runs)
+    noise = _unbraked_noise(vehicle, nominal, vehicle.effects, runs)
     turned = tuple(turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
     return Problem(vehicle, turned, noise, tell)
 
@@ -184,7 +206,7 @@ def turned_to_ripple(
     is looked for is whitened as the residuals are, for a filter delays fast turns and slow ones
     differently.
     """
-    white = whiten(residuals(run, predict(vehicle, base, Effects(), run)), noise)
+    white = whiten(residuals(run, predict(vehicle, base, vehicle.effects, run)), noise)
     torque = np.maximum(thinned(run, run.p_mc), 0.0)
     weights = np.stack([torque, *4 * [torque + COASTING], torque])
     turn = weights * np.exp(1j * thinned(run, run.angle_f))
@@ -196,7 +218,10 @@ def turned_to_ripple(
 
 
 def base_of(vehicle: Vehicle, x: Array) -> Base:
-    """Base parameters from the first `BASE` of the vector; logarithms of the ratio to nominal."""
+    """Base parameters from the first ones of the vector; logarithms of the ratio to nominal.
+
+    ``x`` has `BASE` of them, and one more where the rolling radii are free.
+    """
     return Base(
         pad_friction_f=vehicle.front.pad_friction * float(np.exp(x[0])),
         pad_friction_r=vehicle.rear.pad_friction * float(np.exp(x[1])),
@@ -204,57 +229,73 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
         peak=PEAK * float(np.exp(x[3])),
         shape=SHAPE * float(np.exp(x[4])),
         load_exponent=LOAD_EXPONENT + float(x[5]),
+        radius=float(np.exp(x[BASE])) if x.size > BASE else 1.0,
     )
 
 
-def unpack(vehicle: Vehicle, names: tuple[str, ...], x: Array) -> tuple[Base, Effects]:
+def unpack(problem: Problem, names: tuple[str, ...], x: Array) -> tuple[Base, Effects]:
     """Base and effects from a vector: the base, then the parameters of the effects.
 
-    A parameter is in units of its spread. A strength counts from its neutral value, any other
-    parameter from its typical value.
+    A parameter is in units of its spread and counts from its `origin`.
     """
-    effects, i = {}, BASE
+    known = problem.vehicle.effects
+    found, i = {}, problem.base_size
     for name in names:
-        card = definition(vehicle.effects, name).card
+        card = definition(known, name).card
         values = {}
-        for j, p in enumerate(card.parameters):
-            values[p.name] = _origin(card, j) + float(x[i]) * p.spread
+        for p, origin in zip(card.parameters, origins(known, card), strict=True):
+            values[p.name] = origin + float(x[i]) * p.spread
             i += 1
-        effects[name] = values
-    return base_of(vehicle, x), Effects(effects, own=vehicle.effects.own)
+        found[name] = values
+    base = base_of(problem.vehicle, x[: problem.base_size])
+    return base, known.with_(Effects(found))
 
 
-def _origin(card: Card, index: int) -> float:
-    return card.neutral if index == 0 else card.parameters[index].typical
+def origins(known: Effects, card: Card) -> tuple[float, ...]:
+    """Where the parameters of an effect count from: the values of the vehicle file, if it has any.
+
+    Else the neutral value for a strength, the typical value for any other parameter.
+    """
+    if card.name in known:
+        return tuple(known.parameters[card.name][p.name] for p in card.parameters)
+    return (card.neutral, *(p.typical for p in card.parameters[1:]))
 
 
-def bounds(vehicle: Vehicle, names: tuple[str, ...]) -> tuple[Array, Array]:
+def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
     """Bounds of the vector: the cards' ranges."""
     low, high = [*[-2.0] * 4, -0.4, -0.2], [*[2.0] * 4, 0.18, 0.2]
+    if problem.free_radius:
+        low, high = [*low, -RADIUS_RANGE], [*high, RADIUS_RANGE]
+    known = problem.vehicle.effects
     for name in names:
-        card = definition(vehicle.effects, name).card
-        for j, p in enumerate(card.parameters):
-            origin = _origin(card, j)
+        card = definition(known, name).card
+        for p, origin in zip(card.parameters, origins(known, card), strict=True):
             low.append((p.low - origin) / p.spread)
             high.append((p.high - origin) / p.spread)
     return np.array(low) - 1e-9, np.array(high) + 1e-9
 
 
-def prior_rows(vehicle: Vehicle, names: tuple[str, ...], x: Array) -> Array:
+def prior_rows(problem: Problem, names: tuple[str, ...], x: Array) -> Array:
     """Residuals of the weak priors; the strengths have none."""
-    rows = list(x[:BASE] / BASE_SIGMA)
-    i = BASE
+    i = problem.base_size
+    rows = [*(x[:BASE] / BASE_SIGMA), *(x[BASE:i] / RADIUS_SIGMA)]
     for name in names:
-        count = len(definition(vehicle.effects, name).card.parameters)
+        count = problem.parameters_of(name)
         rows += [float(v) / SECOND_SIGMA for v in x[i + 1 : i + count]]
         i += count
     return np.asarray(rows)
 
 
-def _prior_derivatives(vehicle: Vehicle, names: tuple[str, ...], size: int) -> Array:
+def _prior_derivatives(problem: Problem, names: tuple[str, ...], size: int) -> Array:
     """Derivatives (m, k) of `prior_rows`, which are linear in the vector (k,)."""
-    rows = [prior_rows(vehicle, names, unit) for unit in np.eye(size)]
+    rows = [prior_rows(problem, names, unit) for unit in np.eye(size)]
     return np.stack(rows, axis=1)
+
+
+def widths(problem: Problem, size: int) -> Array:
+    """Usual change of each element of the vector (``size``,), as a scale of steps."""
+    radius = np.full(problem.base_size - BASE, RADIUS_SIGMA)
+    return np.concatenate([np.full(BASE, 0.1), radius, np.ones(size - problem.base_size)])
 
 
 MakeTerm = Callable[[Array], EmpiricalTerm]
@@ -272,26 +313,26 @@ def fit(
 
     With a ``term``, its values at the knots are the last ones of the vector.
     """
-    low, high = bounds(problem.vehicle, names)
+    low, high = bounds(problem, names)
     knots = term[1] if term else 0
     low = np.concatenate([low, np.full(knots, -0.9)])
     high = np.concatenate([high, np.full(knots, 0.9)])
     own = low.size - knots
 
     def objective(x: Array) -> Array:
-        base, effects = unpack(problem.vehicle, names, x[:own])
+        base, effects = unpack(problem, names, x[:own])
         present = replace(effects, terms=(term[0](x[own:]),)) if term else effects
         # a prior on the bends of a term: it stays straight where the data do not need a bend
         bent = np.diff(x[own:]) / 0.5
-        rows = [problem.flat(base, present), prior_rows(problem.vehicle, names, x[:own]), bent]
+        rows = [problem.flat(base, present), prior_rows(problem, names, x[:own]), bent]
         return np.concatenate([*rows, x[own:] / 2.0])
 
     first = np.clip(start, low + 1e-6, high - 1e-6)
-    scale = np.concatenate([np.full(BASE, 0.1), np.ones(own - BASE), np.full(knots, 0.1)])
+    scale = np.concatenate([widths(problem, own), np.full(knots, 0.1)])
     x, rows = least_squares(objective, first, low, high, scale, steps)
-    priors = prior_rows(problem.vehicle, names, x[:own]).size + (2 * knots - 1 if knots else 0)
+    priors = prior_rows(problem, names, x[:own]).size + (2 * knots - 1 if knots else 0)
     innovations = rows[:-priors]
-    base, effects = unpack(problem.vehicle, names, x[:own])
+    base, effects = unpack(problem, names, x[:own])
     return Candidate(
         problem=problem,
         names=names,

@@ -98,7 +98,7 @@ class _Draws:
         """Gain in chi-square of an effect in every replica (`REPLICAS`,), the best of its forms."""
         largest = np.zeros(REPLICAS)
         turned = _quarter_turned(self.problem) if self._turns(name, card) else None
-        for trial in trials(card):
+        for trial in trials(self.problem, card):
             if abs(trial[0]) < STARTS[-1]:
                 continue  # weaker ones have the same direction
             change = self._free(self.problem, name, trial)
@@ -123,7 +123,7 @@ class _Draws:
     def _turns(self, name: str, card: Card) -> bool:
         """Whether an effect goes with the angle of the wheels."""
         first = replace(self.problem, runs=self.problem.runs[:1])
-        effects = self.at.effects.with_(tried_at(first, name, trials(card)[-1]))
+        effects = self.at.effects.with_(tried_at(first, name, trials(first, card)[-1]))
         one, other = (p.flat(self.at.base, effects) for p in (first, _quarter_turned(first)))
         return not np.allclose(one, other, atol=1e-9)
 

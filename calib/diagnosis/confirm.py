@@ -16,7 +16,6 @@ from calib.diagnosis.decide import (
     confusable,
     strange,
 )
-from calib.physics.effects.effects import Effects
 
 Array = NDArray[np.float64]
 
@@ -99,4 +98,4 @@ def chi2_by_run(problem: Problem, candidate: Candidate) -> Array:
 
 def count_of(problem: Problem, candidate: Candidate) -> int:
     """Number of innovations of a candidate in a problem."""
-    return sum(c.size for run in problem.whitened(candidate.base, Effects()) for c in run)
+    return sum(c.size for run in problem.whitened(candidate.base, candidate.effects) for c in run)

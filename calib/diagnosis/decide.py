@@ -217,7 +217,7 @@ def contradicted(problem: Problem, best: Candidate) -> bool:
     """
     after = problem.whitened(best.base, best.effects)
     for name in best.names:
-        before = problem.whitened(best.base, best.effects.without(name))
+        before = problem.whitened(best.base, best.without(name))
         for channel in range(len(CHANNELS)):
             x = np.concatenate([run[channel] for run in before])
             y = np.concatenate([run[channel] for run in after])

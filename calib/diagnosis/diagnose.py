@@ -23,6 +23,7 @@ from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
 from calib.diagnosis.predict import ObservedRun, predict, run_of
 from calib.diagnosis.progress import Tell, silent
 from calib.diagnosis.prove import Step, Withdrawn, prove
+from calib.diagnosis.radii import with_free_radii
 from calib.diagnosis.regroup import regrouped
 from calib.diagnosis.remainder import Remainder, range_of
 from calib.diagnosis.search import unresolved
@@ -169,7 +170,8 @@ def diagnose(
     ordered, holdout = evened[: len(calibration)], evened[len(calibration) :]
     tell("fitting the model without effects", 0, 1)
     problem = problem_of(vehicle, [run_of(log) for log in ordered], tell)
-    decision = regrouped(decide(problem, fit(problem, (), np.zeros(BASE))))
+    searched = decide(problem, fit(problem, (), np.zeros(BASE)))
+    decision = regrouped(with_free_radii(searched))
     problem = decision.base.problem
     held = hold_outs_of(decision.best, holdout)
     decision = confirm(decision, held.problem)
@@ -258,7 +260,7 @@ def named(
     separate = "" if nearest is None else f"{nearest.drive} ({nearest.sigma:.0f} sigma apart)"
     like = confusable(best, decision.rivals)
     held_gain = chi2_by_run(held, decision.base).sum() - chi2_by_run(held, best).sum()
-    out, i = [], BASE
+    out, i = [], problem.base_size
     for name in best.names:
         parameters = {}
         for p in definition(problem.vehicle.effects, name).card.parameters:
@@ -287,12 +289,12 @@ def named(
 
 def gain_without(problem: Problem, best: Candidate, name: str) -> float:
     """Rise of the mean squared innovation when the effect is removed."""
-    return problem.chi2(best.base, best.effects.without(name)) / best.count - best.reduced
+    return problem.chi2(best.base, best.without(name)) / best.count - best.reduced
 
 
 def where_of(problem: Problem, best: Candidate, name: str) -> Where:
     """The channel and the ranges in which removing the effect changes the innovations most."""
-    rest = best.effects.without(name)
+    rest = best.without(name)
     power = np.zeros(len(CHANNELS))
     rows = []
     for run in problem.runs:
@@ -328,7 +330,7 @@ def _axle(problem: Problem, best: Candidate, name: str) -> str:
     """Whose torque or wheels an effect changes: front, rear, both, or body."""
     if not acts_on_wheels(definition(problem.vehicle.effects, name)):
         return "body"
-    rest = best.effects.without(name)
+    rest = best.without(name)
     front = rear = 0.0
     for run in problem.runs:
         a, b = (predict(problem.vehicle, best.base, e, run) for e in (best.effects, rest))
@@ -342,7 +344,7 @@ def _axle(problem: Problem, best: Candidate, name: str) -> str:
 
 
 def base_estimates(candidate: Candidate) -> dict[str, ParameterEstimate]:
-    """Base parameters with intervals."""
+    """Base parameters with intervals; ``rolling_radius`` over that of the file where it is free."""
     half = half_widths(candidate)
     b = candidate.base
     values = {
@@ -351,8 +353,11 @@ def base_estimates(candidate: Candidate) -> dict[str, ParameterEstimate]:
         "tyre_stiffness": b.stiffness,
         "tyre_peak": b.peak,
     }
+    at = list(range(len(values)))
+    if candidate.problem.free_radius:
+        values["rolling_radius"], at = b.radius, [*at, BASE]
     out = {}
-    for i, (name, value) in enumerate(values.items()):
+    for i, (name, value) in zip(at, values.items(), strict=True):
         factor = float(np.exp(half[i]))
         out[name] = ParameterEstimate(value, "1", (value / factor, value * factor))
     return out

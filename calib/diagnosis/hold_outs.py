@@ -55,11 +55,11 @@ class HoldOuts:
         """Replays with the parameters moved by one standard deviation along each direction."""
         values, vectors = np.linalg.eigh(candidate.covariance)
         scaled = vectors * np.sqrt(np.maximum(values, 0.0) * max(candidate.reduced, 1.0))
-        low, high = bounds(self.problem.vehicle, candidate.names)
+        low, high = bounds(self.problem, candidate.names)
         out = []
         for direction in scaled.T:
             x = np.clip(candidate.x + direction, low, high)
-            base, effects = unpack(self.problem.vehicle, candidate.names, x)
+            base, effects = unpack(self.problem, candidate.names, x)
             try:
                 out.append(self.replays(base, effects))
             except ModelError:
@@ -93,7 +93,7 @@ def model_of(vehicle: Vehicle, candidate: Candidate) -> Model:
 
 def _model(vehicle: Vehicle, base: Base, effects: Effects) -> Model:
     return Model(
-        vehicle=vehicle,
+        vehicle=vehicle.with_radii(base.radius),
         pad_friction_f=base.pad_friction_f,
         pad_friction_r=base.pad_friction_r,
         tyre=base.tyre,

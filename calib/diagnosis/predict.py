@@ -141,7 +141,8 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     forces through the inertia of the wheels alone, so each pass leaves 3 % of its error; where no
     torque depends on deceleration or heat, the last pass changes nothing and is left out.
     """
-    car, base = as_driven(vehicle, effects), run.ground.applied(base)
+    car = as_driven(vehicle, effects).with_radii(base.radius)
+    base = run.ground.applied(base)
     z = -run.a_x / G
     energy = (np.zeros_like(z), np.zeros_like(z))
     arrives = line_pressure(effects, history_of(run))

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.diagnosis.candidate import BASE, Candidate, Problem, fit
+from calib.diagnosis.candidate import Candidate, Problem, fit
 from calib.diagnosis.confirm import chi2_by_run, helps
 from calib.diagnosis.decide import (
     FAINT_SECOND,
@@ -31,7 +31,6 @@ from calib.diagnosis.remainder import LEAST, Remainder
 from calib.diagnosis.search import refine
 from calib.errors import ModelError
 from calib.logs.log import Log
-from calib.physics.own_effects.own_effect import definition
 
 TRIED = 3
 """Further effects that are fitted in each step, the most promising ones."""
@@ -261,9 +260,10 @@ def _spared(problem: Problem, at: Candidate) -> Candidate:
 
 def _without(problem: Problem, at: Candidate, name: str) -> Candidate:
     """Fitted anew without one of its effects."""
-    kept, i = [at.x[:BASE]], BASE
+    i = problem.base_size
+    kept = [at.x[:i]]
     for other in at.names:
-        count = len(definition(problem.vehicle.effects, other).card.parameters)
+        count = problem.parameters_of(other)
         if other != name:
             kept.append(at.x[i : i + count])
         i += count

@@ -12,7 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.base import REFERENCE, Ground
-from calib.diagnosis.candidate import BASE, Candidate, Problem, bounds, fit, prior_rows, unpack
+from calib.diagnosis.candidate import (
+    BASE,
+    Candidate,
+    Problem,
+    bounds,
+    fit,
+    prior_rows,
+    unpack,
+    widths,
+)
 from calib.diagnosis.decide import FLOOR, Decision, decide, quiet
 from calib.diagnosis.groups import HIGH, LOW, PARAMETERS, SPREAD, grouped
 from calib.diagnosis.secant import least_squares
@@ -46,7 +55,7 @@ def regrouped(decision: Decision) -> Decision:
     best = min(map(_in_groups, starts), key=lambda candidate: candidate.reduced)
     if not _has_groups(best) or _excess(best) > (1.0 - SHARE) * min(map(_excess, starts)):
         return decision
-    other = decide(best.problem, fit(best.problem, (), best.x[:BASE]))
+    other = decide(best.problem, fit(best.problem, (), best.x[: best.problem.base_size]))
     return other if _explains(other) else decision
 
 
@@ -67,8 +76,8 @@ def _jointly(problem: Problem, names: tuple[str, ...], start: Array) -> Candidat
     of_run = [run.ground for run in problem.runs]
     others = [ground for ground in dict.fromkeys(of_run) if ground != REFERENCE]
     known = start.size
-    low, high = bounds(problem.vehicle, names)
-    widths = (np.full(BASE, 0.1), np.ones(known - BASE), np.full(4 * len(others), 0.1))
+    low, high = bounds(problem, names)
+    scale = np.concatenate([widths(problem, known), np.full(4 * len(others), 0.1)])
 
     def driven(x: Array) -> Problem:
         grounds = dict(zip(others, map(Ground.of, x[known:].reshape(-1, 4)), strict=True))
@@ -76,15 +85,15 @@ def _jointly(problem: Problem, names: tuple[str, ...], start: Array) -> Candidat
         return replace(problem, runs=tuple(runs))
 
     def rows(x: Array) -> Array:
-        innovations = driven(x).flat(*unpack(problem.vehicle, names, x[:known]))
-        priors = prior_rows(problem.vehicle, names, x[:known])
+        innovations = driven(x).flat(*unpack(problem, names, x[:known]))
+        priors = prior_rows(problem, names, x[:known])
         return np.concatenate([innovations, priors, x[known:] / np.tile(SPREAD, len(others))])
 
     first = np.concatenate([start, *(ground.logarithms for ground in others)])
     low = np.concatenate([low, np.tile(LOW, len(others))])
     high = np.concatenate([high, np.tile(HIGH, len(others))])
     inside = np.clip(first, low + 1e-6, high - 1e-6)
-    x, _ = least_squares(rows, inside, low, high, np.concatenate(widths), STEPS)
+    x, _ = least_squares(rows, inside, low, high, scale, STEPS)
     return fit(driven(x), names, x[:known])
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import BASE, Candidate, Problem, derivatives, fit, unpack
+from calib.diagnosis.candidate import Candidate, Problem, derivatives, fit, origins, unpack
 from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects
 from calib.physics.own_effects.own_effect import every_effect
@@ -50,7 +50,8 @@ def free(x: Array, directions: Array) -> Array:
 
 def tried_at(problem: Problem, name: str, trial: Array) -> Effects:
     """One effect alone, at a point of `trials`."""
-    return unpack(problem.vehicle, (name,), np.concatenate([np.zeros(BASE), trial]))[1]
+    x = np.concatenate([np.zeros(problem.base_size), trial])
+    return unpack(problem, (name,), x)[1].only(name)
 
 
 def along(innovations: Array, directions: Array, change: Array) -> tuple[float, float]:
@@ -74,7 +75,7 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
         if name in at.names:
             continue
         best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(effect.card.parameters))]))
-        for trial in trials(effect.card):
+        for trial in trials(problem, effect.card):
             effects = at.effects.with_(tried_at(problem, name, trial))
             change = problem.flat(at.base, effects) - innovations
             gain, amount = along(innovations, directions, change)
@@ -90,13 +91,13 @@ def unresolved(problem: Problem, at: Candidate, least: Mapping[str, float]) -> t
     """Effects of usual size that these runs could not have shown.
 
     The gain in chi-square that such an effect would have, beyond that of base and present effects,
-    is below ``least`` of it.
+    is below ``least`` of it. Effects that the vehicle file has are known, and not among them.
     """
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
     faint = []
     for name, effect in every_effect(problem.vehicle.effects).items():
-        if name in at.names:
+        if name in at.effects:
             continue
         usual = Effects({name: effect.card.usual})
         change = problem.flat(at.base, at.effects.with_(usual)) - innovations
@@ -106,11 +107,15 @@ def unresolved(problem: Problem, at: Candidate, least: Mapping[str, float]) -> t
     return tuple(faint)
 
 
-def trials(card: Card) -> list[Array]:
-    """Points at which an effect is tried, in spreads from neutral: strength, second parameter."""
+def trials(problem: Problem, card: Card) -> list[Array]:
+    """Points at which an effect is tried, in spreads from where its parameters count.
+
+    Strength first, then the further parameters, with both signs where the card allows.
+    """
+    origin = origins(problem.vehicle.effects, card)
     strength = card.parameters[0]
-    low = (strength.low - card.neutral) / strength.spread
-    high = (strength.high - card.neutral) / strength.spread
+    low = (strength.low - origin[0]) / strength.spread
+    high = (strength.high - origin[0]) / strength.spread
     points = []
     for size in STARTS:
         for sign in (1.0, -1.0):
@@ -120,7 +125,7 @@ def trials(card: Card) -> list[Array]:
             if size == STARTS[-1]:
                 for j, p in enumerate(card.parameters[1:]):
                     for shift in (-1.0, 1.0):
-                        if p.low <= p.typical + shift * p.spread <= p.high:
+                        if p.low <= origin[j + 1] + shift * p.spread <= p.high:
                             other = np.zeros(len(card.parameters) - 1)
                             other[j] = shift
                             seconds.append(other)

@@ -4,7 +4,8 @@ Wheel values are per wheel. ``friction_faces`` counts the pad faces of one calip
 brake): (2) of the paper is for one face.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 from calib.names import G
 from calib.physics.effects.effects import Effects
@@ -73,6 +74,12 @@ class Vehicle:
     def weight(self) -> float:
         """M_v g [N]."""
         return self.mass * G
+
+    def with_radii(self, factor: float) -> Self:
+        """The car with the rolling radii of both axles times ``factor`` [1]."""
+        front = replace(self.front, rolling_radius=factor * self.front.rolling_radius)
+        rear = replace(self.rear, rolling_radius=factor * self.rear.rolling_radius)
+        return replace(self, front=front, rear=rear)
 
     def radius_mismatch(self, eta_zero: float) -> float:
         """Mismatch of the axles' radii over that of the file [1], from eta - 1 without brakes."""

@@ -1,0 +1,46 @@
+"""Rolling radii that are not those of the file: freed where that explains more with less.
+
+    decision ──> does its explanation gain by other radii? ──> search with free radii ──> better?
+
+A radius is known to some tenths of a percent, and a wheel that rolls 0.1 % faster than the file
+says looks much like one that a small torque slows. So radii must be free where they are wrong.
+Where they are right they must not: a moment on all wheels and a slope of the road differ by a slip
+of 0.05 % alone. The logs decide between the two.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from calib.diagnosis.candidate import BASE, Candidate, fit
+from calib.diagnosis.decide import CONFUSABLE, Decision, decide, gain
+
+LEAST = 25.0
+"""Fall of the chi-square by other radii, beside the best explanation, from which they are tried."""
+
+
+def with_free_radii(decision: Decision) -> Decision:
+    """The decision with rolling radii as base parameters where that is better, else this one.
+
+    It is better where fewer effects explain as much, or where as many explain clearly more.
+    """
+    freed = _freed(decision.best)
+    if decision.best.chi2 - freed.chi2 < LEAST:
+        return decision
+    other = decide(freed.problem, fit(freed.problem, (), freed.x[: freed.problem.base_size]))
+    return other if _better(decision, other) else decision
+
+
+def _freed(at: Candidate) -> Candidate:
+    """An explanation fitted anew with free radii."""
+    problem = replace(at.problem, free_radius=True)
+    return fit(problem, at.names, np.insert(at.x, BASE, 0.0))
+
+
+def _better(decision: Decision, other: Decision) -> bool:
+    brought = gain(decision.best, other.best)
+    if other.verdict == "unknown" and decision.verdict != "unknown":
+        return False
+    if len(other.best.names) < len(decision.best.names):
+        return brought > -CONFUSABLE
+    return len(other.best.names) == len(decision.best.names) and brought > CONFUSABLE
