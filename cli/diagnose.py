@@ -104,6 +104,8 @@ def _told(found: "Diagnosis") -> str:
         lines += [f"  {n} = {value_of(v)}" for n, v in effect.parameters.items()]
         lines.append(words.rivals(effect))
     lines += [
+        words.known(found),
+        words.radii(found),
         words.groups(found),
         words.something_else(found),
         words.withdrawn(found),

@@ -163,6 +163,11 @@ def quiet(candidate: Candidate) -> float:
     return FLOOR + QUIET * candidate.scatter
 
 
+def explains(decision: Decision) -> bool:
+    """Whether the innovations have a verdict and no more than noise is left in them."""
+    return decision.verdict != "unknown" and decision.best.reduced <= quiet(decision.best)
+
+
 def strange(candidate: Candidate) -> bool:
     """Whether a cause is present, even if no known effect explains it."""
     return candidate.reduced > FLOOR + STRANGE * candidate.scatter

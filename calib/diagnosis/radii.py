@@ -13,10 +13,11 @@ from dataclasses import replace
 import numpy as np
 
 from calib.diagnosis.candidate import BASE, Candidate, fit
-from calib.diagnosis.decide import CONFUSABLE, Decision, decide, gain
+from calib.diagnosis.decide import CONFUSABLE, Decision, decide, explains, gain
 
 LEAST = 25.0
-"""Fall of the chi-square by other radii, beside the best explanation, from which they are tried."""
+"""Fall of the chi-square by other radii, beside an explanation that holds, from which they are
+tried. Beside one that does not hold they are tried in any case: it may stand for them."""
 
 
 def with_free_radii(decision: Decision) -> Decision:
@@ -25,7 +26,7 @@ def with_free_radii(decision: Decision) -> Decision:
     It is better where fewer effects explain as much, or where as many explain clearly more.
     """
     freed = _freed(decision.best)
-    if decision.best.chi2 - freed.chi2 < LEAST:
+    if explains(decision) and decision.best.chi2 - freed.chi2 < LEAST:
         return decision
     other = decide(freed.problem, fit(freed.problem, (), freed.x[: freed.problem.base_size]))
     return other if _better(decision, other) else decision

@@ -22,7 +22,7 @@ from calib.diagnosis.candidate import (
     unpack,
     widths,
 )
-from calib.diagnosis.decide import FLOOR, Decision, decide, quiet
+from calib.diagnosis.decide import FLOOR, Decision, decide, explains
 from calib.diagnosis.groups import HIGH, LOW, PARAMETERS, SPREAD, grouped
 from calib.diagnosis.secant import least_squares
 
@@ -47,7 +47,7 @@ def regrouped(decision: Decision) -> Decision:
     Groups count only if nothing significant is left with them: they have many parameters, and a
     cause that is in no catalogue must stay an unknown one.
     """
-    if _explains(decision):
+    if explains(decision):
         return decision
     found = {c.names: c for c in reversed((decision.best, *decision.rivals)) if c.names}
     ranked = sorted(found.values(), key=lambda candidate: candidate.chi2)
@@ -56,7 +56,7 @@ def regrouped(decision: Decision) -> Decision:
     if not _has_groups(best) or _excess(best) > (1.0 - SHARE) * min(map(_excess, starts)):
         return decision
     other = decide(best.problem, fit(best.problem, (), best.x[: best.problem.base_size]))
-    return other if _explains(other) else decision
+    return other if explains(other) else decision
 
 
 def _in_groups(at: Candidate) -> Candidate:
@@ -99,11 +99,6 @@ def _jointly(problem: Problem, names: tuple[str, ...], start: Array) -> Candidat
 
 def _has_groups(candidate: Candidate) -> bool:
     return any(run.ground != REFERENCE for run in candidate.problem.runs)
-
-
-def _explains(decision: Decision) -> bool:
-    """Whether the innovations have a verdict and no more than noise is left in them."""
-    return decision.verdict != "unknown" and decision.best.reduced <= quiet(decision.best)
 
 
 def _excess(candidate: Candidate) -> float:

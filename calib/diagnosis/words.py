@@ -7,6 +7,7 @@ from calib.diagnosis.drives import Drive
 from calib.diagnosis.groups import LogGroup
 from calib.diagnosis.printed import in_shown, percent, span, with_unit
 from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm
+from calib.physics.own_effects.own_effect import definition
 
 SEEN_IN = {
     "a_x": "the deceleration",
@@ -210,6 +211,36 @@ def factors_of(group: LogGroup) -> str:
     """By how much pads and road of a group differ from the reference, in per cent."""
     changes = {plain(name): 100.0 * (x - 1.0) for name, x in asdict(group.ground).items()}
     return ", ".join(f"{name} {change:+.0f} %" for name, change in changes.items())
+
+
+def radii(found: Diagnosis) -> str:
+    """By how much the rolling radii differ from those of the vehicle file; empty if not free."""
+    if (factor := found.base.get("rolling_radius")) is None:
+        return ""
+    off, low, high = (100.0 * (x - 1.0) for x in (factor.value, *factor.ci95))
+    car = found.model_after.vehicle
+    return (
+        f"The rolling radii differ from those of the vehicle file by {off:+.3f} % "
+        f"(95 % {low:+.3f} to {high:+.3f}), both axles alike: rolling_radius "
+        f"{1e3 * car.front.rolling_radius:.1f} mm in front, {1e3 * car.rear.rolling_radius:.1f} mm "
+        "in the rear."
+    )
+
+
+def known(found: Diagnosis) -> str:
+    """Effects of the vehicle file, which every explanation has; empty if it has none."""
+    named = {effect.name for effect in found.effects}
+    told = []
+    effects = found.model_before.effects
+    for name, values in effects.parameters.items():
+        units = {p.name: p.unit for p in definition(effects, name).card.parameters}
+        numbers = (
+            f"{plain(key)} {with_unit(f'{in_shown(x, units[key]):.4g}', units[key])}"
+            for key, x in values.items()
+        )
+        differs = ", from which this answer differs" if name in named else ""
+        told.append(f"{plain(name)} ({', '.join(numbers)}{differs})")
+    return f"Known from the vehicle file: {'; '.join(told)}." if told else ""
 
 
 def not_resolved(found: Diagnosis) -> str:

@@ -18,6 +18,7 @@ BASE = {
     "pad_friction_r": "pad friction, rear",
     "tyre_stiffness": "slip stiffness of the tyres, over load",
     "tyre_peak": "peak of the tyres, over load",
+    "rolling_radius": "rolling radii, over those of the vehicle file",
 }
 
 COLOURS = {
@@ -58,6 +59,8 @@ def report_html(found: Diagnosis, title: str) -> str:
         steps=_steps(found),
         confusion=found.confusion and _confusion(found.confusion),
         not_resolved=words.not_resolved(found),
+        known=words.known(found),
+        radii=words.radii(found),
         groups=[
             (words.listed(group.logs), words.factors_of(group) if i else "the reference")
             for i, group in enumerate(found.groups)

@@ -3,6 +3,7 @@
     python tests/studies/naming.py --count 42 --seed 1
     python tests/studies/naming.py --count 9 --seed 5 --kind outside --rows rows.jsonl
     python tests/studies/naming.py --count 21 --kind single --severity 0 --write /tmp/cases
+    python tests/studies/naming.py --count 12 --seed 9 --radii 0.2
 
 ``--count`` cases of each kind; successive seeds go round the names. Limits are Wilson's, 95 %. A
 case fails on its own: an error of the program is an outcome like any other and is counted.
@@ -16,7 +17,7 @@ import time
 import traceback
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -48,13 +49,14 @@ class Job:
     seed: int
     severity: int | None
     folder: Path | None
+    radii: float
 
 
 def main() -> None:
     """Draw, diagnose, score, print."""
     asked = arguments()
     jobs = [
-        Job(kind, asked.seed + i, asked.severity, asked.write)
+        Job(kind, asked.seed + i, asked.severity, asked.write, asked.radii)
         for kind in asked.kind
         for i in range(asked.count)
     ]
@@ -75,6 +77,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0, help="of the first case")
     parser.add_argument("--kind", action="append", choices=KINDS)
     parser.add_argument("--severity", type=int, choices=(0, 1, 2))
+    parser.add_argument(
+        "--radii", type=float, default=0.0, help="sd of the vehicle file's rolling radii [%%]"
+    )
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--rows", type=Path, help="append every case to this file, one JSON a line")
     parser.add_argument("--write", type=Path, help="write the cases into this folder, too")
@@ -86,6 +91,8 @@ def arguments() -> argparse.Namespace:
 def carry_out(job: Job) -> Row:
     """Draw one case and diagnose it."""
     case = draw(job.kind, job.seed, severity=job.severity)
+    off = 0.01 * job.radii * float(np.random.default_rng(job.seed).normal())
+    case = replace(case, vehicle=case.vehicle.with_radii(1.0 + off))
     if job.folder:
         write(case, job.folder / f"{job.kind}_{job.seed}")
     start = time.perf_counter()
