@@ -345,3 +345,16 @@ def fit(
             np.sqrt(2.0 / innovations.size + 2.0 / (len(CHANNELS) * problem.noise.freedom))
         ),
     )
+
+
+def fit_without(at: Candidate, name: str) -> Candidate:
+    """An explanation fitted anew without one of its effects."""
+    i = at.problem.base_size
+    kept = [at.x[:i]]
+    for other in at.names:
+        count = at.problem.parameters_of(other)
+        if other != name:
+            kept.append(at.x[i : i + count])
+        i += count
+    names = tuple(other for other in at.names if other != name)
+    return fit(at.problem, names, np.concatenate(kept))

@@ -44,7 +44,7 @@ def closure(found: Diagnosis) -> str:
     gap, noise = found.gap, "times the sensors' noise"
     if found.verdict == "no_gap":
         return f"Replays of the hold-outs are {gap.after:.1f} {noise} off."
-    if found.verdict == "unknown" and not found.model_after.effects:
+    if found.verdict == "unknown" and not found.model_after.effects.terms:
         return f"Nothing was added: replays of the hold-outs stay {gap.before:.1f} {noise} off."
     if gap.closed <= 0.0:
         return (

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from calib.diagnosis.candidate import Candidate, Problem, fit
+from calib.diagnosis.candidate import Candidate, Problem, fit_without
 from calib.diagnosis.confirm import chi2_by_run, helps
 from calib.diagnosis.decide import (
     FAINT_SECOND,
@@ -241,31 +241,18 @@ def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
         at, rivals = options[0], options[1:]
     if not at.names or at is present.decision.best:
         return present
-    at = _spared(problem, at)
+    at = _spared(at)
     judged = _judged(held, at)
     if judged is None or remains(at, judged[1]) or not _helpful(problem, held, present, at):
         return present
     return replace(_added(present, at, tuple(rivals), judged), rest=False)
 
 
-def _spared(problem: Problem, at: Candidate) -> Candidate:
+def _spared(at: Candidate) -> Candidate:
     """The explanation without effects that are not worth their parameters."""
     for name in at.names:
-        fewer = _without(problem, at, name)
+        fewer = fit_without(at, name)
         price = FAINT_SECOND * (at.x.size - fewer.x.size)
         if fewer.reduced - at.reduced < price:
-            return _spared(problem, fewer)
+            return _spared(fewer)
     return at
-
-
-def _without(problem: Problem, at: Candidate, name: str) -> Candidate:
-    """Fitted anew without one of its effects."""
-    i = problem.base_size
-    kept = [at.x[:i]]
-    for other in at.names:
-        count = problem.parameters_of(other)
-        if other != name:
-            kept.append(at.x[i : i + count])
-        i += count
-    names = tuple(other for other in at.names if other != name)
-    return fit(problem, names, np.concatenate(kept))

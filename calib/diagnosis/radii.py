@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.diagnosis.candidate import BASE, Candidate, fit
+from calib.diagnosis.candidate import BASE, Candidate, fit, fit_without
 from calib.diagnosis.decide import CONFUSABLE, Decision, decide, explains, gain
 
 LEAST = 25.0
@@ -26,7 +26,8 @@ def with_free_radii(decision: Decision) -> Decision:
     It is better where fewer effects explain as much, or where as many explain clearly more.
     """
     freed = _freed(decision.best)
-    if explains(decision) and decision.best.chi2 - freed.chi2 < LEAST:
+    asked_for = decision.best.chi2 - freed.chi2 >= LEAST or _replace_an_effect(decision, freed)
+    if explains(decision) and not asked_for:
         return decision
     other = decide(freed.problem, fit(freed.problem, (), freed.x[: freed.problem.base_size]))
     return other if _better(decision, other) else decision
@@ -36,6 +37,12 @@ def _freed(at: Candidate) -> Candidate:
     """An explanation fitted anew with free radii."""
     problem = replace(at.problem, free_radius=True)
     return fit(problem, at.names, np.insert(at.x, BASE, 0.0))
+
+
+def _replace_an_effect(decision: Decision, freed: Candidate) -> bool:
+    """Whether an effect can be spared with free radii. Two together can imitate radii entirely."""
+    fewer = (fit_without(freed, name) for name in freed.names)
+    return any(gain(decision.best, other) > -CONFUSABLE for other in fewer)
 
 
 def _better(decision: Decision, other: Decision) -> bool:

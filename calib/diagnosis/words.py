@@ -49,12 +49,12 @@ def verdict(found: Diagnosis) -> str:
         return "These logs show nothing that is missing from the model."
     more = ", and something else" if found.unexplained is not None else ""
     if found.verdict == "named":
-        return f"Missing from the model: {listed(names)}{more}."
+        return f"{_found(found, names)}{more}."
     if found.verdict == "ambiguous":
         others = [n for effect in found.effects for n in effect.indistinguishable_from]
         rivals = sorted(set(others) - set(names))
         return (
-            f"Missing from the model: {listed(names)}, or else {listed(rivals, 'or')}; "
+            f"{_found(found, names)}, or else {listed(rivals, 'or')}; "
             f"these logs cannot tell which{more}."
         )
     if found.unexplained is None:
@@ -70,6 +70,18 @@ def verdict(found: Diagnosis) -> str:
     if left.wheel is not None:
         text += f" The {plain(left.wheel)} wheel is slower than the other one of its axle."
     return text
+
+
+def _found(found: Diagnosis, names: list[str]) -> str:
+    """The named effects: those that are missing, then those of which the file has another size."""
+    of_file = [name for name in names if name in found.model_before.effects]
+    missing = [name for name in names if name not in of_file]
+    parts = []
+    if missing:
+        parts.append(f"Missing from the model: {listed(missing)}")
+    if of_file:
+        parts.append(f"Of another size than in the vehicle file: {listed(of_file)}")
+    return ". ".join(parts)
 
 
 def _driver(driver: str) -> str:

@@ -21,14 +21,15 @@ def decision(car, logs):
     return decide(problem, fit(problem, (), np.zeros(BASE)))
 
 
-def test_wrong_radii_are_found_and_no_effect_is_named_for_them():
+@pytest.mark.parametrize("factor", [0.999, 1.002])
+def test_wrong_radii_are_found_and_no_effect_is_named_for_them(factor):
     case = draw("none", 11)
     logs = case.calibration[:4]
-    fixed = decision(case.vehicle.with_radii(1.002), logs)
+    fixed = decision(case.vehicle.with_radii(factor), logs)
     assert fixed.best.names != ()  # a small torque looks like another radius
     free = with_free_radii(fixed)
     assert (free.verdict, free.best.names) == ("no_gap", ())
-    assert free.best.base.radius == pytest.approx(1.0 / 1.002, abs=1e-4)
+    assert free.best.base.radius == pytest.approx(1.0 / factor, abs=1e-4)
 
 
 def test_right_radii_stay_those_of_the_file():
