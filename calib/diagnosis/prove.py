@@ -19,6 +19,7 @@ from calib.diagnosis.confirm import chi2_by_run, helps
 from calib.diagnosis.decide import (
     FAINT_SECOND,
     FLOOR,
+    SECOND_OF_ALL,
     Decision,
     confusable,
     gain,
@@ -43,6 +44,10 @@ resistance that grows with speed gains 0.003 and closes 60 % of the replays' err
 MOST = 0.6
 """Share of what is left in the replays that a further effect must close. One that is wrong closes
 less: it takes over only what happens to run along with it (tests/studies/naming.py)."""
+
+NEARLY_NOTHING = 0.05
+"""Share of the lasting errors of the replays that several effects together may leave: what differs
+in their form. It is told as a remainder."""
 
 STEP = 0.3
 """Share of the excess of the innovations that each step of a search must close to go on."""
@@ -189,12 +194,19 @@ def _further(problem: Problem, held: HoldOuts, present: Proved) -> Proved | None
 
 
 def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:
-    """Whether a further effect explains most of what is left, where that is seen."""
-    at = present.decision.best
-    if present.left.significant:
-        return left.size < (1.0 - MOST) * present.left.size
+    """Whether a further effect explains most of what is left, where that is seen.
+
+    That is in the replays or in the innovations. Where the replays have something left, a gain in
+    the innovations counts that is no trifle beside that of the effects before: what differs in
+    their form leaves less. An effect that turns with the wheels is not seen in replays at all.
+    """
+    base, at = present.decision.base, present.decision.best
+    most = gain(at, option) > MOST * (at.reduced - FLOOR)
     grown = left.size > present.left.size + CHANCE
-    return not grown and gain(at, option) > MOST * (at.reduced - FLOOR)
+    if not present.left.significant:
+        return most and not grown
+    closed = left.size < (1.0 - MOST) * present.left.size
+    return closed or (most and not grown and gain(at, option) > SECOND_OF_ALL * gain(base, at))
 
 
 def _options(problem: Problem, at: Candidate) -> list[Candidate]:
@@ -231,7 +243,7 @@ def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
     """Three effects or more, where no single one and no pair explains the logs.
 
     So many can imitate a cause that is in no catalogue. They are named only if nothing is left with
-    them, in innovations and replays, and if none of them can be spared.
+    them in the innovations, next to nothing in the replays, and if none of them can be spared.
     """
     at, rivals = present.decision.best, list[Candidate]()
     while at.names and at.reduced > quiet(at):
@@ -243,9 +255,12 @@ def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
         return present
     at = _spared(at)
     judged = _judged(held, at)
-    if judged is None or remains(at, judged[1]) or not _helpful(problem, held, present, at):
+    if judged is None or at.reduced > quiet(at) or not _helpful(problem, held, present, at):
         return present
-    return replace(_added(present, at, tuple(rivals), judged), rest=False)
+    left = judged[1]
+    if left.significant and left.size > NEARLY_NOTHING * present.left.size:
+        return present
+    return replace(_added(present, at, tuple(rivals), judged), rest=left.significant)
 
 
 def _spared(at: Candidate) -> Candidate:
