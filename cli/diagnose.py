@@ -107,6 +107,7 @@ def _told(found: "Diagnosis") -> str:
         words.known(found),
         words.radii(found),
         words.groups(found),
+        words.start_heats(found),
         words.something_else(found),
         words.withdrawn(found),
         words.own_effects(found),

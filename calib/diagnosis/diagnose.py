@@ -4,6 +4,7 @@ calibration logs ──> problem ──> decide ──────────�
 hold-out logs ────────────────── confirm ──> prove ─────────────────────────────── replays, gap
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,10 +16,11 @@ from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, problem_of
 from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.confirm import chi2_by_run, confirm, count_of
 from calib.diagnosis.confusion import Confusion, confusion_of
-from calib.diagnosis.decide import Decision, confusable, decide, gain
+from calib.diagnosis.decide import Decision, confusable, decide, explains, gain
 from calib.diagnosis.drives import Drive, drives
 from calib.diagnosis.gap import Gap, gap_of
 from calib.diagnosis.groups import LogGroup, groups_of
+from calib.diagnosis.heats import start_heats_of, with_start_heats
 from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
 from calib.diagnosis.predict import ObservedRun, predict, run_of
 from calib.diagnosis.progress import Tell, silent
@@ -92,7 +94,8 @@ class Diagnosis:
     tell apart, None where there is one alone. ``unexplained`` describes what is
     left, beside "unknown" or beside effects, None where nothing significant is left; ``left`` is
     its size in the replays; ``groups`` the logs by pads and road, the reference first, where one
-    set of parameters does not serve all; ``withdrawn`` what fits the calibration logs and not the
+    set of parameters does not serve all; ``start_heats`` of the discs [degC] by log, where fade is
+    named and no temperature is logged; ``withdrawn`` what fits the calibration logs and not the
     hold-outs; ``steps`` the course of the search; ``noise`` that of the evidence, and its source.
     """
 
@@ -113,6 +116,7 @@ class Diagnosis:
     steps: tuple[Step, ...]
     noise: ChannelNoise
     groups: tuple[LogGroup, ...]
+    start_heats: Mapping[str, float]
     not_resolved: tuple[str, ...]
     drives: tuple[Drive, ...]
     confusion: Confusion | None
@@ -171,7 +175,7 @@ def diagnose(
     tell("fitting the model without effects", 0, 1)
     problem = problem_of(vehicle, [run_of(log) for log in ordered], tell)
     searched = decide(problem, fit(problem, (), np.zeros(BASE)))
-    decision = regrouped(with_free_radii(searched))
+    decision = by_log(with_free_radii(searched))
     problem = decision.base.problem
     held = hold_outs_of(decision.best, holdout)
     decision = confirm(decision, held.problem)
@@ -201,6 +205,7 @@ def diagnose(
         measured=tuple(holdout),
         reduced_before=decision.base.reduced,
         groups=groups_of((*problem.runs, *held.problem.runs)),
+        start_heats=start_heats_of((*problem.runs, *held.problem.runs)),
         not_resolved=not_resolved,
         drives=drives(problem, decision.best, not_resolved),
         confusion=confusion,
@@ -210,6 +215,15 @@ def diagnose(
         steps=proved.steps,
         noise=problem.noise,
     )
+
+
+def by_log(decision: Decision) -> Decision:
+    """The decision with what differs from log to log, pads and road or the discs' first heat.
+
+    Only where nothing explains the logs without: the better one of the two.
+    """
+    found = (regrouped(decision), with_start_heats(decision))
+    return min(found, key=lambda other: (not explains(other), other.best.reduced))
 
 
 def with_term(

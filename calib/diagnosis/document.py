@@ -28,6 +28,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "known": {n: dict(values) for n, values in found.model_before.effects.parameters.items()},
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
         "groups": [asdict(group) for group in found.groups],
+        "start_heats": dict(found.start_heats),
         "confusion": None if found.confusion is None else _confusion(found.confusion),
         "not_resolved": list(found.not_resolved),
         "would_show": [_drive(drive) for drive in found.drives],

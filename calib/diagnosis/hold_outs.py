@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis import groups, heats
 from calib.diagnosis.base import Base
 from calib.diagnosis.candidate import (
     BASE,
@@ -16,7 +17,6 @@ from calib.diagnosis.candidate import (
     turned_to_ripple,
     unpack,
 )
-from calib.diagnosis.groups import placed
 from calib.diagnosis.predict import ObservedRun, run_of, wheel_angles
 from calib.diagnosis.remainder import Remainder, remainder_of
 from calib.errors import ModelError
@@ -44,7 +44,9 @@ class HoldOuts:
         out = []
         for log, run in zip(self.logs, self.problem.runs, strict=True):
             model = _model(self.problem.vehicle, run.ground.applied(base), effects)
-            out.append(replay(model, log, wheel_angle=angles_of(log, run)))
+            out.append(
+                replay(model, log, wheel_angle=angles_of(log, run), start_heat=run.start_heat)
+            )
         return tuple(out)
 
     def left(self, candidate: Candidate, replayed: Sequence[Log]) -> Remainder:
@@ -68,11 +70,12 @@ class HoldOuts:
 
 
 def hold_outs_of(at: Candidate, logs: Sequence[Log]) -> HoldOuts:
-    """The hold-outs of a candidate's problem, with its noise, each on the ground that fits."""
+    """The hold-outs of a candidate's problem, with its noise, on the ground and heat that fit."""
     problem = at.problem
     nominal = base_of(problem.vehicle, np.zeros(BASE))
     runs = [turned_to_ripple(problem.vehicle, nominal, run_of(log), problem.noise) for log in logs]
-    return HoldOuts(tuple(logs), replace(problem, runs=placed(problem, runs, at)))
+    placed = heats.placed(problem, groups.placed(problem, runs, at), at)
+    return HoldOuts(tuple(logs), replace(problem, runs=placed))
 
 
 def angles_of(log: Log, run: ObservedRun) -> dict[str, NDArray[np.float64]]:

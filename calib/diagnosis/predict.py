@@ -19,6 +19,7 @@ from calib.diagnosis.base import REFERENCE, Base, Ground
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
+from calib.physics.disc_temperature import START
 from calib.physics.effects.combined import (
     as_driven,
     as_read,
@@ -59,7 +60,8 @@ class ObservedRun:
     ``omega`` (4, n) in the order of `WHEELS`; ``v_smooth`` the speed without sensor noise, for
     forces; ``temperature_f``, ``temperature_r`` smoothed, or None; ``angle_f``, ``angle_r`` of the
     wheels; ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero if not logged;
-    ``ground`` what its pads and its road differ by from those of the reference logs.
+    ``ground`` what its pads and its road differ by from those of the reference logs; ``start_heat``
+    of the discs at the first sample [degC], which counts where no temperature is logged.
     """
 
     name: str
@@ -77,6 +79,12 @@ class ObservedRun:
     drive_f: Array
     drive_r: Array
     ground: Ground = REFERENCE
+    start_heat: float = START
+
+    @property
+    def warm(self) -> bool:
+        """Whether the temperatures of its discs are logged."""
+        return self.temperature_f is not None and self.temperature_r is not None
 
 
 @dataclass(frozen=True)
@@ -193,6 +201,7 @@ def _history(run: ObservedRun, z: Array, energy: tuple[Array, Array]) -> RunHist
         energy_f=energy[0],
         energy_r=energy[1],
         source=run.name,
+        start_heat=run.start_heat,
     )
 
 

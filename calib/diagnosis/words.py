@@ -219,6 +219,17 @@ def groups(found: Diagnosis) -> str:
     )
 
 
+def start_heats(found: Diagnosis) -> str:
+    """How hot the discs of the logs were at first; empty where that was not asked."""
+    if not found.start_heats:
+        return ""
+    told = (f"{log} {heat:.0f}" for log, heat in found.start_heats.items())
+    return (
+        f"No disc temperature is logged. At the start [degC], on discs of assumed heat capacity: "
+        f"{', '.join(told)}."
+    )
+
+
 def factors_of(group: LogGroup) -> str:
     """By how much pads and road of a group differ from the reference, in per cent."""
     changes = {plain(name): 100.0 * (x - 1.0) for name, x in asdict(group.ground).items()}

@@ -34,8 +34,8 @@ AIR = 20.0
 """Temperature of the air [degC]."""
 
 
-def heated(time: Array, energy: Array, disc: Disc) -> Array:
-    """Temperature of one disc [degC], (n,), that is at `START` at the first sample.
+def heated(time: Array, energy: Array, disc: Disc, start: float = START) -> Array:
+    """Temperature of one disc [degC], (n,), that is at ``start`` [degC] at the first sample.
 
     ``time`` [s]; ``energy`` dissipated in this brake since the first sample [J], (n,), taken as
     linear between samples. The same equation and limits as `disc_temperature`, solved for the
@@ -43,7 +43,7 @@ def heated(time: Array, energy: Array, disc: Disc) -> Array:
     """
     kept = energy - first_order(time, energy, disc.cooling_time)
     own = np.exp(-(time - time[0]) / disc.cooling_time)
-    return np.asarray(AIR + (START - AIR) * own + kept / disc.heat_capacity)
+    return np.asarray(AIR + (start - AIR) * own + kept / disc.heat_capacity)
 
 
 def disc_temperature(time: Array, power: Array, disc: Disc, start: float, air: float) -> Array:

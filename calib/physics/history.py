@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.physics.disc_temperature import START
+
 Array = NDArray[np.float64]
 
 
@@ -17,7 +19,7 @@ class RunHistory:
     ``temperature_f``, ``temperature_r`` of the discs [degC], None where not known; ``angle_f``,
     ``angle_r`` wheel angle since the first sample [rad]; ``energy_f``, ``energy_r`` dissipated in
     one brake of the axle since the first sample [J]; ``source`` the log or the simulation, for
-    messages.
+    messages; ``start_heat`` [degC] of all discs at the first sample, where it is not logged.
     """
 
     time: Array
@@ -31,6 +33,7 @@ class RunHistory:
     energy_f: Array
     energy_r: Array
     source: str = ""
+    start_heat: float = START
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,7 @@ def at_rest(
     v0: float,
     temperature: Mapping[str, Array] | None = None,
     source: str = "",
+    start_heat: float = START,
 ) -> RunHistory:
     """A run of which only the pressure [Pa] and the temperatures [degC] by axle are known.
 
@@ -70,4 +74,5 @@ def at_rest(
         energy_f=zero,
         energy_r=zero,
         source=source,
+        start_heat=start_heat,
     )

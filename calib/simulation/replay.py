@@ -8,6 +8,7 @@ from calib.errors import LogError
 from calib.logs.log import Array, Log
 from calib.names import AXLES, WHEELS
 from calib.physics.braking import BITE
+from calib.physics.disc_temperature import START
 from calib.physics.effects.combined import as_driven
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
@@ -28,13 +29,15 @@ def replay(
     log: Log,
     stop_speed: float = 1.0,
     wheel_angle: Mapping[str, Array] | None = None,
+    start_heat: float = START,
 ) -> Log:
     """Simulate the model with the pressures of a log from its first speed, open loop.
 
     Wheel pressures [Pa] are used if they are logged, else ``p_mc``; disc temperatures and the
     torque of engine or motor if they are logged. Ends like `simulate`, at ``stop_speed`` [m/s] at
     the latest. A ripple follows ``wheel_angle`` [rad] (n,) by axle, else the angle of the
-    simulation, whose origin is the first sample. Raises LogError if the log has no first speed,
+    simulation, whose origin is the first sample. Discs whose temperature is not logged are at
+    ``start_heat`` [degC] at the first sample. Raises LogError if the log has no first speed,
     ModelError if there is nothing to simulate.
     """
     step = log.sample_time
@@ -47,6 +50,7 @@ def replay(
         temperature={a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log},
         drive_torque={a: log[f"T_drive_{a}"] for a in AXLES if f"T_drive_{a}" in log},
         wheel_angle=wheel_angle,
+        start_heat=start_heat,
         stop_speed=stop_speed,
         name=log.name,
     )

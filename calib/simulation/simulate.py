@@ -17,6 +17,7 @@ from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
 from calib.physics import forces
 from calib.physics.brakes import brakes_of
+from calib.physics.disc_temperature import START
 from calib.physics.effects.combined import as_driven, as_read, wheel_speed_factors
 from calib.physics.history import Motion, RunHistory, at_rest
 from calib.physics.model import Model
@@ -34,6 +35,7 @@ def simulate(
     *,
     wheel_pressure: Mapping[str, Array] | None = None,
     temperature: Mapping[str, Array] | None = None,
+    start_heat: float = START,
     drive_torque: Mapping[str, Array] | None = None,
     wheel_angle: Mapping[str, Array] | None = None,
     stop_speed: float = 1.0,
@@ -52,6 +54,7 @@ def simulate(
     wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
     temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; thermal fade
         takes an assumed disc that is heated by its brake on an axle without one.
+    start_heat : of such an assumed disc at the first sample [degC].
     drive_torque : of engine or motor at both wheels of an axle together [N m], (n,) each, by axle
         name, negative where it slows; an axle without one rolls freely. It adds to ``engine_drag``.
     wheel_angle : of the wheels of an axle [rad], (n,) each, by axle name: what ripples with the
@@ -93,7 +96,7 @@ def simulate(
     driven = replace(model, vehicle=as_driven(model.vehicle, model.effects))
     clock = fine_clock(time)
     own, heat, engine, angle = (_along(clock, x) for x in (own, heat, engine, angle))
-    rest = at_rest(clock.time, clock.along(pressure), v0, heat, source=name)
+    rest = at_rest(clock.time, clock.along(pressure), v0, heat, name, start_heat)
     none = np.zeros_like(clock.time)
     torque = (engine.get("f", none), engine.get("r", none))
     run = Drive(brakes_of(driven, rest, own), rest, v0, stop_speed, torque, angle)

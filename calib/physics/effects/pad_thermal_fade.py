@@ -14,10 +14,10 @@ from calib.physics.history import RunHistory
 def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Factor 1 - k max(T - T_0, 0) [1] on both axles.
 
-    T is that of the disc [degC]: as logged, else of an assumed disc that is at 100 degC at the
-    first sample and is heated by the brake (`calib.physics.disc_temperature`). There k is per
-    kelvin of that disc, and T_0 counts from that start. A straight line: not valid where little
-    friction is left, and without a log of T not for runs that begin with discs of other heat.
+    T is that of the disc [degC]: as logged, else of an assumed disc that is at
+    ``history.start_heat`` at the first sample and is heated by the brake
+    (`calib.physics.disc_temperature`). There k is per kelvin of that disc, and T_0 counts from that
+    start. A straight line: not valid where little friction is left.
     """
     slope, onset = parameters["fade_slope"], parameters["fade_onset"]
     front, rear = (
@@ -31,7 +31,9 @@ def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array
 
 
 def _temperature(history: RunHistory, axle: str, logged: Array | None, energy: Array) -> Array:
-    return heated(history.time, energy, DISCS[axle]) if logged is None else logged
+    if logged is not None:
+        return logged
+    return heated(history.time, energy, DISCS[axle], history.start_heat)
 
 
 EFFECT = Effect(
