@@ -13,11 +13,16 @@ from dataclasses import replace
 import numpy as np
 
 from calib.diagnosis.candidate import BASE, Candidate, fit, fit_without
-from calib.diagnosis.decide import CONFUSABLE, Decision, decide, explains, gain
+from calib.diagnosis.decide import CONFUSABLE, Decision, decide, explains, gain, simplest_first
+from calib.diagnosis.search import refine
 
 LEAST = 25.0
 """Fall of the chi-square by other radii, beside an explanation that holds, from which they are
 tried. Beside one that does not hold they are tried in any case: it may stand for them."""
+
+
+FURTHER = 3
+"""Further effects that are fitted, the most promising ones, before radii count as better."""
 
 
 def with_free_radii(decision: Decision) -> Decision:
@@ -51,4 +56,13 @@ def _better(decision: Decision, other: Decision) -> bool:
         return False
     if len(other.best.names) < len(decision.best.names):
         return brought > -CONFUSABLE
-    return len(other.best.names) == len(decision.best.names) and brought > CONFUSABLE
+    if len(other.best.names) > len(decision.best.names) or brought <= CONFUSABLE:
+        return False
+    return brought > _by_a_further_effect(decision)
+
+
+def _by_a_further_effect(decision: Decision) -> float:
+    """What one more effect would bring, with about as many parameters as other radii."""
+    best = decision.best
+    further = refine(best.problem, best, FURTHER)
+    return gain(best, simplest_first(further)[0]) if further else 0.0
