@@ -6,7 +6,12 @@ import pytest
 from calib.physics.effects.regenerative_torque import EFFECT
 from tests.support.effect_runs import SEDAN, driven, made_history, made_motion, without_inertia
 
-MOTOR = {"regen_torque": 300.0, "regen_power": 9e3, "regen_rear_share": 0.25}
+MOTOR = {
+    "regen_torque": 300.0,
+    "regen_power": 9e3,
+    "regen_rear_share": 0.25,
+    "regen_onset": 1.5e5,
+}
 
 
 def test_torque_power_and_the_end_of_a_stop():
@@ -19,17 +24,17 @@ def test_torque_power_and_the_end_of_a_stop():
 
 
 def test_none_without_the_brake():
-    history = made_history(2, p_mc=np.array([1.4e5, 1.6e5]))
-    motion = made_motion([8.0, 8.0])
+    history = made_history(3, p_mc=np.array([1.19e5, 1.5e5, 1.81e5]))
+    motion = made_motion([8.0, 8.0, 8.0])
     motion = type(motion)(motion.v, motion.load_f, motion.load_r, history)
     front, _ = EFFECT.axle_moment(SEDAN, MOTOR, motion)
-    assert front == pytest.approx([0.0, 225.0])
+    assert front == pytest.approx([0.0, 112.5, 225.0])
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_braking_with_the_motor(share):
     """Below base speed: a constant force at the road beside that of the pads."""
-    motor = {"regen_torque": 300.0, "regen_power": 50e3, "regen_rear_share": share}
+    motor = {**MOTOR, "regen_power": 50e3, "regen_rear_share": share}
     car = without_inertia(SEDAN)
     log = driven({"regenerative_torque": motor}, lambda t: 10e5, 20.0, car=car)
     bare = driven({}, lambda t: 10e5, 20.0, car=car)
@@ -45,7 +50,7 @@ def test_braking_with_the_motor(share):
 
 def test_speed_follows_from_the_power():
     """At full power m v dv/dt = -P - F v: the energy lost is the work of pads and motor."""
-    motor = {"regen_torque": 3000.0, "regen_power": 9e3, "regen_rear_share": 0.0}
+    motor = {**MOTOR, "regen_torque": 3000.0, "regen_rear_share": 0.0}
     car = without_inertia(SEDAN)
     log = driven({"regenerative_torque": motor}, lambda t: 10e5, car=car)
     v, t = log["v"], log.time
