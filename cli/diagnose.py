@@ -106,6 +106,7 @@ def _told(found: "Diagnosis") -> str:
     lines += [
         words.known(found),
         words.radii(found),
+        words.sides(found),
         words.groups(found),
         words.start_heats(found),
         words.something_else(found),

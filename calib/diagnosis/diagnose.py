@@ -93,10 +93,12 @@ class Diagnosis:
     the manoeuvre that shows it most. ``confusion`` is the set of explanations that the logs cannot
     tell apart, None where there is one alone. ``unexplained`` describes what is
     left, beside "unknown" or beside effects, None where nothing significant is left; ``left`` is
-    its size in the replays; ``groups`` the logs by pads and road, the reference first, where one
-    set of parameters does not serve all; ``start_heats`` of the discs [degC] by log, where fade is
-    named and no temperature is logged; ``withdrawn`` what fits the calibration logs and not the
-    hold-outs; ``steps`` the course of the search; ``noise`` that of the evidence, and its source.
+    its size in the replays; ``sides`` by how much the right wheel of an axle rolled faster than the
+    left one before that was taken out [1], by axle; ``groups`` the logs by pads and road, the
+    reference first, where one set of parameters does not serve all; ``start_heats`` of the discs
+    [degC] by log, where fade is named and no temperature is logged; ``withdrawn`` what fits the
+    calibration logs and not the hold-outs; ``steps`` the course of the search; ``noise`` that of
+    the evidence, and its source.
     """
 
     verdict: str
@@ -120,6 +122,7 @@ class Diagnosis:
     not_resolved: tuple[str, ...]
     drives: tuple[Drive, ...]
     confusion: Confusion | None
+    sides: Mapping[str, float]
 
     def __repr__(self) -> str:
         lines = [f"Diagnosis: {self.verdict}"]
@@ -170,7 +173,7 @@ def diagnose(
     check_logs(calibration, holdout)
     for log in (*calibration, *holdout):
         require_same_wheels(vehicle, log, signals(log, vehicle))
-    evened = with_even_sides([*sorted(calibration, key=lambda log: log.digest), *holdout])
+    evened, sides = with_even_sides([*sorted(calibration, key=lambda log: log.digest), *holdout])
     ordered, holdout = evened[: len(calibration)], evened[len(calibration) :]
     tell("fitting the model without effects", 0, 1)
     problem = problem_of(vehicle, [run_of(log) for log in ordered], tell)
@@ -214,6 +217,7 @@ def diagnose(
         withdrawn=proved.withdrawn,
         steps=proved.steps,
         noise=problem.noise,
+        sides=sides,
     )
 
 

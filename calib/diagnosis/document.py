@@ -29,6 +29,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
         "groups": [asdict(group) for group in found.groups],
         "start_heats": dict(found.start_heats),
+        "sides": dict(found.sides),
         "confusion": None if found.confusion is None else _confusion(found.confusion),
         "not_resolved": list(found.not_resolved),
         "would_show": [_drive(drive) for drive in found.drives],

@@ -5,7 +5,7 @@ is closed, and what is left.
 """
 
 from calib.diagnosis.diagnose import Diagnosis
-from calib.diagnosis.words import verdict
+from calib.diagnosis.words import not_excluded, verdict
 
 KINDS = {
     "no_gap": "No gap",
@@ -35,8 +35,8 @@ def outcome(found: Diagnosis) -> str:
 
 
 def headline(found: Diagnosis) -> str:
-    """The verdict, and what it does to the hold-outs, in two sentences."""
-    return f"{verdict(found)} {closure(found)}"
+    """The verdict, what it does to the hold-outs, and what it does not exclude, in sentences."""
+    return f"{verdict(found)} {closure(found)} {not_excluded(found)}".rstrip()
 
 
 def closure(found: Diagnosis) -> str:

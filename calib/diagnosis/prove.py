@@ -45,9 +45,9 @@ MOST = 0.6
 """Share of what is left in the replays that a further effect must close. One that is wrong closes
 less: it takes over only what happens to run along with it (tests/studies/naming.py)."""
 
-NEARLY_NOTHING = 0.05
-"""Share of the lasting errors of the replays that several effects together may leave: what differs
-in their form. It is told as a remainder."""
+NEARLY_NOTHING = 0.07
+"""Share of the excess of the innovations, and of the lasting errors of the replays, that several
+effects together may leave: what differs in their form. It is told as a remainder."""
 
 STEP = 0.3
 """Share of the excess of the innovations that each step of a search must close to go on."""
@@ -242,25 +242,27 @@ def _added(
 def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
     """Three effects or more, where no single one and no pair explains the logs.
 
-    So many can imitate a cause that is in no catalogue. They are named only if nothing is left with
-    them in the innovations, next to nothing in the replays, and if none of them can be spared.
+    So many can imitate a cause that is in no catalogue. They are named only if next to nothing is
+    left with them, in innovations and replays, and if none of them can be spared.
     """
     at, rivals = present.decision.best, list[Candidate]()
     while at.names and at.reduced > quiet(at):
         options = _options(problem, at)
         if not options or gain(at, options[0]) < STEP * (at.reduced - FLOOR):
-            return present
+            break
         at, rivals = options[0], options[1:]
     if not at.names or at is present.decision.best:
         return present
     at = _spared(at)
     judged = _judged(held, at)
-    if judged is None or at.reduced > quiet(at) or not _helpful(problem, held, present, at):
+    if judged is None or not _helpful(problem, held, present, at):
         return present
-    left = judged[1]
+    left, gap = judged[1], present.decision.base.reduced - FLOOR
+    if at.reduced > max(quiet(at), FLOOR + NEARLY_NOTHING * gap):
+        return present
     if left.significant and left.size > NEARLY_NOTHING * present.left.size:
         return present
-    return replace(_added(present, at, tuple(rivals), judged), rest=left.significant)
+    return replace(_added(present, at, tuple(rivals), judged), rest=remains(at, left))
 
 
 def _spared(at: Candidate) -> Candidate:

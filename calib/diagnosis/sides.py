@@ -30,15 +30,16 @@ LEAST = 0.5
 """Seconds of rolling, of all logs together, from which the sides are compared."""
 
 
-def with_even_sides(logs: Sequence[Log]) -> list[Log]:
+def with_even_sides(logs: Sequence[Log]) -> tuple[list[Log], dict[str, float]]:
     """The logs with left and right wheel speeds of each axle equal on the mean while unbraked.
 
     One ratio for each axle from all logs together, so they must be of one car with one set of
     tyres. An axle stays as it is where the logs roll for less than `LEAST` without braking, or its
-    sides differ by more than `LARGEST`.
+    sides differ by more than `LARGEST`. Also returns right over left less one [1] by axle.
     """
     ratios = {axle: _ratio(logs, axle) for axle in AXLES}
-    return [_evened(log, ratios) for log in logs]
+    evened = [_evened(log, ratios) for log in logs]
+    return evened, {axle: ratio - 1.0 for axle, ratio in ratios.items()}
 
 
 def _ratio(logs: Sequence[Log], axle: str) -> float:

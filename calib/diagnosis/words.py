@@ -31,9 +31,16 @@ AXLES = {
 """Where on the car, in words."""
 
 
+ENDS = {"f": "front", "r": "rear"}
+
+
 def plain(name: str) -> str:
     """A name with spaces for underscores; `effect_a + effect_b` becomes `effect a + effect b`."""
     return name.replace("_", " ")
+
+
+SIDES_TOLD = 3e-4
+"""Difference of the sides [1] from which it is told: 10 N m on one wheel make as much."""
 
 
 def listed(names: list[str] | tuple[str, ...], last: str = "and") -> str:
@@ -70,6 +77,17 @@ def verdict(found: Diagnosis) -> str:
     if left.wheel is not None:
         text += f" The {plain(left.wheel)} wheel is slower than the other one of its axle."
     return text
+
+
+def not_excluded(found: Diagnosis) -> str:
+    """What an unknown cause may be although no explanation with it holds; else empty."""
+    warm = all(f"T_disc_{axle}" in log for log in found.measured for axle in ENDS)
+    if found.verdict != "unknown" or warm:
+        return ""
+    return (
+        "No disc temperature is logged: pads that fade are not excluded, where front and rear "
+        "discs began with unlike heat."
+    )
 
 
 def _found(found: Diagnosis, names: list[str]) -> str:
@@ -227,6 +245,23 @@ def start_heats(found: Diagnosis) -> str:
     return (
         f"No disc temperature is logged. At the start [degC], on discs of assumed heat capacity: "
         f"{', '.join(told)}."
+    )
+
+
+def sides(found: Diagnosis) -> str:
+    """Where left and right wheel speeds were made even; empty where they nearly were."""
+    told = [
+        f"{100.0 * abs(off):.2f} % on the {ENDS[axle]} axle, the "
+        f"{'left' if off > 0.0 else 'right'} one slower"
+        for axle, off in found.sides.items()
+        if abs(off) > SIDES_TOLD
+    ]
+    if not told:
+        return ""
+    return (
+        f"While nothing brakes, the wheel speeds of one axle differ by {'; '.join(told)}. They "
+        "were made even: tyres of one axle differ by as much. A brake that drags on the slower wheel "
+        "looks the same, and its drag is then named as something else: feel whether a disc is hot."
     )
 
 

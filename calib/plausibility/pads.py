@@ -155,5 +155,6 @@ def change_warnings(log: str, apart: float, sigma: float) -> Iterator[Plausibili
                 "another load of the car than on the ramp",
                 *(() if apart > 0.0 else ("front and rear wheel speeds that are swapped",)),
             ),
-            "drive a new ramp if tyres or brakes were changed; log wheel pressures and T_drive",
+            "state another load with --mass; drive a new ramp if tyres or brakes were changed; log "
+            "wheel pressures and T_drive",
         )

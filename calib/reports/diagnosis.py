@@ -61,6 +61,7 @@ def report_html(found: Diagnosis, title: str) -> str:
         not_resolved=words.not_resolved(found),
         known=words.known(found),
         radii=words.radii(found),
+        sides=words.sides(found),
         start_heats=words.start_heats(found),
         groups=[
             (words.listed(group.logs), words.factors_of(group) if i else "the reference")

@@ -18,8 +18,8 @@ def changed(log, factors):
 
 def test_unlike_radii_of_left_and_right_are_taken_out_and_axles_stay():
     logs = draw("none", 11).calibration
-    even = with_even_sides(logs)
-    again = with_even_sides(
+    even, _ = with_even_sides(logs)
+    again, sides = with_even_sides(
         [changed(log, {"fl": 1.0005, "fr": 0.9997, "rr": 1.0006}) for log in logs]
     )
     for one, other in zip(even, again, strict=True):
@@ -27,11 +27,14 @@ def test_unlike_radii_of_left_and_right_are_taken_out_and_axles_stay():
             for side in "lr":
                 name = f"omega_{axle}{side}"
                 assert other[name] == pytest.approx(mean * one[name], rel=1e-9)
+    plain = with_even_sides(logs)[1]
+    assert sides["f"] - plain["f"] == pytest.approx(-0.0008, abs=2e-6)
+    assert sides["r"] - plain["r"] == pytest.approx(0.0006, abs=2e-6)
 
 
 def test_more_than_tyres_make_is_left_in():
     logs = [changed(log, {"rl": 1.003}) for log in draw("none", 11).calibration]
-    for log, even in zip(logs, with_even_sides(logs), strict=True):
+    for log, even in zip(logs, with_even_sides(logs)[0], strict=True):
         assert np.array_equal(even["omega_rl"], log["omega_rl"])
 
 
@@ -40,5 +43,5 @@ def test_logs_that_never_roll_freely_stay_as_they_are():
         replace(log, channels={**log.channels, "p_mc": np.full_like(log.time, 20e5)})
         for log in draw("none", 11).calibration
     ]
-    for log, even in zip(logs, with_even_sides(logs), strict=True):
+    for log, even in zip(logs, with_even_sides(logs)[0], strict=True):
         assert even["omega_fl"] == pytest.approx(log["omega_fl"])

@@ -44,7 +44,7 @@ EFFECT = Effect(
         source="Limpert, Brake Design and Safety, ch. 3; Breuer and Bill, Brake Technology",
         looks_like=(
             "less torque at the same pressure on hot discs, no change on cold ones; without a log "
-            "of T the pad levels absorb discs that were hot at the start: log T, or brake from cold"
+            "of T the heat at the start of each log is found with it, less exactly: log T"
         ),
         parameters=(
             Parameter("fade_slope", "1/K", 0.0, 0.005, 0.001, 0.0005),
