@@ -261,7 +261,8 @@ def sides(found: Diagnosis) -> str:
     return (
         f"While nothing brakes, the wheel speeds of one axle differ by {'; '.join(told)}. They "
         "were made even: tyres of one axle differ by as much. A brake that drags on the slower "
-        "wheel looks the same, and its drag is then named as something else: feel whether a disc is hot."
+        "wheel looks the same, and its drag is then named as something else: feel whether a disc "
+        "is hot."
     )
 
 
