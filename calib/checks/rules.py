@@ -22,6 +22,7 @@ SOFTEST = 20e5  # [Pa] for each g; usual cars need 60 to 150 bar
 PRESSURE = 350e5  # [Pa] above the pressure of any master cylinder
 GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
 HOLE = 0.1  # [s] longest gap within a braking
+ALIKE = 5e-4  # [1] rise of eta below which the axles slip alike; a usual front bias makes 2e-3
 
 
 def problems(seen: Observation, purpose: str) -> list[str]:
@@ -169,9 +170,14 @@ def _blurred_eta(seen: Observation) -> Iterator[str]:
         return
     zero, rise = axles.front_rear, axles.eta_braked
     if zero.half > 0.5 * abs(rise.value):
+        alike = (
+            "both axles slip nearly alike, as with rear brakes near to locking first or with wheel "
+            "speeds in the wrong columns; "
+        )
         yield (
-            f"eta rises by {100 * rise.value:.2f} % under braking and its zero is known only to "
-            f"{100 * zero.half:.2f} %: log the wheel speeds finer and faster, or coast longer"
+            f"eta rises by {100 * rise.value:.3f} % under braking and its zero is known only to "
+            f"{100 * zero.half:.3f} %: {alike if abs(rise.value) < ALIKE else ''}"
+            "log the wheel speeds finer and faster, or coast longer"
         )
 
 

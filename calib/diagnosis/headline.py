@@ -19,6 +19,10 @@ KINDS = {
 """The outcomes, each in a few words."""
 
 
+WITHIN = 1.0
+"""Gap, in units of the sensors' noise, up to which replays are within the noise."""
+
+
 def outcome(found: Diagnosis) -> str:
     """The verdict as the hold-outs judge it, a key of `KINDS`.
 
@@ -46,6 +50,11 @@ def closure(found: Diagnosis) -> str:
         return f"Replays of the hold-outs are {gap.after:.1f} {noise} off."
     if found.verdict == "unknown" and not found.model_after.effects.terms:
         return f"Nothing was added: replays of the hold-outs stay {gap.before:.1f} {noise} off."
+    if gap.closed <= 0.0 and max(gap.before, gap.after) < WITHIN:
+        return (
+            f"Replays of the hold-outs do not show it: {gap.before:.1f} {noise} off without it, "
+            f"{gap.after:.1f} with it."
+        )
     if gap.closed <= 0.0:
         return (
             f"The gap on the hold-outs does not shrink: {gap.before:.1f} {noise} before, "

@@ -51,6 +51,14 @@ def test_what_was_added_for_an_unknown_cause_is_told(named):
     )
 
 
+def test_replays_within_the_noise_do_not_speak_against_a_name(named):
+    within = replace(named, gap=replace(named.gap, before=0.25, after=0.375, closed=-0.5))
+    assert closure(within) == (
+        "Replays of the hold-outs do not show it: 0.2 times the sensors' noise off without it, "
+        "0.4 with it."
+    )
+
+
 def test_a_gap_that_does_not_shrink_is_told_with_both_sizes(named):
     assert closure(worse(named)) == (
         "The gap on the hold-outs does not shrink: 8.2 times the sensors' noise before, 8.2 after."
