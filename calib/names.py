@@ -11,6 +11,7 @@ G = 9.80665
 """Standard gravity [m/s^2], ISO 80000-3."""
 
 AXLES = ("f", "r")
+AXLE_NAMES = {"f": "front", "r": "rear"}
 WHEELS = ("fl", "fr", "rl", "rr")
 
 

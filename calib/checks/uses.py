@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from calib.checks.observation import Observation
-from calib.signals.one_axle import SIDE
+from calib.names import AXLE_NAMES
 
 TABLE = 5e-4
 """Largest uncertainty of the zero of eta for a table [1]: eta rises by 0.1 to 0.8 %."""
@@ -28,8 +28,8 @@ def uses(seen: Observation) -> Iterator[str]:
         yield f"brake forces less the torque of engine or motor: {', '.join(logged)}"
     if seen.alone:
         yield (
-            f"the {SIDE[seen.alone]} tyres' stiffness, and the pads' ratio, in a fit together with "
-            "a ramp of both axles: the other axle has no pressure"
+            f"the {AXLE_NAMES[seen.alone]} tyres' stiffness, and the pads' ratio, in a fit "
+            "together with a ramp of both axles: the other axle has no pressure"
         )
     if seen.events and "p_mc" in seen.missing:
         yield f"deceleration and slip of {len(seen.events)} braking(s); without pressure no torque"

@@ -236,7 +236,7 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
 def unpack(problem: Problem, names: tuple[str, ...], x: Array) -> tuple[Base, Effects]:
     """Base and effects from a vector: the base, then the parameters of the effects.
 
-    A parameter is in units of its spread and counts from its `origin`.
+    A parameter is in units of its spread and counts from its origin, see `origins`.
     """
     known = problem.vehicle.effects
     found, i = {}, problem.base_size

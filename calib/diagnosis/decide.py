@@ -109,6 +109,11 @@ def decide(problem: Problem, base: Candidate) -> Decision:
     return _searched(quieter, fit(quieter, (), base.x))
 
 
+def decided_anew(at: Candidate) -> Decision:
+    """The decision of a new search, on the problem of an explanation and from its base."""
+    return decide(at.problem, fit(at.problem, (), at.x[: at.problem.base_size]))
+
+
 def _searched(problem: Problem, base: Candidate) -> Decision:
     singles = simplest_first(refine(problem, base))
     chance = chance_of(problem, base, singles[0] if singles else base)

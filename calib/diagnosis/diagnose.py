@@ -371,11 +371,11 @@ def base_estimates(candidate: Candidate) -> dict[str, ParameterEstimate]:
         "tyre_stiffness": b.stiffness,
         "tyre_peak": b.peak,
     }
-    at = list(range(len(values)))
+    place = {name: i for i, name in enumerate(values)}
     if candidate.problem.free_radius:
-        values["rolling_radius"], at = b.radius, [*at, BASE]
+        values["rolling_radius"], place["rolling_radius"] = b.radius, BASE
     out = {}
-    for i, (name, value) in zip(at, values.items(), strict=True):
-        factor = float(np.exp(half[i]))
+    for name, value in values.items():
+        factor = float(np.exp(half[place[name]]))
         out[name] = ParameterEstimate(value, "1", (value / factor, value * factor))
     return out

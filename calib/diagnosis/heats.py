@@ -13,18 +13,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import (
-    Candidate,
-    Problem,
-    bounds,
-    fit,
-    prior_rows,
-    unpack,
-    widths,
-)
-from calib.diagnosis.decide import FLOOR, Decision, decide, explains
+from calib.diagnosis.candidate import Candidate, Problem, fit
+from calib.diagnosis.decide import FLOOR, Decision, decided_anew, explains
+from calib.diagnosis.jointly import LogStates, fit_jointly
 from calib.diagnosis.predict import ObservedRun
-from calib.diagnosis.secant import least_squares
 from calib.physics.braking import BITE
 from calib.physics.disc_temperature import START
 
@@ -37,11 +29,8 @@ SPREAD = 150.0
 """Standard deviation of the heat at the start of a run about `START` [K]: from a cold disc to one
 after some stops in a row."""
 
-COLDEST, HOTTEST = 0.0, 600.0
-"""Range of the heat at the start [degC]."""
-
-STEPS = 25
-"""Most steps of a fit of parameters and heats together."""
+LOW, HIGH = (0.0 - START) / SPREAD, (600.0 - START) / SPREAD
+"""Range of the heat at the start, 0 to 600 degC, in `SPREAD` about `START`."""
 
 SHARE = 0.3
 """Share of what is unexplained that the heats must explain for a search with them."""
@@ -56,7 +45,7 @@ def with_start_heats(decision: Decision) -> Decision:
     at = _jointly(problem, unknown, fit(problem, (FADE,), _start(decision)))
     if at.reduced - FLOOR > (1.0 - SHARE) * (decision.best.reduced - FLOOR):
         return decision
-    other = decide(at.problem, fit(at.problem, (), at.x[: at.problem.base_size]))
+    other = decided_anew(at)
     return other if explains(other) else decision
 
 
@@ -65,16 +54,19 @@ def placed(problem: Problem, runs: Sequence[ObservedRun], at: Candidate) -> tupl
 
     Only where fade explains the logs of the problem, and these have start heats of their own.
     """
-    if FADE not in at.names or all(run.start_heat == START for run in problem.runs):
+    if FADE not in at.names or not _found(problem.runs):
         return tuple(runs)
     return tuple(_best_heat(problem, run, at) if _unknown(run) else run for run in runs)
 
 
 def start_heats_of(runs: Sequence[ObservedRun]) -> dict[str, float]:
     """Heat of the discs at the start [degC] by log; none where it is that of `START` in all."""
-    if all(run.start_heat == START for run in runs):
-        return {}
-    return {run.name: run.start_heat for run in runs if _unknown(run)}
+    return {run.name: run.start_heat for run in runs if _found(runs) and _unknown(run)}
+
+
+def _found(runs: Sequence[ObservedRun]) -> bool:
+    """Whether start heats were asked for, and are not all `START`."""
+    return any(run.start_heat != START for run in runs)
 
 
 def _unknown(run: ObservedRun) -> bool:
@@ -91,41 +83,33 @@ def _start(decision: Decision) -> Array:
 
 def _jointly(problem: Problem, unknown: Sequence[int], at: Candidate) -> Candidate:
     """Fit parameters together with the start heats of the runs with indices ``unknown``."""
-    names, known = at.names, at.x.size
-    low, high = bounds(problem, names)
 
     def driven(x: Array) -> Problem:
         runs = list(problem.runs)
-        for i, heat in zip(unknown, x[known:], strict=True):
-            runs[i] = replace(runs[i], start_heat=START + SPREAD * float(heat))
+        for i, heat in zip(unknown, x, strict=True):
+            runs[i] = _heated(runs[i], heat)
         return replace(problem, runs=tuple(runs))
 
-    def rows(x: Array) -> Array:
-        innovations = driven(x).flat(*unpack(problem, names, x[:known]))
-        return np.concatenate([innovations, prior_rows(problem, names, x[:known]), x[known:]])
+    one = np.ones(len(unknown))
+    return fit_jointly(
+        problem, at.names, at.x, LogStates(0.0 * one, LOW * one, HIGH * one, one, one, driven)
+    )
 
-    count = len(unknown)
-    low = np.concatenate([low, np.full(count, (COLDEST - START) / SPREAD)])
-    high = np.concatenate([high, np.full(count, (HOTTEST - START) / SPREAD)])
-    first = np.clip(np.concatenate([at.x, np.zeros(count)]), low + 1e-6, high - 1e-6)
-    scale = np.concatenate([widths(problem, known), np.ones(count)])
-    x, _ = least_squares(rows, first, low, high, scale, STEPS)
-    return fit(driven(x), names, x[:known])
+
+def _heated(run: ObservedRun, heat: float) -> ObservedRun:
+    """The run with a start heat in `SPREAD` about `START`."""
+    return replace(run, start_heat=START + SPREAD * float(heat))
 
 
 def _best_heat(problem: Problem, run: ObservedRun, at: Candidate) -> ObservedRun:
     """The run with the start heat that explains it best beside its prior."""
     from scipy.optimize import minimize_scalar
 
-    def heated(heat: float) -> ObservedRun:
-        return replace(run, start_heat=START + SPREAD * heat)
-
     def cost(heat: float) -> float:
-        alone = replace(problem, runs=(heated(heat),))
+        alone = replace(problem, runs=(_heated(run, heat),))
         return alone.chi2(at.base, at.effects) + heat**2
 
-    low, high = (COLDEST - START) / SPREAD, (HOTTEST - START) / SPREAD
-    coarse = min(np.linspace(low, high, 13), key=cost)
-    step = (high - low) / 12.0
-    ends = (max(coarse - step, low), min(coarse + step, high))
-    return heated(float(minimize_scalar(cost, bounds=ends, method="bounded").x))
+    coarse = min(np.linspace(LOW, HIGH, 13), key=cost)
+    step = (HIGH - LOW) / 12.0
+    ends = (max(coarse - step, LOW), min(coarse + step, HIGH))
+    return _heated(run, minimize_scalar(cost, bounds=ends, method="bounded").x)

@@ -13,13 +13,19 @@ from dataclasses import replace
 import numpy as np
 
 from calib.diagnosis.candidate import BASE, Candidate, fit, fit_without
-from calib.diagnosis.decide import CONFUSABLE, Decision, decide, explains, gain, simplest_first
+from calib.diagnosis.decide import (
+    CONFUSABLE,
+    Decision,
+    decided_anew,
+    explains,
+    gain,
+    simplest_first,
+)
 from calib.diagnosis.search import refine
 
 LEAST = 25.0
 """Fall of the chi-square by other radii, beside an explanation that holds, from which they are
 tried. Beside one that does not hold they are tried in any case: it may stand for them."""
-
 
 FURTHER = 3
 """Further effects that are fitted, the most promising ones, before radii count as better."""
@@ -34,7 +40,7 @@ def with_free_radii(decision: Decision) -> Decision:
     asked_for = decision.best.chi2 - freed.chi2 >= LEAST or _replace_an_effect(decision, freed)
     if explains(decision) and not asked_for:
         return decision
-    other = decide(freed.problem, fit(freed.problem, (), freed.x[: freed.problem.base_size]))
+    other = decided_anew(freed)
     return other if _better(decision, other) else decision
 
 

@@ -12,27 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.base import REFERENCE, Ground
-from calib.diagnosis.candidate import (
-    BASE,
-    Candidate,
-    Problem,
-    bounds,
-    fit,
-    prior_rows,
-    unpack,
-    widths,
-)
-from calib.diagnosis.decide import FLOOR, Decision, decide, explains
+from calib.diagnosis.candidate import BASE, Candidate, Problem
+from calib.diagnosis.decide import FLOOR, Decision, decided_anew, explains
 from calib.diagnosis.groups import HIGH, LOW, PARAMETERS, SPREAD, grouped
-from calib.diagnosis.secant import least_squares
+from calib.diagnosis.jointly import LogStates, fit_jointly
 
 Array = NDArray[np.float64]
 
 BESIDE = 4
 """Explanations of the first search beside which groups are looked for; that without any is one."""
-
-STEPS = 25
-"""Most steps of a fit of parameters and grounds together."""
 
 ROUNDS = 2
 """How often groups and parameters are found in turn."""
@@ -55,7 +43,7 @@ def regrouped(decision: Decision) -> Decision:
     best = min(map(_in_groups, starts), key=lambda candidate: candidate.reduced)
     if not _has_groups(best) or _excess(best) > (1.0 - SHARE) * min(map(_excess, starts)):
         return decision
-    other = decide(best.problem, fit(best.problem, (), best.x[: best.problem.base_size]))
+    other = decided_anew(best)
     return other if explains(other) else decision
 
 
@@ -75,26 +63,22 @@ def _jointly(problem: Problem, names: tuple[str, ...], start: Array) -> Candidat
     """Fit parameters and grounds together: near a tyre's peak one leans on the other."""
     of_run = [run.ground for run in problem.runs]
     others = [ground for ground in dict.fromkeys(of_run) if ground != REFERENCE]
-    known = start.size
-    low, high = bounds(problem, names)
-    scale = np.concatenate([widths(problem, known), np.full(4 * len(others), 0.1)])
 
     def driven(x: Array) -> Problem:
-        grounds = dict(zip(others, map(Ground.of, x[known:].reshape(-1, 4)), strict=True))
+        grounds = dict(zip(others, map(Ground.of, x.reshape(-1, 4)), strict=True))
         runs = (replace(run, ground=grounds.get(run.ground, REFERENCE)) for run in problem.runs)
         return replace(problem, runs=tuple(runs))
 
-    def rows(x: Array) -> Array:
-        innovations = driven(x).flat(*unpack(problem, names, x[:known]))
-        priors = prior_rows(problem, names, x[:known])
-        return np.concatenate([innovations, priors, x[known:] / np.tile(SPREAD, len(others))])
-
-    first = np.concatenate([start, *(ground.logarithms for ground in others)])
-    low = np.concatenate([low, np.tile(LOW, len(others))])
-    high = np.concatenate([high, np.tile(HIGH, len(others))])
-    inside = np.clip(first, low + 1e-6, high - 1e-6)
-    x, _ = least_squares(rows, inside, low, high, scale, STEPS)
-    return fit(driven(x), names, x[:known])
+    count = len(others)
+    grounds = LogStates(
+        first=np.concatenate([ground.logarithms for ground in others]),
+        low=np.tile(LOW, count),
+        high=np.tile(HIGH, count),
+        scale=np.full(4 * count, 0.1),
+        sigma=np.tile(SPREAD, count),
+        driven=driven,
+    )
+    return fit_jointly(problem, names, start, grounds)
 
 
 def _has_groups(candidate: Candidate) -> bool:

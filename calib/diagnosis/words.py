@@ -7,6 +7,7 @@ from calib.diagnosis.drives import Drive
 from calib.diagnosis.groups import LogGroup
 from calib.diagnosis.printed import in_shown, percent, span, with_unit
 from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm
+from calib.names import AXLE_NAMES
 from calib.physics.own_effects.own_effect import definition
 
 SEEN_IN = {
@@ -29,9 +30,6 @@ AXLES = {
     "body": "on the body",
 }
 """Where on the car, in words."""
-
-
-ENDS = {"f": "front", "r": "rear"}
 
 
 def plain(name: str) -> str:
@@ -81,7 +79,7 @@ def verdict(found: Diagnosis) -> str:
 
 def not_excluded(found: Diagnosis) -> str:
     """What an unknown cause may be although no explanation with it holds; else empty."""
-    warm = all(f"T_disc_{axle}" in log for log in found.measured for axle in ENDS)
+    warm = all(f"T_disc_{axle}" in log for log in found.measured for axle in AXLE_NAMES)
     if found.verdict != "unknown" or warm:
         return ""
     return (
@@ -251,7 +249,7 @@ def start_heats(found: Diagnosis) -> str:
 def sides(found: Diagnosis) -> str:
     """Where left and right wheel speeds were made even; empty where they nearly were."""
     told = [
-        f"{100.0 * abs(off):.2f} % on the {ENDS[axle]} axle, the "
+        f"{100.0 * abs(off):.2f} % on the {AXLE_NAMES[axle]} axle, the "
         f"{'left' if off > 0.0 else 'right'} one slower"
         for axle, off in found.sides.items()
         if abs(off) > SIDES_TOLD

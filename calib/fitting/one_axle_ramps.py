@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from calib.fitting.identify import Identified, identify_once
 from calib.fitting.ramp import RampRun
 from calib.fitting.resistance import Resistance
+from calib.names import AXLE_NAMES
 from calib.physics.vehicle import Vehicle
-from calib.signals.one_axle import SIDE
 
 
 def with_both_axles(runs: list[RampRun]) -> list[RampRun]:
@@ -23,7 +23,7 @@ def bought(
     vehicle: Vehicle, found: Identified, runs: list[RampRun], known: Resistance
 ) -> Iterator[str]:
     """How well the ratios of pads and tyres are known with and without ramps of one axle."""
-    alone = [f"{run.name} ({SIDE[run.only]} axle only)" for run in runs if run.only]
+    alone = [f"{run.name} ({AXLE_NAMES[run.only]} axle only)" for run in runs if run.only]
     if not alone:
         return
     without = identify_once(vehicle, with_both_axles(runs), known).posterior

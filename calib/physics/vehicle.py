@@ -37,6 +37,10 @@ class Axle:
         """C of (3) for one wheel [m^3]: faces * A * r, so that T_b = mu_p C P."""
         return self.friction_faces * self.piston_area * self.effective_radius
 
+    def with_radius(self, factor: float) -> Self:
+        """The axle with its rolling radius times ``factor`` [1]."""
+        return replace(self, rolling_radius=self.rolling_radius * factor)
+
 
 @dataclass(frozen=True)
 class Vehicle:
@@ -77,9 +81,9 @@ class Vehicle:
 
     def with_radii(self, factor: float) -> Self:
         """The car with the rolling radii of both axles times ``factor`` [1]."""
-        front = replace(self.front, rolling_radius=factor * self.front.rolling_radius)
-        rear = replace(self.rear, rolling_radius=factor * self.rear.rolling_radius)
-        return replace(self, front=front, rear=rear)
+        return replace(
+            self, front=self.front.with_radius(factor), rear=self.rear.with_radius(factor)
+        )
 
     def radius_mismatch(self, eta_zero: float) -> float:
         """Mismatch of the axles' radii over that of the file [1], from eta - 1 without brakes."""

@@ -1,5 +1,6 @@
 """The verdict of a validation in the few words of a title, and its warnings for the note."""
 
+from calib.names import AXLE_NAMES
 from calib.validation.limits import Judgement
 from calib.validation.validate import CALIBRATION, Validation
 
@@ -24,7 +25,7 @@ def warned(result: Validation) -> tuple[str, ...]:
 def _spoken(figure: str) -> str:
     """The name of a metric in words."""
     stem, _, side = figure.rpartition("_")
-    axle = {"f": "front", "r": "rear"}.get(side)
+    axle = AXLE_NAMES.get(side)
     return (f"{stem}_{axle}" if axle else figure).replace("_", " ")
 
 

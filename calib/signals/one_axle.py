@@ -17,8 +17,6 @@ from calib.signals.filters import block_mean
 Array = NDArray[np.float64]
 Axle = Literal["f", "r"]
 
-SIDE: dict[Axle, str] = {"f": "front", "r": "rear"}
-
 
 def braked_alone(p_f: Array, p_r: Array) -> Axle | None:
     """The only axle whose pressure [Pa] passes the bite in any block, (k,); None for both or none.

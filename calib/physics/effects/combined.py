@@ -34,17 +34,13 @@ def as_driven(vehicle: Vehicle, effects: Effects) -> Vehicle:
     for effect, parameters in _all(effects):
         if effect.radius is not None:
             R_f, R_r = effect.radius(parameters)
-            front, rear = _with_radius(front, R_f), _with_radius(rear, R_r)
+            front, rear = front.with_radius(R_f), rear.with_radius(R_r)
         if effect.inertia is not None:
             J_f, J_r = effect.inertia(parameters)
             front, rear = _with_inertia(front, J_f), _with_inertia(rear, J_r)
         if effect.mass is not None:
             mass *= effect.mass(parameters)
     return replace(vehicle, front=front, rear=rear, mass=mass)
-
-
-def _with_radius(axle: Axle, factor: float) -> Axle:
-    return replace(axle, rolling_radius=axle.rolling_radius * factor)
 
 
 def _with_inertia(axle: Axle, more: float) -> Axle:

@@ -1,0 +1,52 @@
+"""A fit of parameters together with states of single logs: their ground, the heat of their discs.
+
+A state that is found beside parameters held still leans on them, so both are fitted at once.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.candidate import Candidate, Problem, bounds, fit, prior_rows, unpack, widths
+from calib.diagnosis.secant import least_squares
+
+Array = NDArray[np.float64]
+
+STEPS = 25
+"""Most steps of a fit of parameters and states together."""
+
+
+@dataclass(frozen=True)
+class LogStates:
+    """States (k,) of single logs: ``first`` values, bounds, and their usual change as a ``scale``.
+
+    ``sigma`` of the prior about zero; ``driven`` the problem with the logs in given states.
+    """
+
+    first: Array
+    low: Array
+    high: Array
+    scale: Array
+    sigma: Array
+    driven: Callable[[Array], Problem]
+
+
+def fit_jointly(
+    problem: Problem, names: tuple[str, ...], start: Array, states: LogStates
+) -> Candidate:
+    """Fit base and effects from ``start`` beside the states; the candidate's logs are in them."""
+    known = start.size
+    low, high = bounds(problem, names)
+    low, high = np.concatenate([low, states.low]), np.concatenate([high, states.high])
+
+    def rows(x: Array) -> Array:
+        innovations = states.driven(x[known:]).flat(*unpack(problem, names, x[:known]))
+        priors = prior_rows(problem, names, x[:known])
+        return np.concatenate([innovations, priors, x[known:] / states.sigma])
+
+    first = np.clip(np.concatenate([start, states.first]), low + 1e-6, high - 1e-6)
+    scale = np.concatenate([widths(problem, known), states.scale])
+    x, _ = least_squares(rows, first, low, high, scale, STEPS)
+    return fit(states.driven(x[known:]), names, x[:known])
