@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 class Base:
     """Parameters that are always re-identified [1]: pad friction by axle, and the tyre.
 
-    ``stiffness``, ``peak``, ``shape`` and ``load_exponent`` as in `MagicFormula`; ``radius`` the
-    factor on the rolling radii of the vehicle file, common to both axles.
+    ``stiffness``, ``peak``, ``shape``, ``load_exponent`` and ``bend`` as in `MagicFormula`;
+    ``radius`` the factor on the rolling radii of the vehicle file, common to both axles.
     """
 
     pad_friction_f: float
@@ -30,12 +30,13 @@ class Base:
     peak: float
     shape: float = MagicFormula.shape
     load_exponent: float = MagicFormula.load_exponent
+    bend: float = MagicFormula.bend
     radius: float = 1.0
 
     @property
     def tyre(self) -> MagicFormula:
         """The tyre of both axles."""
-        return MagicFormula(self.stiffness, self.peak, self.shape, self.load_exponent)
+        return MagicFormula(self.stiffness, self.peak, self.shape, self.load_exponent, self.bend)
 
 
 @dataclass(frozen=True)

@@ -39,9 +39,9 @@ STIFFNESS, PEAK = 25.0, 0.95
 SHAPE, LOAD_EXPONENT = 1.65, 0.03
 """Middle of the priors on the tyre's form [1]: passenger cars on asphalt; `calib.fitting`."""
 
-BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04])
+BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04, 0.2])
 """Standard deviations of the priors on the logarithms of pads, stiffness and peak: wide; on that of
-the shape factor, and on the load exponent: the spread of passenger tyres."""
+the shape factor, on the load exponent and on the bend: the spread of passenger tyres."""
 
 BASE = BASE_SIGMA.size
 """Number of base parameters, the first ones of every vector, where the rolling radii are given."""
@@ -229,6 +229,7 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
         peak=PEAK * float(np.exp(x[3])),
         shape=SHAPE * float(np.exp(x[4])),
         load_exponent=LOAD_EXPONENT + float(x[5]),
+        bend=max(float(x[6]), 0.0),
         radius=float(np.exp(x[BASE])) if x.size > BASE else 1.0,
     )
 
@@ -263,7 +264,7 @@ def origins(known: Effects, card: Card) -> tuple[float, ...]:
 
 def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
     """Bounds of the vector: the cards' ranges."""
-    low, high = [*[-2.0] * 4, -0.4, -0.2], [*[2.0] * 4, 0.18, 0.2]
+    low, high = [*[-2.0] * 4, -0.4, -0.2, 0.0], [*[2.0] * 4, 0.18, 0.2, 0.8]
     if problem.free_radius:
         low, high = [*low, -RADIUS_RANGE], [*high, RADIUS_RANGE]
     known = problem.vehicle.effects

@@ -25,6 +25,11 @@ SURE = 4.0
 """Gain, over what chance gives, above which an effect counts as present: twice the size. From 1 on
 it may be present, and counts only if the hold-outs, which may excite it more, show it clearly."""
 
+FORM = 0.003
+"""Least gain in the mean squared innovation with which the calibration logs alone show an effect.
+Where the form of the tyre differs from the car's, an effect that is not there gains as much,
+however many logs there are."""
+
 FLOOR = 1.01
 """Mean squared innovation that the best model leaves on an independent plant."""
 
@@ -87,7 +92,9 @@ class Decision:
     @property
     def detected(self) -> bool:
         """Whether the calibration logs alone show the best explanation."""
-        return self.best.names != () and beyond_chance(self.chance, self.base, self.best) > SURE
+        if not self.best.names or gain(self.base, self.best) < FORM:
+            return False
+        return beyond_chance(self.chance, self.base, self.best) > SURE
 
     @property
     def least_shown(self) -> dict[str, float]:

@@ -7,8 +7,12 @@
       +-/----------------> lambda
 
 The load exponent q is that of `calib.physics.tyre`: stiffness per load falls as the load grows.
+With a bend b, lambda = (1 + b B x) x s instead of x s. The formula starts straight: its curvature
+at zero slip is zero. That of a brush, whose contact patch begins to slide at its end at once, is
+not: F = K lambda (1 - K lambda/(3 mu) + ...), which is b = C/3.
+
 Source: Pacejka, Tyre and Vehicle Dynamics, ch. 4, pure longitudinal slip without the E term and
-offsets.
+offsets; ch. 3 for the brush.
 """
 
 from dataclasses import dataclass, replace
@@ -30,26 +34,29 @@ class MagicFormula:
     peak : mu, the largest normalised force [1].
     shape : C [1], between 1 (never falls) and 2 (falls to zero).
     load_exponent : q [1].
+    bend : b [1], not negative.
     """
 
     stiffness: float | Array
     peak: float | Array
     shape: float = 1.65
     load_exponent: float = 0.0
+    bend: float = 0.0
 
     def force(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
         """Normalised force F [1] at braking ``slip`` [1], axle load over half the weight [1].
 
         Odd in the slip. Valid beyond the peak too, but not for the heat of a locked wheel.
         """
-        x = slip / self._load_factor(relative_load)
-        return self.peak * np.sin(self.shape * np.arctan(self._b * x))
+        bx = self._unbent(slip / self._load_factor(relative_load))
+        return self.peak * np.sin(self.shape * np.arctan(bx))
 
     def slope(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
         """dF/dlambda [1]: K at zero slip, zero at the peak, negative beyond it."""
         load = self._load_factor(relative_load)
-        bx = self._b * slip / load
-        return self.stiffness / load * np.cos(self.shape * np.arctan(bx)) / (1.0 + bx * bx)
+        bx = self._unbent(slip / load)
+        straight = self.stiffness / load * np.cos(self.shape * np.arctan(bx)) / (1.0 + bx * bx)
+        return straight / (1.0 + 2.0 * self.bend * np.abs(bx))
 
     def slip(self, force: Array, relative_load: Array | float = 1.0) -> Array:
         """Slip [1] on the rising branch that carries the normalised ``force`` [1].
@@ -58,13 +65,11 @@ class MagicFormula:
         """
         ratio = force / self.peak
         held = np.where(np.abs(ratio) <= 1.0, ratio, np.nan)
-        x = np.tan(np.arcsin(held) / self.shape) / self._b
-        return x * self._load_factor(relative_load)
+        return self._bent(np.tan(np.arcsin(held) / self.shape), relative_load)
 
     def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
         """Slip [1] where C atan(B x) is ``fraction`` of pi/2; 1 is the peak itself."""
-        x = np.tan(0.5 * np.pi * fraction / self.shape) / self._b
-        return np.asarray(x * self._load_factor(relative_load))
+        return self._bent(np.tan(0.5 * np.pi * fraction / self.shape), relative_load)
 
     def on_surface(self, stiffness_factor: Array | float, peak_factor: Array | float) -> Self:
         """Return the tyre on another surface: stiffness and peak times these factors [1]."""
@@ -77,6 +82,15 @@ class MagicFormula:
     @property
     def _b(self) -> Array | float:
         return self.stiffness / (self.shape * self.peak)
+
+    def _unbent(self, slip: Array) -> Array:
+        """B x of the formula at a slip for half the weight; the stable root of its square."""
+        bx = self._b * slip
+        return bx * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(bx)))
+
+    def _bent(self, bx: Array | float, relative_load: Array | float) -> Array:
+        x = bx * (1.0 + self.bend * np.abs(bx)) / self._b
+        return np.asarray(x * self._load_factor(relative_load))
 
     def _load_factor(self, relative_load: Array | float) -> Array | float:
         return relative_load**self.load_exponent if self.load_exponent else 1.0

@@ -89,6 +89,7 @@ class TyreSection(Section):
     # 1 never falls past the peak, 2 falls to zero: outside, the closed inverse does not hold.
     shape: Annotated[float, QuantityMark("1", 1.01, 1.99)] | None = None
     load_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
+    bend: Annotated[float, QuantityMark("1", 0.0, 1.0)] | None = None
 
 
 def _start(written: object) -> tuple[float, str]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.signals.filters import centred_mean
-from calib.statistics.intervals import QUARTILE
+from calib.statistics.intervals import NINETY, QUARTILE
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ def as_pressed(p: Array, step: float) -> Array:
 
     Constant means within eight sigma over twice the width. Elsewhere a sample is replaced by a
     parabola through its neighbours, unless that differs by more than four sigma: a fast application
-    stays sharp. Sigma is that of the third differences. A pressure without noise is not changed.
+    stays sharp. A pressure without noise is not changed.
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
     from scipy.signal import savgol_filter
@@ -32,10 +32,21 @@ def as_pressed(p: Array, step: float) -> Array:
     width = max(1, round(HOLD / step))
     if width < 3 or p.size < 2 * width:
         return p
-    sigma = float(np.median(np.abs(np.diff(p, 3)))) / QUARTILE / np.sqrt(20.0)
+    sigma = noise_of(p)
     mean = centred_mean(p, width, held_ends=True)
     swing = maximum_filter1d(p, 2 * width) - minimum_filter1d(p, 2 * width)
     held = swing < 8.0 * sigma
     bent = savgol_filter(p, max(5, width | 1), 2)
     moving = np.where(np.abs(bent - p) < 4.0 * sigma, bent, p)
     return np.where(held, np.where(mean < NOTHING, 0.0, mean), moving)
+
+
+def noise_of(p: Array) -> float:
+    """Standard deviation of the white noise of a pressure (n,), from its third differences.
+
+    From the median of their sizes; where that is zero, as for a noise that seldom reaches the next
+    step of the reading, from what a tenth of them exceeds.
+    """
+    sizes = np.abs(np.diff(p, 3)) / np.sqrt(20.0)
+    median, high = np.quantile(sizes, (0.5, 0.9))
+    return float(median / QUARTILE if median > 0.0 else high / NINETY)

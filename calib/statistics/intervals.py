@@ -7,3 +7,6 @@ every textbook. Bands of stored tables are made with it: more digits would move 
 QUARTILE = 0.6745
 """Upper quartile over sigma: the median of |x| of noise is this many sigma. Four digits, as the
 outputs were made with."""
+
+NINETY = 1.645
+"""Size of noise over sigma that a tenth of it exceeds."""
