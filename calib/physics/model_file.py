@@ -7,6 +7,7 @@ rear = 0.36
 [tyre]                        # wet asphalt for what is left out
 stiffness = 25.0
 peak = 0.9
+bend = 0.2                    # 0 is the Magic Formula, a third of its shape factor a brush
 [effects.aerodynamic_drag]    # [effects] is the whole list; the vehicle's when left out
 drag_area = "0.66 m^2"
 [own_effects.air_brake_flap]  # where an effect is defined that is not in the catalogue

@@ -1,6 +1,7 @@
 """The tyre's closed forms against its definition."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ tyres = st.builds(
     peak=st.floats(0.1, 1.2),
     shape=st.floats(1.1, 1.95),
     load_exponent=st.floats(-0.5, 0.5),
+    bend=st.floats(0.0, 0.8),
 )
 loads = st.floats(0.3, 1.7)
 
@@ -27,7 +29,7 @@ def test_slip_and_force_are_inverse_on_the_rising_branch(tyre, load, fraction):
 
 @given(tyres, loads)
 def test_initial_slope_is_the_stiffness_softened_by_the_load(tyre, load):
-    step = 1e-7
+    step = 1e-9
     measured = tyre.force(np.array([step]), load)[0] / step
     expected = tyre.stiffness * load**-tyre.load_exponent
     assert measured == pytest.approx(expected, rel=1e-6)
@@ -36,7 +38,7 @@ def test_initial_slope_is_the_stiffness_softened_by_the_load(tyre, load):
 
 @given(tyres, loads, st.floats(-0.3, 0.3))
 def test_slope_is_the_derivative_of_the_force(tyre, load, slip):
-    h = 1e-6
+    h = 1e-8
     low, high = tyre.force(np.array([slip - h, slip + h]), load)
     slope = tyre.slope(np.array([slip]), load)[0]
     assert (high - low) / (2.0 * h) == pytest.approx(slope, rel=1e-5, abs=1e-5)
@@ -67,6 +69,18 @@ def test_force_at_a_slip_worked_by_hand():
     """K = 33, mu = 1, C = 1.65 give B = 20; at lambda = 0.05, B lambda = 1 and atan is pi/4."""
     tyre = MagicFormula(33.0, 1.0, 1.65)
     assert tyre.force(np.array([0.05]))[0] == pytest.approx(math.sin(1.65 * math.pi / 4.0))
+
+
+@given(st.floats(0.3, 1.2), st.floats(1.1, 1.9))
+def test_a_bend_of_a_third_of_the_shape_begins_as_a_brush(peak, shape):
+    """Brush with parabolic pressure: F = mu (1 - (1 - K lambda/(3 mu))^3); equal to second order."""
+    tyre = MagicFormula(25.0, peak, shape, bend=shape / 3.0)
+    slip = np.array([0.02, 0.01]) * peak / tyre.stiffness
+    brush = peak * (1.0 - (1.0 - tyre.stiffness * slip / (3.0 * peak)) ** 3)
+    straight = replace(tyre, bend=0.0).force(slip)
+    bent = tyre.force(slip)
+    assert np.abs(bent - brush) / slip == pytest.approx(0.0, abs=4e-4 * tyre.stiffness)
+    assert np.all((straight - brush) / slip > 3e-3 * tyre.stiffness)
 
 
 def test_surface_factors_may_vary_along_the_run():

@@ -29,3 +29,11 @@ def test_the_noise_of_a_sensor_that_reads_nothing_below_nought_is_no_brake():
     assert np.mean(p) > 0.3e4
     assert np.mean(p) < NOTHING
     assert np.max(as_pressed(p, 0.005)) == 0.0
+
+
+def test_a_noise_that_seldom_reaches_the_next_step_is_no_brake():
+    """Gauss: 9 % of the readings exceed half a step of 0.1 bar at a noise of 0.0375 bar."""
+    rng = np.random.default_rng(3)
+    p = np.maximum(np.round(rng.normal(0.0, 0.0375, 400) / 0.1) * 1e4, 0.0)
+    assert 0.05 < np.mean(p > 0.0) < 0.15
+    assert np.max(as_pressed(p, 0.02)) == 0.0
