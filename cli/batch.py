@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import emit, emit_json, is_watched, progress_bar, say
-from cli.jobs import Commands, Fresh, JobOptions, Out, Workers
-from cli.options import Json, example, grouped
+from cli.jobs import Commands, Fresh, JobOptions, Out
+from cli.options import Json, Workers, example, grouped
 from cli.outputs import writing
 
 if TYPE_CHECKING:
@@ -89,7 +89,8 @@ def _executor(workers: int | None, scheduler: str | None) -> "Executor":
         from calib.fleet.cluster import Cluster
 
         return Cluster(scheduler)
-    from calib.fleet.pool import Pool, cores
+    from calib.fleet.pool import Pool
+    from calib.processes import cores
 
     return Pool(workers or cores())
 

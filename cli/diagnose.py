@@ -10,7 +10,7 @@ from calib.plain import counted
 from cli.console import emit, emit_json, say, stages
 from cli.inputs import channel_map_of, with_own_effects
 from cli.logs import named, read
-from cli.options import Json, Map, OwnEffects, example, needed_vehicle, out_folder
+from cli.options import Json, Map, OwnEffects, Workers, example, needed_vehicle, out_folder
 from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ def diagnose(
     ] = None,
     effect: OwnEffects = None,
     channel_map: Map = None,
+    workers: Workers = None,
     json: Json = False,
 ) -> None:
     """Name the effect that the model of a car lacks.
@@ -62,7 +63,9 @@ def diagnose(
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.document import text_of, to_dict
     from calib.diagnosis.folder import files_of, write_folder
+    from calib.diagnosis.search import REFINED
     from calib.physics.vehicle_file import read_vehicle
+    from calib.processes import cores, side_by_side
     from calib.reports.diagnosis import report_html
 
     kept = holdout or []
@@ -79,8 +82,9 @@ def diagnose(
             tell(f"reading {path.name}", i, len(paths))
             runs.append(read(path, mapping))
     say(f"searching {counted(len(logs), 'log')}, confirming on {len(kept)}")
-    with stages() as tell:
-        found = find(car, runs[: len(logs)], runs[len(logs) :], tell)
+    count = workers or min(cores(), REFINED)
+    with side_by_side(count, "calib.fleet.warm") as mapped, stages() as tell:
+        found = find(car, runs[: len(logs)], runs[len(logs) :], tell, mapped)
         tell("drawing the report", 0, 1)
         report = report_html(found, car.name)
     with writing(out):

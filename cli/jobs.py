@@ -46,10 +46,6 @@ def _is(command: Command) -> Callable[[typer.Context], bool]:
 
 
 Out = Annotated[Path, out_folder("Write results.parquet and journal here.")]
-Workers = Annotated[
-    int | None,
-    typer.Option("--workers", metavar="N", min=1, max=512, help="Processes; else all cores."),
-]
 Fresh = Annotated[
     bool, typer.Option("--fresh", help="Delete the results in DIR of --out and start again.")
 ]

@@ -44,6 +44,10 @@ KnownModel = Annotated[
         "--model", metavar="M.toml", help="Model of `diagnose`, whose effects are then known."
     ),
 ]
+Workers = Annotated[
+    int | None,
+    typer.Option("--workers", metavar="N", min=1, max=512, help="Processes; else all cores."),
+]
 OwnEffects = Annotated[
     list[Path] | None,
     typer.Option(

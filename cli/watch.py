@@ -11,8 +11,8 @@ import typer
 
 from calib.fleet.command import Command
 from cli.console import complain, emit_line, json_line, say
-from cli.jobs import Commands, Fresh, JobOptions, Out, Workers
-from cli.options import example, grouped
+from cli.jobs import Commands, Fresh, JobOptions, Out
+from cli.options import Workers, example, grouped
 from cli.outputs import writing
 
 if TYPE_CHECKING:
@@ -58,8 +58,9 @@ def watch(
     if command is Command.DIAGNOSE:
         raise typer.BadParameter("diagnose takes folders: use `brake-cal batch`")
     job = options.job(command, out)
-    from calib.fleet.pool import Pool, cores
+    from calib.fleet.pool import Pool
     from calib.fleet.watch import watch as watch_folder
+    from calib.processes import cores
 
     pool = Pool(workers or cores())
     show = _teller(command, json)

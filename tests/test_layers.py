@@ -12,7 +12,7 @@ CALIB = Path(__file__).parents[1] / "calib"
 
 ROOMS = """
     errors names units toml schema schema_errors bounded printable files intent publish digest \
-    warning plain settings
+    warning plain settings processes
     settings_file error_file
     signing
     statistics

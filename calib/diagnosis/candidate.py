@@ -9,6 +9,7 @@ was never near it, the second parameter of an effect.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,7 @@ from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
+from calib.processes import Mapped
 
 Array = NDArray[np.float64]
 
@@ -63,7 +65,8 @@ SECOND_SIGMA = 2.0
 
 @dataclass(frozen=True)
 class Problem:
-    """All runs of a case and their noise; ``tell`` is told of the progress.
+    """All runs of a case and their noise; ``tell`` is told of the progress, ``mapped`` carries out
+    independent pieces of work.
 
     The effects of ``vehicle`` are known: they act in every candidate. ``free_radius`` says whether
     the rolling radii are one of the base parameters, beside those of the file.
@@ -74,6 +77,12 @@ class Problem:
     noise: ChannelNoise
     tell: Tell = silent
     free_radius: bool = False
+    mapped: Mapped = map
+
+    @property
+    def alone(self) -> Self:
+        """The same for a worker process, which tells nobody and has no workers of its own."""
+        return replace(self, tell=silent, mapped=map)
 
     @property
     def base_size(self) -> int:
@@ -168,12 +177,14 @@ def derivatives(problem: Problem, at: Candidate, innovations: Array) -> Array:
     )
 
 
-def problem_of(vehicle: Vehicle, runs: list[ObservedRun], tell: Tell = silent) -> Problem:
+def problem_of(
+    vehicle: Vehicle, runs: list[ObservedRun], tell: Tell = silent, mapped: Mapped = map
+) -> Problem:
     """Build a problem; its noise is that of the unbraked parts, where no base parameter acts."""
     nominal = base_of(vehicle, np.zeros(BASE))
     noise = _unbraked_noise(vehicle, nominal, vehicle.effects, runs)
     turned = tuple(turned_to_ripple(vehicle, nominal, run, noise) for run in runs)
-    return Problem(vehicle, turned, noise, tell)
+    return Problem(vehicle, turned, noise, tell, mapped=mapped)
 
 
 def _unbraked_noise(

@@ -38,6 +38,7 @@ from calib.physics.effects.effects import Effects
 from calib.physics.model import Model
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
+from calib.processes import Mapped
 from calib.signals.axle_signals import signals
 from calib.units import behind
 
@@ -138,7 +139,11 @@ class Diagnosis:
 
 
 def diagnose(
-    vehicle: Vehicle, calibration: list[Log], holdout: list[Log], tell: Tell = silent
+    vehicle: Vehicle,
+    calibration: list[Log],
+    holdout: list[Log],
+    tell: Tell = silent,
+    mapped: Mapped = map,
 ) -> Diagnosis:
     """Find where a car and its model disagree, name the missing effect, and confirm it.
 
@@ -150,6 +155,8 @@ def diagnose(
     holdout : one or more logs, on which the effect must close the gap.
     tell : called at each step with the stage in words, the steps of it that are done, and their
         number.
+    mapped : carries out independent pieces of work, see `calib.processes.side_by_side`. Effects of
+        one's own, which other processes do not know, are tried in this one.
 
     Returns
     -------
@@ -176,7 +183,8 @@ def diagnose(
     evened, sides = with_even_sides([*sorted(calibration, key=lambda log: log.digest), *holdout])
     ordered, holdout = evened[: len(calibration)], evened[len(calibration) :]
     tell("fitting the model without effects", 0, 1)
-    problem = problem_of(vehicle, [run_of(log) for log in ordered], tell)
+    known_to_all = map if vehicle.effects.own else mapped
+    problem = problem_of(vehicle, [run_of(log) for log in ordered], tell, known_to_all)
     searched = decide(problem, fit(problem, (), np.zeros(BASE)))
     decision = by_log(with_free_radii(searched))
     problem = decision.base.problem

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,15 +59,19 @@ class HoldOuts:
         values, vectors = np.linalg.eigh(candidate.covariance)
         scaled = vectors * np.sqrt(np.maximum(values, 0.0) * max(candidate.reduced, 1.0))
         low, high = bounds(self.problem, candidate.names)
-        out = []
-        for direction in scaled.T:
-            x = np.clip(candidate.x + direction, low, high)
-            base, effects = unpack(self.problem, candidate.names, x)
-            try:
-                out.append(self.replays(base, effects))
-            except ModelError:
-                continue  # what cannot be replayed explains nothing
-        return out
+        points = [np.clip(candidate.x + direction, low, high) for direction in scaled.T]
+        moved = partial(_replays_at, replace(self, problem=self.problem.alone), candidate.names)
+        return [replays for replays in self.problem.mapped(moved, points) if replays is not None]
+
+
+def _replays_at(
+    held: HoldOuts, names: tuple[str, ...], x: NDArray[np.float64]
+) -> tuple[Log, ...] | None:
+    """Replays at a vector of parameters; None where they cannot be computed."""
+    try:
+        return held.replays(*unpack(held.problem, names, x))
+    except ModelError:
+        return None
 
 
 def hold_outs_of(at: Candidate, logs: Sequence[Log]) -> HoldOuts:

@@ -9,7 +9,8 @@ hysteresis are not linear.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.candidate import Candidate, Problem, derivatives, fit, origins, unpack
 from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects
-from calib.physics.own_effects.own_effect import every_effect
+from calib.physics.own_effects.own_effect import definition, every_effect
 
 Array = NDArray[np.float64]
 
@@ -68,23 +69,30 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
     """One-step gains of every effect not yet in ``at``, best first."""
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
+    names = [name for name in every_effect(problem.vehicle.effects) if name not in at.names]
+    alone = replace(at, problem=problem.alone)
+    hint_of = partial(_hint_of, alone, innovations, directions)
     found = []
-    known = every_effect(problem.vehicle.effects)
-    for i, (name, effect) in enumerate(known.items()):
-        problem.tell(f"trying effect {i + 1} of {len(known)}", i, len(known))
-        if name in at.names:
-            continue
-        best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(effect.card.parameters))]))
-        for trial in trials(problem, effect.card):
-            effects = at.effects.with_(tried_at(problem, name, trial))
-            change = problem.flat(at.base, effects) - innovations
-            gain, amount = along(innovations, directions, change)
-            if amount > 0.0 and gain > best.gain:
-                begin = trial.copy()
-                begin[0] *= min(max(amount, 0.3), 4.0)
-                best = Hint(name, gain, np.concatenate([at.x, begin]))
-        found.append(best)
+    for i, hint in enumerate(problem.mapped(hint_of, names)):
+        problem.tell(f"trying effect {i + 1} of {len(names)}", i + 1, len(names))
+        found.append(hint)
     return sorted(found, key=lambda hint: -hint.gain)
+
+
+def _hint_of(at: Candidate, innovations: Array, directions: Array, name: str) -> Hint:
+    """The best step along one effect."""
+    problem = at.problem
+    card = definition(problem.vehicle.effects, name).card
+    best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(card.parameters))]))
+    for trial in trials(problem, card):
+        effects = at.effects.with_(tried_at(problem, name, trial))
+        change = problem.flat(at.base, effects) - innovations
+        gain, amount = along(innovations, directions, change)
+        if amount > 0.0 and gain > best.gain:
+            begin = trial.copy()
+            begin[0] *= min(max(amount, 0.3), 4.0)
+            best = Hint(name, gain, np.concatenate([at.x, begin]))
+    return best
 
 
 def unresolved(problem: Problem, at: Candidate, least: Mapping[str, float]) -> tuple[str, ...]:
@@ -135,21 +143,22 @@ def trials(problem: Problem, card: Card) -> list[Array]:
 
 def refine(problem: Problem, at: Candidate, count: int = REFINED) -> list[Candidate]:
     """Fit the most promising effects on top of ``at``; best first."""
+    tried = [hint for hint in hints(problem, at)[:count] if hint.gain > 0.0]
+    alone = replace(at, problem=problem.alone)
     fitted = []
-    for i, hint in enumerate(hints(problem, at)[:count]):
-        problem.tell(f"fitting the best {count}: {hint.name.replace('_', ' ')}", i, count)
-        if hint.gain > 0.0:
-            fitted.append(_fitted(problem, at, hint))
+    for i, candidate in enumerate(problem.mapped(partial(_fitted, alone), tried)):
+        problem.tell(f"fitting the best {len(tried)}", i + 1, len(tried))
+        fitted.append(replace(candidate, problem=problem))
     return sorted(fitted, key=lambda candidate: candidate.chi2)
 
 
-def _fitted(problem: Problem, at: Candidate, hint: Hint) -> Candidate:
+def _fitted(at: Candidate, hint: Hint) -> Candidate:
     """Fit an effect; once more from a full spread if the fit gains less than its hint promised.
 
     A hysteresis loop narrower than the noise of the pressure brings no gain, so a fit that starts
     there does not leave it.
     """
-    names = (*at.names, hint.name)
+    problem, names = at.problem, (*at.names, hint.name)
     first = fit(problem, names, hint.start)
     if at.chi2 - first.chi2 > 0.5 * hint.gain:
         return first

@@ -1,26 +1,16 @@
 """Worker processes of this machine as an `Executor` that can be renewed after a worker died."""
 
-import multiprocessing
-import os
-import signal
-import threading
 from concurrent.futures import Future, ProcessPoolExecutor
 from typing import Protocol
 
 from calib.fleet.row import Row
 from calib.fleet.work import Item, run_items
+from calib.processes import workers
 
 Rows = list[Row | None]
 
 LIFETIME = 20_000
 """Number of logs after which the workers are replaced, because libraries may leak memory."""
-
-
-def cores() -> int:
-    """Number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 class Executor(Protocol):
@@ -45,12 +35,10 @@ class Executor(Protocol):
 
 
 class Pool:
-    """``workers`` processes, each with one thread for linear algebra."""
+    """``count`` worker processes."""
 
-    def __init__(self, workers: int):
-        self._workers, self._given = workers, 0
-        for library in ("OPENBLAS", "OMP", "MKL"):
-            os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    def __init__(self, count: int):
+        self._workers, self._given = count, 0
         self._pool = self._new()
 
     @property
@@ -80,26 +68,4 @@ class Pool:
         self._pool.shutdown(wait=True, cancel_futures=True)
 
     def _new(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self._workers, _context(), initializer=_start)
-
-
-def _context() -> multiprocessing.context.BaseContext:
-    """Fork workers from a server that has imported the library; spawn them on other systems."""
-    if "forkserver" not in multiprocessing.get_all_start_methods():
-        return multiprocessing.get_context("spawn")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["calib.fleet.warm"])
-    return context
-
-
-def _start() -> None:
-    """Start a worker: it ignores interrupts, which the parent handles, and ends with the parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+        return workers(self._workers, preload="calib.fleet.warm")

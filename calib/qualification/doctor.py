@@ -10,8 +10,8 @@ from pathlib import Path
 
 from calib.demo.samples import sample_logs
 from calib.errors import InputError
-from calib.fleet.pool import cores
 from calib.plain import counted
+from calib.processes import cores
 from calib.qualification.environment import EXTRAS
 from calib.qualification.needs import Need, needs
 from calib.store.folders import names_in, unplaced, versions_in

@@ -73,7 +73,7 @@ def test_force_at_a_slip_worked_by_hand():
 
 @given(st.floats(0.3, 1.2), st.floats(1.1, 1.9))
 def test_a_bend_of_a_third_of_the_shape_begins_as_a_brush(peak, shape):
-    """Brush with parabolic pressure: F = mu (1 - (1 - K lambda/(3 mu))^3); equal to second order."""
+    """Brush with parabolic pressure: F = mu (1 - (1 - K s/(3 mu))^3), to second order."""
     tyre = MagicFormula(25.0, peak, shape, bend=shape / 3.0)
     slip = np.array([0.02, 0.01]) * peak / tyre.stiffness
     brush = peak * (1.0 - (1.0 - tyre.stiffness * slip / (3.0 * peak)) ** 3)

@@ -1,0 +1,89 @@
+"""Worker processes on this machine: how many, how they start, how they end."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing.context import BaseContext
+from typing import Protocol, TypeVar
+
+from calib.errors import BatchError
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+class Mapped(Protocol):
+    """How independent pieces of work are carried out: `map`, or one of `side_by_side`."""
+
+    def __call__(self, function: Callable[[T], R], items: Iterable[T], /) -> Iterator[R]:
+        """Yield the results in the order of the items."""
+
+
+def cores() -> int:
+    """Number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def workers(count: int, preload: str) -> ProcessPoolExecutor:
+    """``count`` processes, each with one thread for linear algebra.
+
+    They are forked from a server that has imported the module ``preload``, or spawned on systems
+    that cannot fork. They ignore interrupts, which the parent handles, and end with the parent.
+    """
+    for library in ("OPENBLAS", "OMP", "MKL"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    return ProcessPoolExecutor(count, _context(preload), initializer=_start)
+
+
+@contextmanager
+def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
+    """Carry out work in ``count`` processes; one after the other, in this one, if it is 1.
+
+    Functions must be those of a module; they, their items and results must be picklable. Results
+    are the same as those of `map`. A script that uses it must guard its main part, as for every
+    process that Python starts. Raises BatchError if a process died.
+    """
+    if count <= 1:
+        yield map
+        return
+    pool = workers(count, preload)
+
+    def mapped(function: Callable[[T], R], items: Iterable[T], /) -> Iterator[R]:
+        given = list(items)
+        return pool.map(function, given, chunksize=max(1, len(given) // (3 * count)))
+
+    try:
+        yield mapped
+    except BrokenExecutor as error:
+        raise BatchError(
+            "a worker process died",
+            do="repeat it; if memory ran out, with --workers 1",
+        ) from error
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _context(preload: str) -> BaseContext:
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([preload])
+    return context
+
+
+def _start() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

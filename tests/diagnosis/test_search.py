@@ -1,0 +1,32 @@
+"""Effects are ranked and fitted alike in one process and in several."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.candidate import BASE, fit, problem_of
+from calib.diagnosis.predict import run_of
+from calib.diagnosis.search import refine
+from calib.processes import side_by_side
+from tests.support.hidden.cases import draw
+
+
+@pytest.fixture(scope="module")
+def problem():
+    """A ramp and a coast of a car with a lag."""
+    case = draw("single", 9, names=("hydraulic_lag",), severity=0)
+    runs = [run_of(log) for log in case.calibration if log.name in ("coast", "ramp_fast")]
+    return problem_of(case.vehicle, runs)
+
+
+def test_two_processes_find_what_one_finds(problem):
+    base = fit(problem, (), np.zeros(BASE))
+    alone = refine(problem, base, 3)
+    with side_by_side(2, "calib.diagnosis.search") as mapped:
+        together = refine(replace(problem, mapped=mapped), base, 3)
+    assert alone[0].names == ("hydraulic_lag",)
+    assert [c.names for c in together] == [c.names for c in alone]
+    for one, other in zip(alone, together, strict=True):
+        assert np.array_equal(one.x, other.x)
+        assert one.chi2 == other.chi2

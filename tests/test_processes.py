@@ -1,0 +1,43 @@
+"""Work in other processes has the results of work in this one, and its errors."""
+
+import os
+import signal
+
+import pytest
+
+from calib.errors import BatchError
+from calib.processes import side_by_side
+
+PRELOAD = "calib.processes"
+
+
+def process(_):
+    return os.getpid()
+
+
+def killed(_):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_results_come_in_the_order_of_the_items(count):
+    with side_by_side(count, PRELOAD) as mapped:
+        assert list(mapped(abs, range(-20, 0))) == list(range(20, 0, -1))
+        assert list(mapped(abs, [])) == []
+        with pytest.raises(TypeError, match="bad operand"):
+            list(mapped(abs, ["a"]))
+
+
+def test_one_is_this_process_and_more_are_others():
+    with side_by_side(1, PRELOAD) as mapped:
+        assert set(mapped(process, range(9))) == {os.getpid()}
+    with side_by_side(2, PRELOAD) as mapped:
+        assert os.getpid() not in set(mapped(process, range(9)))
+
+
+def test_a_process_that_dies_is_told():
+    with (
+        pytest.raises(BatchError, match=r"a worker process died.*--workers 1"),
+        side_by_side(2, PRELOAD) as mapped,
+    ):
+        list(mapped(killed, [0]))
