@@ -61,7 +61,8 @@ class ObservedRun:
     forces; ``temperature_f``, ``temperature_r`` smoothed, or None; ``angle_f``, ``angle_r`` of the
     wheels; ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero if not logged;
     ``ground`` what its pads and its road differ by from those of the reference logs; ``start_heat``
-    of the discs at the first sample [degC], which counts where no temperature is logged.
+    of the discs at the first sample [degC], which counts where no temperature is logged;
+    ``averaged`` the number of samples of the log in a step.
     """
 
     name: str
@@ -80,6 +81,7 @@ class ObservedRun:
     drive_r: Array
     ground: Ground = REFERENCE
     start_heat: float = START
+    averaged: int = 1
 
     @property
     def warm(self) -> bool:
@@ -134,6 +136,7 @@ def run_of(log: Log) -> ObservedRun:
         angle_r=block_mean(turned["r"], n),
         drive_f=drive[0],
         drive_r=drive[1],
+        averaged=n,
     )
 
 
@@ -202,6 +205,7 @@ def _history(run: ObservedRun, z: Array, energy: tuple[Array, Array]) -> RunHist
         energy_r=energy[1],
         source=run.name,
         start_heat=run.start_heat,
+        averaged=run.averaged,
     )
 
 

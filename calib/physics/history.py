@@ -19,7 +19,8 @@ class RunHistory:
     ``temperature_f``, ``temperature_r`` of the discs [degC], None where not known; ``angle_f``,
     ``angle_r`` wheel angle since the first sample [rad]; ``energy_f``, ``energy_r`` dissipated in
     one brake of the axle since the first sample [J]; ``source`` the log or the simulation, for
-    messages; ``start_heat`` [degC] of all discs at the first sample, where it is not logged.
+    messages; ``start_heat`` [degC] of all discs at the first sample, where it is not logged;
+    ``averaged`` the number of even samples of which each one here is the mean.
     """
 
     time: Array
@@ -34,6 +35,21 @@ class RunHistory:
     energy_r: Array
     source: str = ""
     start_heat: float = START
+    averaged: int = 1
+
+    def ripple(self, phase: float) -> Array:
+        """sin(front wheel angle + ``phase``) [1] (n,), averaged as the samples are.
+
+        The mean of m even samples that together span the angle a is smaller than the middle one,
+        by sin(a/2)/(m sin(a/(2 m))).
+        """
+        turned = np.sin(self.angle_f + phase)
+        if self.averaged == 1 or turned.size < 2:
+            return turned
+        half = 0.5 * np.gradient(self.angle_f)
+        whole = self.averaged * np.sin(half / self.averaged)
+        standing = np.abs(whole) < 1e-12
+        return turned * np.where(standing, 1.0, np.sin(half) / np.where(standing, 1.0, whole))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ def wheels(parameters: Parameters, history: RunHistory) -> dict[str, Array]:
     The angle counts from the first sample, unless its origin was set by the ripple of the run
     (`calib.diagnosis`).
     """
-    turned = np.sin(history.angle_f + parameters["phase"])
+    turned = history.ripple(parameters["phase"])
     a, side = parameters["amplitude"], parameters["side"]
     left, right = min(1.0, 1.0 + side), min(1.0, 1.0 - side)
     return {"fl": 1.0 + a * left * turned, "fr": 1.0 + a * right * turned}

@@ -16,7 +16,7 @@ def wheel_speed(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> dic
     a ring with a damaged tooth: that is a spike once a turn.
     """
     a, side = parameters["runout"], parameters["runout_side"]
-    turned = a * np.sin(motion.history.angle_f + parameters["runout_phase"])
+    turned = a * motion.history.ripple(parameters["runout_phase"])
     left, right = min(1.0, 1.0 + side), min(1.0, 1.0 - side)
     return {"fl": 1.0 - left * turned, "fr": 1.0 - right * turned}
 
