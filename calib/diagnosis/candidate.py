@@ -38,8 +38,9 @@ Array = NDArray[np.float64]
 STIFFNESS, PEAK = 25.0, 0.95
 """Start of the fit for the tyre: slip stiffness and peak of a passenger car, both per load [1]."""
 
-SHAPE, LOAD_EXPONENT = 1.65, 0.03
-"""Middle of the priors on the tyre's form [1]: passenger cars on asphalt; `calib.fitting`."""
+SHAPE, LOAD_EXPONENT, BEND = 1.65, 0.03, 0.1
+"""Middle of the priors on the tyre's form [1]: passenger cars on asphalt; `calib.fitting`. The bend
+of a brush of this shape is 0.55; a fit begins within its bounds, as from a bound it may not move."""
 
 BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04, 0.2])
 """Standard deviations of the priors on the logarithms of pads, stiffness and peak: wide; on that of
@@ -240,7 +241,7 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
         peak=PEAK * float(np.exp(x[3])),
         shape=SHAPE * float(np.exp(x[4])),
         load_exponent=LOAD_EXPONENT + float(x[5]),
-        bend=max(float(x[6]), 0.0),
+        bend=max(BEND + float(x[6]), 0.0),
         radius=float(np.exp(x[BASE])) if x.size > BASE else 1.0,
     )
 
@@ -275,7 +276,7 @@ def origins(known: Effects, card: Card) -> tuple[float, ...]:
 
 def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
     """Bounds of the vector: the cards' ranges."""
-    low, high = [*[-2.0] * 4, -0.4, -0.2, 0.0], [*[2.0] * 4, 0.18, 0.2, 0.8]
+    low, high = [*[-2.0] * 4, -0.4, -0.2, -BEND], [*[2.0] * 4, 0.18, 0.2, 0.7]
     if problem.free_radius:
         low, high = [*low, -RADIUS_RANGE], [*high, RADIUS_RANGE]
     known = problem.vehicle.effects
