@@ -40,7 +40,7 @@ STIFFNESS, PEAK = 25.0, 0.95
 
 SHAPE, LOAD_EXPONENT, BEND = 1.65, 0.03, 0.1
 """Middle of the priors on the tyre's form [1]: passenger cars on asphalt; `calib.fitting`. The bend
-of a brush of this shape is 0.55; a fit begins within its bounds, as from a bound it may not move."""
+of a brush is 0.55; a fit begins here, within its bounds: from a bound it may not move."""
 
 BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04, 0.2])
 """Standard deviations of the priors on the logarithms of pads, stiffness and peak: wide; on that of
