@@ -116,6 +116,11 @@ class Interval:
     held: bool
     held_with_slack: bool
 
+    @property
+    def same_form(self) -> bool:
+        """Whether plant and catalogue mean the same by the parameter, so that it has one value."""
+        return not COUNTERPARTS[self.effect][self.parameter].slack
+
 
 @dataclass(frozen=True)
 class Score:
