@@ -18,6 +18,25 @@ def test_a_line_through_one_at_20_bar_for_each_axle_by_itself(slope, p_f, p_r):
     assert found[1] == pytest.approx([1.0 + slope * (p_r - 20e5)])
 
 
+@given(st.floats(-1e-7, 1e-7), st.floats(0.0, 4e-6))
+def test_a_bend_keeps_one_at_20_bar_and_the_mean_slope_to_40_bar(slope, bend):
+    given_by = {"pressure_slope": slope, "pressure_bend": bend}
+    p = np.array([0.0, 20e5, 40e5])
+    factor, _ = EFFECT.friction(given_by, made_history(3), p, p)
+    assert factor[1] == pytest.approx(1.0, abs=1e-12)
+    assert factor[2] - factor[0] == pytest.approx(slope * 40e5, abs=1e-9)
+
+
+def test_a_bend_follows_a_lining_that_goes_with_a_power_of_pressure():
+    """mu over p^-0.1, scaled to 20 bar: the straight line of the same two ends errs by 8 %."""
+    p = np.linspace(3e5, 60e5, 100)
+    power = (p / 20e5) ** -0.1
+    bent, _ = EFFECT.friction({"pressure_slope": -7.4e-8, "pressure_bend": 5.7e-7}, None, p, p)
+    assert bent == pytest.approx(power, rel=0.035)
+    slope = (power[-1] - power[0]) / (p[-1] - p[0])
+    assert np.max(np.abs(power[0] + slope * (p - p[0]) - power)) > 0.08
+
+
 def test_the_torque_bends():
     log = driven({"pad_pressure_dependence": {"pressure_slope": -3e-8}}, wave)
     p = log["p_mc"]
