@@ -47,7 +47,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """A parameter: value and 95 % interval, in ``unit``."""
+    """A parameter: value and 95 % interval, cut at what the parameter can be, in ``unit``."""
 
     value: float
     unit: str
@@ -292,7 +292,8 @@ def named(
         for p in definition(problem.vehicle.effects, name).card.parameters:
             value = best.effects.parameters[name][p.name]
             spread = float(half[i] * p.spread)
-            parameters[p.name] = ParameterEstimate(value, p.unit, (value - spread, value + spread))
+            ends = (max(value - spread, p.low), min(value + spread, p.high))
+            parameters[p.name] = ParameterEstimate(value, p.unit, ends)
             i += 1
         others = sorted({n for c in like for n in c.names} - set(best.names))
         runner = next((c for c in decision.rivals if name not in c.names), None)

@@ -5,7 +5,7 @@ is closed, and what is left.
 """
 
 from calib.diagnosis.diagnose import Diagnosis
-from calib.diagnosis.words import not_excluded, verdict
+from calib.diagnosis.words import WITHIN, not_excluded, verdict
 
 KINDS = {
     "no_gap": "No gap",
@@ -17,10 +17,6 @@ KINDS = {
     "unknown": "Unknown cause",
 }
 """The outcomes, each in a few words."""
-
-
-WITHIN = 1.0
-"""Gap, in units of the sensors' noise, up to which replays are within the noise."""
 
 
 def outcome(found: Diagnosis) -> str:

@@ -77,15 +77,26 @@ def verdict(found: Diagnosis) -> str:
     return text
 
 
+WITHIN = 1.0
+"""Gap, in units of the sensors' noise, up to which replays are within the noise."""
+
+
 def not_excluded(found: Diagnosis) -> str:
     """What an unknown cause may be although no explanation with it holds; else empty."""
-    warm = all(f"T_disc_{axle}" in log for log in found.measured for axle in AXLE_NAMES)
-    if found.verdict != "unknown" or warm:
+    if found.verdict != "unknown":
         return ""
-    return (
-        "No disc temperature is logged: pads that fade are not excluded, where front and rear "
-        "discs began with unlike heat."
-    )
+    told = []
+    if found.gap.before < WITHIN:
+        told.append(
+            "That is within the noise: it is quick, and small over a whole run. Look at the "
+            "sensors first: one that filters, such as a_x, or channels that are not simultaneous."
+        )
+    if not all(f"T_disc_{axle}" in log for log in found.measured for axle in AXLE_NAMES):
+        told.append(
+            "No disc temperature is logged: pads that fade are not excluded, where front and rear "
+            "discs began with unlike heat."
+        )
+    return " ".join(told)
 
 
 def _found(found: Diagnosis, names: list[str]) -> str:

@@ -63,3 +63,10 @@ def test_a_gap_that_does_not_shrink_is_told_with_both_sizes(named):
     assert closure(worse(named)) == (
         "The gap on the hold-outs does not shrink: 8.2 times the sensors' noise before, 8.2 after."
     )
+
+
+def test_an_unknown_cause_within_the_noise_points_at_the_sensors(named):
+    bare = replace(unknown(named), model_after=named.model_before)
+    within = replace(bare, gap=replace(named.gap, before=0.5, after=0.5, closed=0.0))
+    assert "Look at the sensors first" in headline(within)
+    assert "sensors first" not in headline(bare)

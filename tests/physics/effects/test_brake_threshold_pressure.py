@@ -15,6 +15,17 @@ def test_what_is_above_the_threshold(threshold, p):
         assert found == pytest.approx([max(p - threshold, 0.0)], abs=1e-6)
 
 
+@given(st.floats(1e3, 3e5), st.floats(0.0, 150e5), st.booleans())
+def test_a_sensor_whose_zero_reads_too_low_is_a_threshold_below_zero(low, true, clipped):
+    """It reads ``low`` less, or zero: a released brake is released, a pressed one comes back."""
+    read = max(true - low, 0.0) if clipped else true - low
+    history = made_history(1, p_mc=np.array([read]))
+    for found in pressures("brake_threshold_pressure", history, threshold=-low):
+        assert -1e-6 <= found[0] <= true + 1e-6
+        if true == 0.0 or true > 2.0 * low:
+            assert found == pytest.approx([true], abs=1e-6)
+
+
 def test_noise_at_rest_stays_without_a_mean():
     noise = np.random.default_rng(0).normal(0.0, 0.1e5, 1000)
     history = made_history(1000, p_mc=np.concatenate([noise[:500], -noise[:500]]))
