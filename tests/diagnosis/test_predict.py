@@ -51,6 +51,16 @@ def test_pads_that_are_five_percent_better_brake_five_percent_harder(run):
     assert more / one == pytest.approx(1.05, rel=1e-3)
 
 
+@pytest.mark.parametrize("tau", [1e-4, 0.004, 0.01])
+def test_follow_keeps_the_ripple_of_a_disc(tau):
+    """Against 1/(1 + j w T): 14 turns a second, 0.9 rad in a step of 10 ms."""
+    t, w = 0.01 * np.arange(400), 90.0
+    exact = np.exp(1j * w * t) / (1.0 + 1j * w * tau)
+    made = follow(np.sin(w * t), np.full(t.size, tau), 0.01)[50:]
+    amplitude = 2.0 * np.mean(made * np.exp(-1j * w * t[50:]))
+    assert abs(amplitude) == pytest.approx(np.abs(exact[0]), rel=0.03)
+
+
 def test_follow_is_a_first_order_lag():
     t = np.arange(0.0, 1.0, 0.01)
     x, tau = np.clip(t, 0.0, 0.5), 0.03 + 0.02 * t
