@@ -6,6 +6,7 @@ Every limit has a next step, so that the operator knows what to do with the car.
 from dataclasses import dataclass
 
 from calib.validation.limits import Limit
+from calib.vehicles.plausible import LEAST_FRONT_BIASED
 
 
 @dataclass(frozen=True)
@@ -60,8 +61,9 @@ ADVICE: tuple[Advice, ...] = (
     _row("side_difference_r", (-0.25, 0.25), (-0.15, 0.15), "1",
          "as at the front; rear slip is smaller, so the value is less exact",
          "Look at the rear calipers and the parking brake, left against right."),
-    _row("front_biased_up_to", (0.50, None), (0.60, None), "g",
-         "beyond it the rear axle locks first, and the sign of eta - 1 changes",
+    _row("front_biased_up_to", (LEAST_FRONT_BIASED, None), (None, None), "g",
+         "beyond it the rear axle locks first; cars with control of the rear pressure have 0.4 or "
+         "more by design, see vehicle check; give 0.5 for a car without it",
          "Look at the rear brakes: they brake too hard for their load. Do not release the car.",
          required=True),
     _row("repeatability_f", (None, 0.15), (None, 0.08), "1",
