@@ -6,6 +6,7 @@ Every limit has a next step, so that the operator knows what to do with the car.
 from dataclasses import dataclass
 
 from calib.validation.limits import Limit
+from calib.validation.validate import DEPARTURE_F, DEPARTURE_R
 from calib.vehicles.plausible import LEAST_FRONT_BIASED
 
 
@@ -66,10 +67,10 @@ ADVICE: tuple[Advice, ...] = (
          "more by design, see vehicle check; give 0.5 for a car without it",
          "Look at the rear brakes: they brake too hard for their load. Do not release the car.",
          required=True),
-    _row("repeatability_f", (None, 0.15), (None, 0.08), "1",
+    _row("repeatability_f", (None, 0.15), (None, DEPARTURE_F), "1",
          "stops with the same pads must agree; this is not so with wet pads or another load",
          f"{_SAME} the front calipers."),
-    _row("repeatability_r", (None, 0.30), (None, 0.20), "1",
+    _row("repeatability_r", (None, 0.30), (None, DEPARTURE_R), "1",
          "as at the front, with a weaker signal",
          f"{_SAME} the rear calipers."),
     _row("golden_distance", (None, 0.30), (None, 0.20), "1",
