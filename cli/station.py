@@ -275,11 +275,9 @@ def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
     stems = stems_of(holdouts, "HOLDOUT", "hold-outs")
     if "table" in stems:
         raise typer.BadParameter("a hold-out named table takes the export's place; rename it")
-    ready_folder(out)
-    exports = [export_name(form) for form in forms]
-    return [
-        out / name for name in (*FIXED, REFUSED, *exports, *(f"{stem}.parquet" for stem in stems))
-    ]
+    names = [*FIXED, REFUSED, *map(export_name, forms), *(f"{stem}.parquet" for stem in stems)]
+    ready_folder(out, names)
+    return [out / name for name in names]
 
 
 def _tell_addresses(stored: "Stored", forms: list[str]) -> None:
