@@ -157,10 +157,10 @@ def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace
         channel = mdf.groups[place.group].channels[place.index]
         name = f"{where}: {channel.name}"
         cycles = int(mdf.groups[place.group].channel_group.cycles_nr)
-        if not signal.samples.size == signal.timestamps.size == cycles:
+        read = len(signal.samples)  # a sample may be an array
+        if not read == signal.timestamps.size == cycles:
             raise LogError(
-                f"{signal.samples.size} of {cycles} samples can be read: "
-                f"{cycles - signal.samples.size} are missing",
+                f"{read} of {cycles} samples can be read: {cycles - read} are missing",
                 where=name,
                 expected="all that the group counts",
                 do="copy the log again",
