@@ -57,8 +57,12 @@ class _Message:
     parts: dict[int, bytes] = field(default_factory=dict)
 
     @property
+    def possible(self) -> bool:
+        return self.size > CARRIED + 1 and self.frames == -(-self.size // CARRIED)
+
+    @property
     def whole(self) -> bool:
-        return len(self.parts) == self.frames
+        return self.possible and len(self.parts) == self.frames
 
     @property
     def data(self) -> bytes:
@@ -187,8 +191,7 @@ def _asked(message: _Message | None, time: float, data: bytes) -> None:
 
 def _taken(message: _Message, time: float, data: bytes) -> bool:
     """Take a frame; whether it is the wanted one, in time, of a message that can be."""
-    fits = message.size > CARRIED + 1 and message.frames == -(-message.size // CARRIED)
-    if not fits or data[0] != message.wanted or time - message.last > PAUSE:
+    if not message.possible or data[0] != message.wanted or time - message.last > PAUSE:
         return False
     message.parts[data[0]] = data[1:]
     message.wanted, message.last = data[0] + 1, time

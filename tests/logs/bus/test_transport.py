@@ -108,6 +108,14 @@ def test_a_message_that_one_side_gives_up_is_left_out(tmp_path):
     assert f"{LOST}: 1 x PropA" in notes(found)
 
 
+@pytest.mark.parametrize("stated", ["0000", "0800", "1100"])
+def test_an_announcement_that_cannot_be_is_no_message(tmp_path, stated):
+    """0 bytes, 8 bytes, and 17 bytes in 0 frames."""
+    found = opened(tmp_path, [f"18ECFF0B#20{stated}00FFECFE00", *PROP_A])
+    assert set(values(found)) == {"PropA.Sixth", "PropA.End"}
+    assert f"{LOST}: 1 x VI" in notes(found)
+
+
 def test_senders_and_destinations_are_kept_apart(tmp_path):
     """Two units send at once, one of them to all and to 0x21 at once."""
     other = [f.replace("FF0B#", "FF0C#") for f in VI]
