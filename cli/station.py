@@ -244,17 +244,15 @@ def station(
 def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iterator[None]:
     """Leave word in ``out`` of a car that cannot be judged, so that the index of the line has it.
 
-    Not of a mistake in what was typed, which is no answer about a car.
+    Not of a mistake in what was typed, nor of a store that is damaged: they say nothing of a car.
     """
-    from calib.errors import InputError, StoreError, TableNotFound
+    from calib.errors import InputError
     from calib.station.folder import REFUSED
     from calib.station.refused import write_refusal
 
     try:
         yield
-    except TableNotFound:
-        raise
-    except (InputError, StoreError) as error:
+    except InputError as error:
         with writing(out):
             write_refusal(error, identity, logs, out)
         say(f"no verdict; {out / REFUSED} tells the index why")
