@@ -69,6 +69,19 @@ class BrakeCalError(Exception):
         words = re.findall("[A-Z][a-z]+", type(self).__name__.removesuffix("Error"))
         return "_".join(words).lower()
 
+    def to_dict(self) -> dict[str, object]:
+        """The error as plain data, see `calib.error_file`."""
+        return {
+            "kind": self.kind,
+            "message": str(self),
+            "exit_code": self.exit_code,
+            "what": self.what,
+            "where": "" if self.where is None else str(self.where),
+            "expected": self.expected,
+            "do": self.do,
+            "lines": list(self.lines),
+        }
+
 
 class InputError(BrakeCalError):
     """A file from the user cannot be used."""

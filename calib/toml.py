@@ -120,11 +120,18 @@ def toml_bytes(document: Mapping[str, Any]) -> bytes:
 
 
 def nearest(word: str, known: Collection[str]) -> str | None:
-    """Return the known word that is most like ``word``; None if none is similar."""
+    """Return the known word that is most like ``word``; None if none is similar.
+
+    Of similar words, one of the same letters in another order is nearer: two were exchanged.
+
+    >>> nearest("omega_lf", ["omega_fl", "omega_rl"])
+    'omega_fl'
+    """
     if len(word) > LONGEST_WORD:  # the comparison takes time with the square of its length
         return None
-    close = difflib.get_close_matches(word, known, n=1)
-    return close[0] if close else None
+    close = difflib.get_close_matches(word, known, n=len(known)) if known else []
+    exchanged = [one for one in close if sorted(one) == sorted(word)]
+    return next(iter([*exchanged, *close]), None)
 
 
 def did_you_mean(word: str, known: Collection[str]) -> str:

@@ -70,10 +70,9 @@ def diagnose(
 
     kept = holdout or []
     stems = stems_of(named([*logs, *kept])[len(logs) :], HOLDOUT)
-    ready_folder(out)
-    refuse_overwriting(
-        (out / file for file in files_of(stems)), [*logs, *kept], [vehicle, *(effect or [])]
-    )
+    files = files_of(stems)
+    ready_folder(out, [file.as_posix() for file in files])
+    refuse_overwriting((out / file for file in files), [*logs, *kept], [vehicle, *(effect or [])])
     car = with_own_effects(read_vehicle(vehicle), effect)
     mapping = channel_map_of(channel_map)
     paths, runs = [*logs, *kept], []

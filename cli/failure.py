@@ -10,19 +10,7 @@ USAGE = "usage"
 
 def document_of(error: BrakeCalError) -> dict[str, object]:
     """The document of an error of the library."""
-    return {
-        "schema": 1,
-        "error": {
-            "kind": error.kind,
-            "message": str(error),
-            "exit_code": error.exit_code,
-            "what": error.what,
-            "where": "" if error.where is None else str(error.where),
-            "expected": error.expected,
-            "do": error.do,
-            "lines": error.lines,
-        },
-    }
+    return {"schema": 1, "error": error.to_dict()}
 
 
 def usage_document(error: Any) -> dict[str, object]:

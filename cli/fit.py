@@ -7,7 +7,7 @@ import typer
 
 import calib
 from cli.console import emit, emit_json, say, stages, warn
-from cli.inputs import channel_map_of, mass_of, tell_kin, with_own_effects
+from cli.inputs import channel_map_of, mass_of, tell_kin, tell_newest, with_own_effects
 from cli.logs import read, refuse_stdin
 from cli.options import (
     STORE,
@@ -79,6 +79,7 @@ def fit(
     stored = calib.Store(store).save(table)
     told = mass_used(given, weight)
     tell_kin(store, stored)
+    tell_newest(store, stored)
     warn(stored.table.warnings)
     if report is not None:
         files = {"vehicle": vehicle, "model": model, "channel map": channel_map}

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from calib.fleet.summary import Summary
     from calib.reports.html import Picture
 
-DOCUMENT = "fleet.json"
+DOCUMENT, REPORT = "fleet.json", "report.html"
 SHOWN = 10
 """Number of logs apart that are printed; fleet.json has all."""
 
@@ -56,7 +56,7 @@ def report(
     from calib.fleet.summary import summarise
     from calib.reports.fleet import document
 
-    ready_folder(out)
+    ready_folder(out, (DOCUMENT, REPORT))
     opened = open_fleet(results, order)
     say(f"reading {counted(len(opened.logs), 'row')}, in the order of {opened.ordered_by}")
     found = summarise(opened, tuple(metric or ()))
@@ -105,7 +105,7 @@ def _write(found: "Summary", results: Path, out: Path) -> None:
     title = printable(f"{results.absolute().parent.name}/{results.name}")
     contents = {picture_name(name): png for name, (png, _) in drawings.items()} | {
         DOCUMENT: json_text(document(found)).encode(),
-        "report.html": report_html(found, title, {n: p for n, (_, p) in drawings.items()}).encode(),
+        REPORT: report_html(found, title, {n: p for n, (_, p) in drawings.items()}).encode(),
     }
     with writing(out), workshop(out) as work:
         for name, content in contents.items():

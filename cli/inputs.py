@@ -88,6 +88,22 @@ def tell_kin(store: Path, stored: "Stored") -> None:
         say(f"note: {stored.id} has a ramp of {other.id}, which is {other.state.words}")
 
 
+def tell_newest(store: Path, stored: "Stored") -> None:
+    """Say that a bare name means a new version from now on, where its fit has warnings."""
+    import calib
+    from cli.console import say
+
+    journal = calib.Store(store).journal(stored.name)
+    before = [v for v in journal.of(stored.name) if v < stored.version]
+    usable = [v for v in before if journal.state(stored.name, v).usable]
+    if usable and stored.table.warnings and not stored.existed:
+        say(
+            f"note: {stored.name} without a number means {stored.id} from now on, and its fit has "
+            f"warnings; if it is a mistake, `brake-cal tables reject {stored.id} --reason ...`: "
+            f"then {stored.name} is {stored.name}@{max(usable)} again"
+        )
+
+
 def quantity_of(written: str, si: str, option: str) -> float:
     """A quantity of an option in SI, written as in a vehicle file; else a usage error."""
     from calib.errors import InputError

@@ -84,10 +84,11 @@ class JobOptions:
     def job(self, command: Command, out: Path) -> "Job":
         """Read the inputs once for all logs. Refuse missing inputs and those that are not used."""
         self._check(command)
-        ready_folder(out)
         from calib.fleet.job import Job
+        from calib.fleet.results import NAME
         from calib.validation.validate import require_same_vehicle
 
+        ready_folder(out, (NAME,))
         known = tables_of(self.store, [self.table])[0].table if self.table else None
         car = vehicle_of(self.vehicle)
         if known is not None:

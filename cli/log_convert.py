@@ -97,7 +97,7 @@ def _checked_names(out: Path, logs: list[Path], to: str) -> list[str]:
         raise typer.BadParameter(f"unknown format {to!r}; known: {known}", param_hint="--to")
     names = [f"{stem}.{to.lower()}" for stem in stems_of(named(logs), "LOG")]
     refuse_overwriting((out / name for name in names), logs)
-    ready_folder(out)
+    ready_folder(out, names)
     return names
 
 

@@ -90,13 +90,23 @@ def tell(log: "Log") -> None:
 
 
 def _stdin() -> bytes:
-    """The bytes on stdin. Raises LogError where there are none, or more than a log may have."""
+    """The bytes on stdin. Raises LogError where they are no table, or more than a log may have."""
     from calib.bounded import LOG
     from calib.errors import LogError
+    from calib.logs.kind import kind_of
 
     if sys.stdin.isatty():
         raise LogError("stdin is a terminal", where=STDIN, expected="a log", do="cat LOG | ...")
     data = sys.stdin.buffer.read(LOG.most + 1)
     if len(data) > LOG.most:
         raise LogError(f"not readable: {LOG.excess()}; {LOG.advice}", where=STDIN)
+    other = kind_of(data[:64])
+    if other is not None:
+        name, endings = other
+        raise LogError(
+            f"stdin holds {name}",
+            where=STDIN,
+            expected="CSV: stdin has no ending that names another format",
+            do=f"write it to a file that ends in {endings[0]}" if endings else "",
+        )
     return data

@@ -19,8 +19,12 @@ PAGES = (".html", ".htm")
 """Endings of a page."""
 
 
-def ready_folder(out: Path | None) -> None:
-    """Refuse a file where a folder will be written; settle what a killed run left in the folder."""
+def ready_folder(out: Path | None, names: Iterable[str] = ()) -> None:
+    """Refuse a file where a folder will be written; settle what a killed run left in the folder.
+
+    ``names`` of files that will be written there: a folder in the place of one is refused, too.
+    """
+    from calib.intent import refuse_obstacles
     from calib.publish import settle
 
     if out is None:
@@ -30,6 +34,11 @@ def ready_folder(out: Path | None) -> None:
     _refuse_parent(out)
     try:
         settled = settle(out)
+        refuse_obstacles(out, names)
+    except IsADirectoryError as error:
+        raise typer.BadParameter(
+            f"cannot write {error.filename}: it is a directory", param_hint=OUT
+        ) from error
     except OSError as error:
         raise _unwritable(out, error) from error
     if settled:

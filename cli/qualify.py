@@ -29,7 +29,7 @@ def qualify(
     from calib.qualification.suite import SUITE
     from calib.qualification.suite import qualify as made
 
-    ready_folder(out)
+    ready_folder(out, (DOCUMENT, REPORT))
     with progress(f"making {len(SUITE)} checks on the sample logs", len(SUITE)) as done:
         found = made(done=done)
     at = surroundings(datetime.now(UTC).isoformat(timespec="seconds"))

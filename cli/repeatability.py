@@ -27,7 +27,7 @@ EPILOG = example(
     "brake-cal repeatability ramps/*/*/*.csv --folders car/station --vehicle car.toml",
 )
 FAILED = 1
-DOCUMENT = "repeatability.json"
+DOCUMENT, PICTURE = "repeatability.json", "repeatability.png"
 
 
 def repeatability(
@@ -86,7 +86,7 @@ def repeatability(
     from calib.gauge.study import METRICS, study
 
     _check_names(quantity or [], list(METRICS))
-    ready_folder(out)
+    ready_folder(out, (DOCUMENT, PICTURE))
     held = read_gauge_limits(limits)
     places = _places(logs or [], plan, road, folders)
     mapping = channel_map_of(channel_map)
@@ -237,7 +237,7 @@ def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
 
     contents = {
         DOCUMENT: json_text(document).encode(),
-        "repeatability.png": render(sheet(found).overview(), ".png"),
+        PICTURE: render(sheet(found).overview(), ".png"),
     }
     with writing(out), workshop(out) as work:
         for name, content in contents.items():

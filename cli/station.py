@@ -1,5 +1,7 @@
 """`brake-cal station`: one car, from its logs to a verdict, a report and the files of the line."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -174,8 +176,9 @@ def station(
     The first log is its ramp, the others are hold-outs. Exit code 0 if every limit holds, with
     warnings or without, 1 if one does not. The table goes into the store: released where the car
     passed, rejected where it failed, a draft where it passed with warnings that nobody accepts.
-    Only a released table is exported. With a log that cannot be used it ends with 3 and stores
-    nothing. The same command gives the same bytes and no new version.
+    Only a released table is exported. With a log that cannot be used it ends with 3, stores
+    nothing, and writes refused.json alone, which says why on the index of the line. The same
+    command gives the same bytes and no new version.
     """
     from calib.checks.gates import refuse_twice
     from calib.physics.vehicle_file import read_vehicle
@@ -197,29 +200,34 @@ def station(
         forms = []
     outputs = _outputs(holdouts, forms, out)
     refuse_overwriting(outputs, [*ramps, *coasts, *holdouts], [vehicle, limits, channel_map])
-    car, held = read_vehicle(vehicle), limits_of_car(limits)
-    reference = golden_of(store, golden) if golden else None
-    if golden and reference:
-        check_signed(golden, reference, public)
-        require_same_vehicle(reference.table, car, vehicle)
-    mapping = channel_map_of(channel_map)
-    with progress(f"fitting {car.name}, validating on {len(holdouts)}", len(holdouts) + 1) as done:
-        ramp_logs = [read(path, mapping) for path in ramps]
-        coast_logs = [read(path, mapping) for path in coasts]
-        table = table_of(car, ramp_logs, coast_logs, identity, weight)
-        done()
-        stops, results = [read(path, mapping) for path in holdouts], []
-        refuse_twice(stops)
-        for log in stops:
-            results.append(validated(table, log, held, weight))
+    with _telling_refusals(out, identity, [*ramps, *coasts, *holdouts]):
+        car, held = read_vehicle(vehicle), limits_of_car(limits)
+        reference = golden_of(store, golden) if golden else None
+        if golden and reference:
+            check_signed(golden, reference, public)
+            require_same_vehicle(reference.table, car, vehicle)
+        mapping = channel_map_of(channel_map)
+        with progress(
+            f"fitting {car.name}, validating on {len(holdouts)}", len(holdouts) + 1
+        ) as done:
+            ramp_logs = [read(path, mapping) for path in ramps]
+            coast_logs = [read(path, mapping) for path in coasts]
+            table = table_of(car, ramp_logs, coast_logs, identity, weight)
             done()
-    judged = Car(table, ramp_logs, stops, results, reference.table if reference else None)
-    named = reference.id if reference else ""
-    told = _limits_file(limits)
-    found = outcome(judged, coast_logs, held, identity, named, accept or "", by or "", told)
-    with writing(out), workshop(out) as work:
-        stored, document = store_and_write(found, calib.Store(store), forms, ecu.date or "", work)
-        paths = publish_run(work, out)
+            stops, results = [read(path, mapping) for path in holdouts], []
+            refuse_twice(stops)
+            for log in stops:
+                results.append(validated(table, log, held, weight))
+                done()
+        judged = Car(table, ramp_logs, stops, results, reference.table if reference else None)
+        named = reference.id if reference else ""
+        told = _limits_file(limits)
+        found = outcome(judged, coast_logs, held, identity, named, accept or "", by or "", told)
+        with writing(out), workshop(out) as work:
+            stored, document = store_and_write(
+                found, calib.Store(store), forms, ecu.date or "", work
+            )
+            paths = publish_run(work, out)
     say(f"wrote {len(paths)} files to {out}")
     _tell_addresses(stored, forms)
     tell_kin(store, stored)
@@ -232,6 +240,25 @@ def station(
         raise typer.Exit(FAILED)
 
 
+@contextmanager
+def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iterator[None]:
+    """Leave word in ``out`` of a car that cannot be judged, so that the index of the line has it.
+
+    Not of a mistake in what was typed, nor of a store that is damaged: they say nothing of a car.
+    """
+    from calib.errors import InputError
+    from calib.station.folder import REFUSED
+    from calib.station.refused import write_refusal
+
+    try:
+        yield
+    except InputError as error:
+        with writing(out):
+            write_refusal(error, identity, logs, out)
+        say(f"no verdict; {out / REFUSED} tells the index why")
+        raise
+
+
 def _limits_file(path: Path | None) -> str:
     """Name and digest of the limits, as the report tells them; empty for those of the program."""
     from calib.digest import file_digest
@@ -241,14 +268,14 @@ def _limits_file(path: Path | None) -> str:
 
 def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
     """Every file that will be written; refuses two files of the same name."""
-    from calib.station.folder import FIXED, export_name
+    from calib.station.folder import FIXED, REFUSED, export_name
 
     stems = stems_of(holdouts, "HOLDOUT", "hold-outs")
     if "table" in stems:
         raise typer.BadParameter("a hold-out named table takes the export's place; rename it")
-    ready_folder(out)
-    exports = [export_name(form) for form in forms]
-    return [out / name for name in (*FIXED, *exports, *(f"{stem}.parquet" for stem in stems))]
+    names = [*FIXED, REFUSED, *map(export_name, forms), *(f"{stem}.parquet" for stem in stems)]
+    ready_folder(out, names)
+    return [out / name for name in names]
 
 
 def _tell_addresses(stored: "Stored", forms: list[str]) -> None:

@@ -152,11 +152,13 @@ def _with_known(table: "Table", path: Path) -> "Table":
 
 
 def _check_out(logs: list[Path], out: Path | None) -> None:
+    from calib.validation.results import SUMMARY
+
     if out is None:
         return
-    stems = stems_of(named(logs), "LOG")
-    refuse_overwriting((out / f"{stem}.parquet" for stem in stems), logs)
-    ready_folder(out)
+    names = [*(f"{stem}.parquet" for stem in stems_of(named(logs), "LOG")), SUMMARY]
+    refuse_overwriting((out / name for name in names), logs)
+    ready_folder(out, names)
 
 
 def _write(results: "list[Validation]", summary: dict[str, object], out: Path) -> None:

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 EPILOG = example("brake-cal vehicle check sample_logs/sedan/vehicle.toml")
 IMPLAUSIBLE, UNREADABLE = 1, 3
 
-Judged = tuple[Path, str, "tuple[PlausibilityWarning, ...]"]
-"""A file, the name of its vehicle, and the warnings on it."""
+Judged = tuple[Path, str, "tuple[PlausibilityWarning, ...]", tuple[str, ...]]
+"""A file, the name of its vehicle, the warnings on it, and what a person has to confirm."""
 
 Files = Annotated[list[Path], typer.Argument(metavar="FILE...", help="vehicle files to check")]
 
@@ -24,9 +24,10 @@ Files = Annotated[list[Path], typer.Argument(metavar="FILE...", help="vehicle fi
 def check(files: Files, json: Json = False) -> None:
     """Judge vehicle files: mistakes, then plausibility.
 
-    All mistakes of a file are listed, then what no usual car has, with the likely causes. Exit code
-    0 if all is plausible, 1 if a figure is outside its usual range, 3 if a file cannot be used. A
-    mistake within what cars differ by, such as a mass that is 10 % wrong, is not seen.
+    All mistakes of a file are listed, then what no usual car has, with the likely causes, and what
+    only some cars have, for you to confirm. Exit code 0 if all is plausible, 1 if a figure is
+    outside its usual range, 3 if a file cannot be used. A mistake within what cars differ by, such
+    as a mass that is 10 % wrong, is not seen.
     """
     from calib.warning import to_dict
 
@@ -34,20 +35,22 @@ def check(files: Files, json: Json = False) -> None:
     if json:
         vehicles = [
             {"source": path, "vehicle": name, "plausible": not warnings,
-             "warnings": [to_dict(one) for one in warnings]}
-            for path, name, warnings in found
+             "warnings": [to_dict(one) for one in warnings], "to_confirm": open_}
+            for path, name, warnings, open_ in found
         ]  # fmt: skip
         failed = [{"source": path, "error": str(error)} for path, error in errors]
         emit_json({"schema": 1, "vehicles": vehicles, "unreadable": failed})
     else:
-        for path, name, warnings in found:
-            emit(f"{path}: {name}: {_verdict(len(warnings))}")
+        for path, name, warnings, open_ in found:
+            emit(f"{path}: {name}: {_verdict(len(warnings), len(open_))}")
+            for sentence in open_:
+                emit(f"to confirm: {sentence}")
             warn(warnings)
         for _, error in errors:
             complain(str(error))
     if errors:
         raise typer.Exit(UNREADABLE)
-    if any(warnings for _, _, warnings in found):
+    if any(warnings for _, _, warnings, _ in found):
         raise typer.Exit(IMPLAUSIBLE)
 
 
@@ -55,7 +58,7 @@ def _look(files: list[Path]) -> "tuple[list[Judged], list[tuple[Path, InputError
     """Name and warnings of each file; one that cannot be used does not stop the others."""
     from calib.errors import InputError
     from calib.physics.vehicle_file import read_vehicle
-    from calib.vehicles.plausible import plausible
+    from calib.vehicles.plausible import plausible, to_confirm
 
     found, errors = [], []
     for path in files:
@@ -64,11 +67,11 @@ def _look(files: list[Path]) -> "tuple[list[Judged], list[tuple[Path, InputError
         except InputError as error:
             errors.append((path, error))
         else:
-            found.append((path, vehicle.name, plausible(vehicle)))
+            found.append((path, vehicle.name, plausible(vehicle), to_confirm(vehicle)))
     return found, errors
 
 
-def _verdict(warnings: int) -> str:
+def _verdict(warnings: int, unconfirmed: int) -> str:
     if not warnings:
-        return "plausible"
+        return "plausible, if you can confirm this" if unconfirmed else "plausible"
     return f"not plausible: {warnings} figure{'s' * (warnings > 1)} outside the usual range"

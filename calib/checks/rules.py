@@ -22,7 +22,7 @@ SOFTEST = 20e5  # [Pa] for each g; usual cars need 60 to 150 bar
 PRESSURE = 350e5  # [Pa] above the pressure of any master cylinder
 GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
 HOLE = 0.1  # [s] longest gap within a braking
-ALIKE = 5e-4  # [1] rise of eta below which the axles slip alike; a usual front bias makes 2e-3
+ALIKE = 5e-4  # [1] change of eta below which the axles slip alike; a usual front bias makes 2e-3
 
 
 def problems(seen: Observation, purpose: str) -> list[str]:
@@ -164,20 +164,21 @@ def _no_ramp(event: BrakeEvent, span: float) -> Iterator[str]:
 
 
 def _blurred_eta(seen: Observation) -> Iterator[str]:
-    """A table is a curve over eta: the zero of eta must be known to half of its rise."""
-    axles = seen.axles
-    if axles is None or axles.front_rear is None or axles.eta_braked is None:
+    """A table is a curve over eta: its change under braking must be known to half of itself."""
+    most = seen.axles.eta_most if seen.axles else None
+    if most is None or most.half < 0.5 * abs(most.value):
         return
-    zero, rise = axles.front_rear, axles.eta_braked
-    if zero.half > 0.5 * abs(rise.value):
-        alike = (
-            "both axles slip nearly alike, as with rear brakes near to locking first or with wheel "
-            "speeds in the wrong columns; "
-        )
+    change, known = f"{100 * abs(most.value):.3f} %", f"{100 * most.half:.3f} %"
+    if max(abs(most.value), most.half) < ALIKE:
         yield (
-            f"eta rises by {100 * rise.value:.3f} % under braking and its zero is known only to "
-            f"{100 * zero.half:.3f} %: {alike if abs(rise.value) < ALIKE else ''}"
-            "log the wheel speeds finer and faster, or coast longer"
+            f"eta changes by {change} under braking, +- {known}: both axles slip alike, and "
+            "nothing tells front from rear; look for wheel speeds in the wrong columns; else the "
+            "brakes are so near to the ideal balance that this car can have no table"
+        )
+    else:
+        yield (
+            f"eta changes by {change} under braking, +- {known}, which must be half of it: log the "
+            "wheel speeds finer and faster, or coast longer"
         )
 
 

@@ -31,16 +31,23 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
     None with fewer than three blocks. The interval assumes independent blocks: it does not include
     a slow drift, such as on a long bend.
     """
-    n = max(1, round(BLOCK / step))
-    count = int(mask.sum()) // n
+    ratio = _ratios(a, b, mask, step)
+    count = ratio.size
     if count < 3:
         return None
     from scipy.special import stdtrit
 
-    means = [block_mean(x[mask], n) for x in (a, b)]
-    ratio = means[1] / means[0] - 1.0
     spread = float(np.std(ratio, ddof=1)) / np.sqrt(count)
     return IntervalEstimate(float(np.mean(ratio)), float(stdtrit(count - 1, 0.975)) * spread)
+
+
+def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
+    """``b/a - 1`` of means over `BLOCK` where ``mask`` holds [1]; empty if it is too short."""
+    n = max(1, round(BLOCK / step))
+    if mask.sum() < n:
+        return np.empty(0)
+    before, after = (block_mean(x[mask], n) for x in (a, b))
+    return after / before - 1.0
 
 
 @dataclass(frozen=True)
@@ -54,6 +61,8 @@ class Axles:
     slope : change of ``-a_x`` with the wheels' deceleration [m]: the rolling radius if all is
         correct; negative for a wrong sign. None if it cannot be determined.
     eta_braked : eta over its unbraked value - 1, mean while braking with 0.2 to 0.5 g [1].
+    eta_most : the same in that third of a braking with 0.1 to 0.5 g in which it is farthest from 0
+        [1]. Eta rises and falls again, so its mean may be 0 where it tells much.
     """
 
     front_rear: IntervalEstimate | None
@@ -61,6 +70,7 @@ class Axles:
     left_right_r: IntervalEstimate | None
     slope: float | None
     eta_braked: IntervalEstimate | None
+    eta_most: IntervalEstimate | None
 
 
 def axles_of(log: Log, driving: DrivingRecord) -> Axles:
@@ -68,10 +78,8 @@ def axles_of(log: Log, driving: DrivingRecord) -> Axles:
     fl, fr, rl, rr = (log[f"omega_{w}"] for w in WHEELS)
     front, rear, free = 0.5 * (fl + fr), 0.5 * (rl + rr), driving.unbraked
     zero = mismatch(front, rear, free, driving.step)
-    hard = (
-        driving.braked & (driving.wheel_z > 0.2) & (driving.wheel_z < 0.5) & (driving.speed > 5.0)
-    )
-    braked = mismatch(front, rear, hard, driving.step)
+    braking = driving.braked & (driving.wheel_z < 0.5) & (driving.speed > 5.0)
+    braked = mismatch(front, rear, braking & (driving.wheel_z > 0.2), driving.step)
     if braked is not None and zero is not None:
         braked = IntervalEstimate(
             braked.value - zero.value, float(np.hypot(braked.half, zero.half))
@@ -82,7 +90,28 @@ def axles_of(log: Log, driving: DrivingRecord) -> Axles:
         left_right_r=mismatch(rl, rr, free, driving.step),
         slope=_against_wheels(driving),
         eta_braked=braked if zero is not None else None,
+        eta_most=_most(front, rear, free, braking & (driving.wheel_z > 0.1), driving.step),
     )
+
+
+def _most(
+    front: Array, rear: Array, free: Mask, braking: Mask, step: float
+) -> IntervalEstimate | None:
+    """Largest change of eta from ``free`` rolling to a third of ``braking`` [1].
+
+    The interval takes the noise of the rolling car, which has no slope, for that of the braking.
+    """
+    rolling, slipping = (_ratios(front, rear, mask, step) for mask in (free, braking))
+    if min(rolling.size, slipping.size) < 3:
+        return None
+    from scipy.special import stdtrit
+
+    thirds = np.array_split(slipping, 3)
+    changes = [float(np.mean(third) - np.mean(rolling)) for third in thirds]
+    at = int(np.argmax(np.abs(changes)))
+    share = 1.0 / rolling.size + 1.0 / thirds[at].size
+    spread = float(np.std(rolling, ddof=1) * np.sqrt(share))
+    return IntervalEstimate(changes[at], float(stdtrit(rolling.size - 1, 0.975)) * spread)
 
 
 def _against_wheels(driving: DrivingRecord) -> float | None:

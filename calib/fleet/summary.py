@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from calib.errors import InputError
 from calib.fleet.columns import Kind, ResultColumn, Status
 from calib.fleet.control_chart import Chart, LevelChange, change, chart, least_p
+from calib.fleet.edges import possible, within
 from calib.fleet.outliers import Spread, judge, named
 from calib.fleet.results import FleetFile
 from calib.plain import plain
@@ -124,7 +125,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     values = {m.name: fleet.numbers(m.name) for m in numbers}
     every = np.array(list(values.values())).reshape(len(numbers), len(fleet.logs))
     judged = judge(every, [plain(name).step for name in values])
-    spreads = dict(zip(values, judged.spreads, strict=True))
+    spreads = {name: _real(name, x) for name, x in zip(values, judged.spreads, strict=True)}
     hits = dict(zip(values, judged.named, strict=True))
     known = {name: np.flatnonzero(np.isfinite(x)) for name, x in values.items()}
     # the column that orders the line always increases along it
@@ -156,6 +157,13 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         failures(fleet.logs, fleet.values("error")),
         judged.together,
     )
+
+
+def _real(name: str, spread: Spread) -> Spread:
+    """The spread of the metric ``name`` without edges that no value of it can pass."""
+    if spread.edges is None:
+        return spread
+    return replace(spread, edges=within(spread.edges, possible(name)))
 
 
 def drifting(lines: Sequence[Array]) -> tuple[list[LevelChange | None], list[bool]]:

@@ -1,6 +1,5 @@
 """Assign the columns of a file to channels."""
 
-import difflib
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +9,7 @@ from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.log import Origin
 from calib.logs.source import Array, Column
 from calib.names import CHANNELS, TRUTH_UNITS
+from calib.toml import nearest
 from calib.units import UnknownUnit, si_of, unit_of
 
 TRUTH = "true_"
@@ -197,8 +197,8 @@ def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) ->
 
 def _suggestion(word: str, names: list[str], channel: str = "") -> str:
     by_lower = {name.lower(): name for name in names}
-    close = difflib.get_close_matches(word.lower(), by_lower, n=1)
-    if not close:
+    close = nearest(word.lower(), by_lower)
+    if close is None:
         return ""
-    meant = f"is {by_lower[close[0]]!r} meant"
+    meant = f"is {by_lower[close]!r} meant"
     return f"{meant} to be {channel}?" if channel else f"{meant}?"

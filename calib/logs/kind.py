@@ -1,33 +1,55 @@
 """Name a file that is of another kind than its ending says."""
 
+import re
+
 from calib.bounded import POINTER
 from calib.errors import LogError
 
 MDF = (".mf4", ".mdf", ".dat")
 
-KINDS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
-    (b"PAR1", "a Parquet file", (".parquet",)),
-    (b"MDF  ", "an MDF file", MDF),
-    (b"UnFin", "an MDF file", MDF),
-    (b"LOGG", "a BLF file", (".blf",)),
-    (b"PK\x03\x04", "a zip archive or a workbook", ()),
-    (b"%PDF", "a PDF file", ()),
-    (b"\x89PNG", "a picture", ()),
-    (b"\x89HDF", "an HDF5 file", ()),
-    (b"MATLAB ", "a MATLAB file", ()),
-    (b"SQLite", "a database", ()),
-    (b"<!doctype html", "a web page", ()),
-    (b"<html", "a web page", ()),
-    (b"<?xml", "an XML file", ()),
-    (b"{", "a JSON file", ()),
+_ROWS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
+    (rb"PAR1", "a Parquet file", (".parquet",)),
+    (rb"MDF  |UnFin", "an MDF file", MDF),
+    (rb"LOGG", "a BLF file", (".blf",)),
+    (rb"\(\d+\.\d+\) +\S+ +[0-9a-f]+#", "a candump log", (".log",)),
+    (rb"date [^,;\t\n]+\r?\nbase +(hex|dec)", "a Vector ASC log", (".asc",)),
+    (rb";\$fileversion=", "a PEAK TRC log", (".trc",)),
+    (rb"file created on ", "a VBO log", (".vbo",)),
+    (rb"PK\x03\x04", "a zip archive or a workbook", ()),
+    (rb"%PDF", "a PDF file", ()),
+    (rb"\x89PNG", "a picture", ()),
+    (rb"\x89HDF", "an HDF5 file", ()),
+    (rb"MATLAB ", "a MATLAB file", ()),
+    (rb"SQLite", "a database", ()),
+    (rb"<!doctype html|<html", "a web page", ()),
+    (rb"<\?xml", "an XML file", ()),
+    (rb"\{", "a JSON file", ()),
 )
-"""Beginning in lower case or as it is, what it is, and the endings under which it is right."""
+"""Beginning in any case, what it is, and the endings under which it is right."""
+
+KINDS = tuple((re.compile(begin, re.IGNORECASE), name, ends) for begin, name, ends in _ROWS)
+
+Kind = tuple[str, tuple[str, ...]]
+"""What a file is, and the endings under which it is right; none for what is no log."""
+
+
+def kind_of(head: bytes) -> Kind | None:
+    """What a file is that begins with ``head``, 64 bytes or more if it has them; None: unknown.
+
+    >>> kind_of(b"(1700000000.000400) can0 101#0000D4FF")
+    ('a candump log', ('.log',))
+    """
+    text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
+    for begin, name, endings in KINDS:
+        if begin.match(text):
+            return name, endings
+    return None
 
 
 def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
     """Raise LogError if a file begins as one of another kind than its ``ending``.
 
-    ``head`` are its first bytes, 64 or more if it has them. A file of an unknown kind passes.
+    ``head`` as for `kind_of`. A file of an unknown kind passes.
     """
     if head.startswith(POINTER):
         raise LogError(
@@ -36,10 +58,8 @@ def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
             expected=f"the bytes of a {ending} file",
             do="get the file: git lfs pull",
         )
-    text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
-    for begin, name, endings in KINDS:
-        if not (head.startswith(begin) or text.lower().startswith(begin)) or ending in endings:
-            continue
+    name, endings = kind_of(head) or ("", (ending,))
+    if ending not in endings:
         raise LogError(
             f"{name}, not a {ending} file",
             where=where,

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.fleet.control_chart import FEWEST, RULES
+from calib.fleet.edges import in_words
 from calib.fleet.summary import Look, Summary
 from calib.plain import plain
 from calib.plots.sheet import Panel, Sheet
@@ -142,7 +143,7 @@ def _edges(look: Look, low: float, high: float) -> Iterator[tuple[float, str | N
     """Limits beyond which a log is named, NaN if outside of the axes; the first with its label."""
     finite = [edge for edge in look.spread.edges or () if np.isfinite(edge)]
     places = int(np.clip(2 - np.floor(np.log10(high - low)), 0, 10))
-    told = "named beyond " + " or ".join(f"{edge:.{places}f}" for edge in finite)
+    told = f"named {in_words(look.spread.edges or (np.nan, np.nan), lambda x: f'{x:.{places}f}')}"
     seen = [edge if low <= edge <= high else np.nan for edge in finite]
     if not np.isfinite(seen).any():
         told += " (not in view)"

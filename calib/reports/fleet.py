@@ -7,6 +7,7 @@ import numpy as np
 
 from calib.fleet import control_chart, outliers
 from calib.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
+from calib.fleet.edges import in_words
 from calib.fleet.outliers import Spread
 from calib.fleet.summary import DRIFT, Look, Outlier, Summary
 from calib.plain import METRICS, NBSP, plain
@@ -173,16 +174,15 @@ def _row(look: Look) -> tuple[str, ...]:
         str(s.count),
         shown(s.median),
         f"{shown(s.quantiles[0])} to {shown(s.quantiles[3])}",
-        _named_beyond(look),
+        _named_beyond(look) or "no limit",
         str(int(look.outlying.sum())) if judged else "not judged",
         drift,
     )
 
 
 def _named_beyond(look: Look) -> str:
-    """The limits beyond which a log is named: `0.31 or 0.45`."""
-    finite = [edge for edge in look.spread.edges or () if np.isfinite(edge)]
-    return " or ".join(map(_shown(look), finite)) or "no limit"
+    """The limits beyond which a log is named: `below 0.31 or above 0.45`; empty without any."""
+    return in_words(look.spread.edges, _shown(look)) if look.spread.edges else ""
 
 
 def described(found: Summary, look: Look) -> str:
@@ -198,8 +198,10 @@ def described(found: Summary, look: Look) -> str:
             f"{found.logs[look.rows[c.first]]}, number {look.rows[c.first] + 1} of the line "
             f"(p {c.p:.1e})."
         )
-    if look.spread.edges is not None:
-        parts.append(f"One more log is named beyond {_named_beyond(look)}.")
+    if told := _named_beyond(look):
+        parts.append(f"One more log is named {told}.")
+    elif look.spread.edges is not None:
+        parts.append("No log can be named: as far away as that no value can be.")
     else:
         parts.append("No log is named: too few logs, or no scatter that matters.")
     if look.metric.name == found.ordered_by:

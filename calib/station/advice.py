@@ -6,6 +6,8 @@ Every limit has a next step, so that the operator knows what to do with the car.
 from dataclasses import dataclass
 
 from calib.validation.limits import Limit
+from calib.validation.validate import DEPARTURE_F, DEPARTURE_R
+from calib.vehicles.plausible import LEAST_FRONT_BIASED
 
 
 @dataclass(frozen=True)
@@ -60,14 +62,15 @@ ADVICE: tuple[Advice, ...] = (
     _row("side_difference_r", (-0.25, 0.25), (-0.15, 0.15), "1",
          "as at the front; rear slip is smaller, so the value is less exact",
          "Look at the rear calipers and the parking brake, left against right."),
-    _row("front_biased_up_to", (0.50, None), (0.60, None), "g",
-         "beyond it the rear axle locks first, and the sign of eta - 1 changes",
+    _row("front_biased_up_to", (LEAST_FRONT_BIASED, None), (None, None), "g",
+         "beyond it the rear axle locks first; cars with control of the rear pressure have 0.4 or "
+         "more by design, see vehicle check; give 0.5 for a car without it",
          "Look at the rear brakes: they brake too hard for their load. Do not release the car.",
          required=True),
-    _row("repeatability_f", (None, 0.15), (None, 0.08), "1",
+    _row("repeatability_f", (None, 0.15), (None, DEPARTURE_F), "1",
          "stops with the same pads must agree; this is not so with wet pads or another load",
          f"{_SAME} the front calipers."),
-    _row("repeatability_r", (None, 0.30), (None, 0.20), "1",
+    _row("repeatability_r", (None, 0.30), (None, DEPARTURE_R), "1",
          "as at the front, with a weaker signal",
          f"{_SAME} the rear calipers."),
     _row("golden_distance", (None, 0.30), (None, 0.20), "1",

@@ -1,6 +1,7 @@
 """The files of a run at the station: all of them, or none.
 
 DIR/station.json  junit.xml  report.html  summary.json  <stop>.parquet  exports
+DIR/refused.json  instead, where the car could not be judged, see `calib.station.refused`
 
 The verdict is moved into place last: without a station.json the run is not complete.
 """
@@ -14,6 +15,7 @@ from calib.exports.formats import ENDINGS
 from calib.publish import publish
 
 DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
+REFUSED = "refused.json"
 FIXED = (DOCUMENT, JUNIT, REPORT, "summary.json")
 
 
@@ -29,15 +31,15 @@ EXPORTS = frozenset(map(export_name, ENDINGS))
 def publish_run(work: Path, out: Path) -> list[Path]:
     """Move everything from ``work`` into ``out``, the verdict last; return the paths.
 
-    Every export, and every file that an earlier verdict lists, is removed if this run did not make
-    it again: an export must not stay when the car fails now. Other files in ``out`` stay. Raises
-    OSError, see `calib.publish.publish`.
+    Every export, every file that an earlier verdict lists, and the refusal of an earlier run are
+    removed if this run did not make them again: an export must not stay when the car fails now.
+    Other files in ``out`` stay. Raises OSError, see `calib.publish.publish`.
     """
     return publish(work, out, DOCUMENT, _stale)
 
 
 def _stale(out: Path) -> set[str]:
-    return _listed(out) | EXPORTS
+    return _listed(out) | EXPORTS | {REFUSED}
 
 
 def _listed(out: Path) -> set[str]:

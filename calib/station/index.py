@@ -3,8 +3,9 @@
     DIR/index.html       the page; DIR/live.html, the same, loads itself again every few seconds
     DIR/.index.json      what was read of each run, so that the next index reads new ones only
 
-A run is a folder below DIR with a station.json; a run inside a run is not looked for. All three
-files are written whole: a browser never sees a part.
+A run is a folder below DIR with a station.json, or with a refused.json, which is the newer of the
+two where it is there; a run inside a run is not looked for. All three files are written whole: a
+browser never sees a part.
 """
 
 import json
@@ -13,16 +14,19 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from calib.bounded import VALIDATION, read_bounded
 from calib.files import write_whole
 from calib.printable import printable
-from calib.station.folder import DOCUMENT
+from calib.station.folder import DOCUMENT, REFUSED
 
 INDEX, LIVE, KNOWN = "index.html", "live.html", ".index.json"
 SCHEMA = 1
 UNREADABLE = "not readable"
-"""Verdict of a run whose station.json is damaged."""
+"""Verdict of a run whose station.json or refused.json is damaged."""
+NO_VERDICT = "refused"
+"""Verdict of a car that could not be judged."""
 
 Trend = dict[str, float | None]
 
@@ -33,7 +37,8 @@ class Run:
 
     ``place``: its folder below DIR; ``at``: when its verdict was written [s since 1970]; ``why``:
     what failed or warned first, as (metric, stop, value, next step), empty for none; ``trend``:
-    metrics over the line by name, and ``limits`` of them as (low, high).
+    metrics over the line by name, and ``limits`` of them as (low, high); ``refusal``: why the car
+    could not be judged.
     """
 
     place: str
@@ -46,6 +51,7 @@ class Run:
     why: tuple[str, str, float | None, str] | None = None
     trend: Trend | None = None
     limits: dict[str, tuple[float | None, float | None]] | None = None
+    refusal: str = ""
 
 
 TRENDS = ("pad_friction_f", "pad_friction_r", "pad_scale", "ramp_eta_zero")
@@ -78,40 +84,57 @@ def runs_below(folder: Path) -> tuple[list[Run], bool]:
 
 
 def documents(folder: Path) -> Iterator[Path]:
-    """Every station.json below ``folder``, hidden folders left out. Raises OSError."""
+    """What every run below ``folder`` wrote, hidden folders left out. Raises OSError."""
 
     def fail(error: OSError) -> None:
         if Path(error.filename) == folder:
             raise error
 
     for place, folders, files in os.walk(folder, onerror=fail):
-        if DOCUMENT in files:
-            yield Path(place, DOCUMENT)
+        told = next((name for name in (REFUSED, DOCUMENT) if name in files), None)
+        if told is not None:
+            yield Path(place, told)
             folders.clear()
         folders[:] = sorted(name for name in folders if not name.startswith("."))
 
 
 def read_run(path: Path, place: str, at: float) -> Run:
-    """One run from its station.json; a damaged one has the verdict `UNREADABLE`."""
+    """One run from what it wrote; if that is damaged, its verdict is `UNREADABLE`."""
     try:
         told = json.loads(read_bounded(path, VALIDATION))
-        identity, checks = told["identity"], told["checks"]
-        bad = [c for word in ("failed", "warning") for c in checks if c["verdict"] == word]
-        first = bad[0] if bad else None
-        return Run(
-            place,
-            at,
-            str(told["verdict"]),
-            str(identity.get("vin") or identity.get("serial") or told["vehicle"]),
-            str(identity.get("station", "")),
-            str(told["table"]["id"]),
-            len(bad) + len(told["warnings"]),
-            first and (first["figure"], first["scope"], first["value"], first["action"] or ""),
-            _trend(told),
-            {c["figure"]: tuple(c["fail"]) for c in checks if c["figure"] in TRENDS},
-        )
+        return _refused(told, place, at) if path.name == REFUSED else _judged(told, place, at)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return Run(place, at, UNREADABLE)
+
+
+def _refused(told: dict[str, Any], place: str, at: float) -> Run:
+    of = _identity(told["identity"])
+    return Run(place, at, NO_VERDICT, *of, bad=1, refusal=str(told["error"]["message"]))
+
+
+def _identity(identity: dict[str, Any]) -> tuple[str, str]:
+    """VIN or serial number of the car, and the station; empty where they are not given."""
+    car = str(identity.get("vin") or identity.get("serial") or "")
+    return car, str(identity.get("station", ""))
+
+
+def _judged(told: dict[str, Any], place: str, at: float) -> Run:
+    car, station = _identity(told["identity"])
+    checks = told["checks"]
+    bad = [c for word in ("failed", "warning") for c in checks if c["verdict"] == word]
+    first = bad[0] if bad else None
+    return Run(
+        place,
+        at,
+        str(told["verdict"]),
+        car or str(told["vehicle"]),
+        station,
+        str(told["table"]["id"]),
+        len(bad) + len(told["warnings"]),
+        first and (first["figure"], first["scope"], first["value"], first["action"] or ""),
+        _trend(told),
+        {c["figure"]: tuple(c["fail"]) for c in checks if c["figure"] in TRENDS},
+    )
 
 
 def _trend(told: dict[str, object]) -> Trend:

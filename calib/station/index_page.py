@@ -10,7 +10,7 @@ from calib.files import write_whole
 from calib.plain import plain
 from calib.reports.html import page
 from calib.station.folder import REPORT
-from calib.station.index import INDEX, LIVE, TRENDS, UNREADABLE, Run, runs_below
+from calib.station.index import INDEX, LIVE, NO_VERDICT, TRENDS, UNREADABLE, Run, runs_below
 from calib.station.words import HEADINGS
 
 LAST = 30
@@ -22,7 +22,14 @@ DRAWN = 200
 EVERY = 10
 """Seconds after which `LIVE` loads itself again."""
 
-KINDS = {"passed": "passed", "warning": "warning", "failed": "failed", UNREADABLE: "failed"}
+KINDS = {
+    "passed": "passed",
+    "warning": "warning",
+    "failed": "failed",
+    NO_VERDICT: "failed",
+    UNREADABLE: "failed",
+}
+"""Verdicts, and as which they are drawn and sorted."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +84,7 @@ def index_html(runs: Sequence[Run], name: str, every: int = 0) -> str:
 
 
 def worst_first(runs: Sequence[Run]) -> list[Run]:
-    """The runs by verdict, failed ones first; those of one verdict keep their order."""
+    """The runs by verdict, failed and refused ones first; equal ones keep their order."""
     ranks = ("failed", "warning", "passed")
     return sorted(runs, key=lambda run: ranks.index(KINDS.get(run.verdict, "failed")))
 
@@ -123,7 +130,7 @@ def _row(run: Run) -> dict[str, str]:
     return {
         "at": datetime.fromtimestamp(run.at).astimezone().strftime("%Y-%m-%d %H:%M:%S"),
         "car": _car(run),
-        "page": quote(f"{run.place}/{REPORT}"),
+        "page": quote(f"{run.place}/{REPORT}") if run.verdict != NO_VERDICT else "",
         "verdict": _heading(run),
         "kind": KINDS.get(run.verdict, "failed"),
         "why": _why(run),
@@ -147,7 +154,9 @@ def _word(verdict: str) -> str:
 def _why(run: Run) -> str:
     """The first metric that is not held and the next step; how many more there are."""
     if run.verdict == UNREADABLE:
-        return "station.json is damaged: run the car again"
+        return "what the run wrote is damaged: run the car again"
+    if run.verdict == NO_VERDICT:
+        return run.refusal
     if run.why is None:
         return f"{run.bad} warning{'s' * (run.bad > 1)}: see the report" if run.bad else ""
     figure, scope, value, action = run.why

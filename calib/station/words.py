@@ -9,8 +9,9 @@ HEADINGS = {
     "passed": "Passed",
     "warning": "Passed with warnings",
     "failed": "Failed",
+    "refused": "Refused",
 }
-"""The verdict on a car, as a heading."""
+"""The verdict on a car, as a heading; refused: it has none."""
 
 
 def shown(value: float | None, digits: int = 4) -> str:

@@ -104,6 +104,11 @@ class Validation:
         return budget(self.estimate)
 
 
+DEPARTURE_F, DEPARTURE_R = 0.08, 0.20
+"""Largest departure of a stop from the mean pad friction of its road [1], front and rear, that the
+same pads have. The rear signal is weaker. The station warns past it."""
+
+
 @dataclass(frozen=True)
 class RoadAgreement:
     """The stops of one road: their names, the stiffness of their tyres over the table's [1].
@@ -133,6 +138,11 @@ class Agreement:
     spread_f: float
     spread_r: float
     roads: tuple[RoadAgreement, ...] = ()
+
+    @property
+    def differ(self) -> bool:
+        """Whether the stops are too far apart to have the same pads."""
+        return self.spread_f > DEPARTURE_F or self.spread_r > DEPARTURE_R
 
 
 def validate(

@@ -52,16 +52,35 @@ def outcome(stored: Stored, results: Sequence[Validation]) -> str:
     head = f"{_of(passed, len(results))} within the limits"
     if passed == len(results):
         head += _with_warnings(sum(len(result.all_warnings) for result in results), ", with ")
-        if stored.state.word == DRAFT:
-            return (
-                f"{head}; next: `brake-cal tables release {stored.id} --reason ... "
-                "--evidence DIR/summary.json`, with the DIR of --out"
-            )
-        return f"{head}; {stored.id} is {stored.state.word}"
+        return f"{head}; {_next(stored, results)}"
     if any(result.role == CALIBRATION for result in results):
         return f"{head}; next: validate again without the logs of the fit"
     failed = ", ".join(result.log for result in results if not result.passed)
     return f"{head}, not {failed}; next: look at it with `brake-cal check` and `brake-cal plot`"
+
+
+def _next(stored: Stored, results: Sequence[Validation]) -> str:
+    """What comes next where all logs are within the limits: a release where nothing is against it.
+
+    Stops with other pads than the ramp's prove nothing of its table.
+    """
+    together = agreement(list(results))
+    if together is not None and together.differ:
+        return (
+            "next: find out why the pads differ between the stops of one road, and validate again; "
+            f"they do not speak for a release of {stored.id}"
+        )
+    if stored.state.word != DRAFT:
+        return f"{stored.id} is {stored.state.word}"
+    if any(result.all_warnings for result in results):
+        return (
+            "next: look at the warnings; where they do not speak against the table, `brake-cal "
+            f"tables release {stored.id} --reason ... --evidence DIR/summary.json`"
+        )
+    return (
+        f"next: `brake-cal tables release {stored.id} --reason ... "
+        "--evidence DIR/summary.json`, with the DIR of --out"
+    )
 
 
 def on_roads(results: Sequence[Validation]) -> list[tuple[str, str]]:

@@ -2,7 +2,8 @@
 
 A file can be valid and still describe no car: the area of both sides of a caliper, a height above
 the axles, front and rear swapped. Every figure outside its range is a warning with the likely
-causes. A mistake within what cars differ by, as a mass that is 10 % wrong, is not seen.
+causes. A mistake within what cars differ by, as a mass that is 10 % wrong, is not seen. What only
+some cars have is for a person to confirm.
 """
 
 import math
@@ -19,6 +20,17 @@ from calib.warning import PlausibilityWarning
 GOOD_ROAD = 0.8
 """Friction [1] of a road on which the efficiency of the brakes is judged: dry asphalt, used up to
 what passenger tyres hold for certain."""
+
+LEAST_FRONT_BIASED = 0.3
+"""Deceleration [g] up to which the front axle must lock first, by the file here and by the pads of
+the car at the station. Cars with control of the rear pressure (EBD) have 0.4 or more by design, of
+which pads that scatter by 3 % between the axles take up to 0.1 in one car of a thousand."""
+
+UNCONTROLLED = 0.5
+"""What cars without that control have at least [g]."""
+
+FRONT_ENGINE = 0.46
+"""Front share of the load at rest [1] below which a car has its engine at the rear, or carries."""
 
 
 @dataclass(frozen=True)
@@ -150,10 +162,9 @@ FIGURES: tuple[Figure, ...] = (
         "compare piston_area, effective_radius and friction_faces of front and rear",
     ),
     Figure(
-        "front_biased_up_to", front_biased_up_to, 0.35, math.inf,
+        "front_biased_up_to", front_biased_up_to, LEAST_FRONT_BIASED, math.inf,
         (*_SWAPPED_BRAKES, "piston_area of both sides at the rear only", *_SWAPPED_CG[:1]), (),
-        "beyond it the rear axle locks first; a car without control of the rear pressure reaches "
-        "0.6 g or more",
+        "beyond it the rear axle locks first; `brake-cal station` fails such a car",
     ),
     Figure(
         "lock_efficiency", lambda car: lock_efficiency(car, GOOD_ROAD), 0.78, 1.0,
@@ -168,6 +179,24 @@ many good cars and mistakes have a warning: tests/studies/vehicle_mistakes.py.""
 def plausible(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
     """Warnings on what no usual car or van has; the values of the file first."""
     return (*_keys(vehicle), *_figures(vehicle))
+
+
+def to_confirm(vehicle: Vehicle) -> tuple[str, ...]:
+    """What is usual for some cars only, as sentences; a mistake for all others."""
+    share, biased = vehicle.static_loads[0] / vehicle.weight, front_biased_up_to(vehicle)
+    found = []
+    if share < FRONT_ENGINE:
+        found.append(
+            f"{100 * share:.0f} % of the load is on the front axle, as with the engine at the rear "
+            "or in a laden van; in any other car cg_to_front_axle and cg_to_rear_axle are swapped"
+        )
+    if LEAST_FRONT_BIASED <= biased < UNCONTROLLED:
+        found.append(
+            f"the rear axle locks first beyond {biased:.2f} g, as in cars that control the rear "
+            "pressure (EBD); in any other car the brakes or the load are not those of the file. "
+            f"`brake-cal station` fails a car below {LEAST_FRONT_BIASED:g} g"
+        )
+    return tuple(found)
 
 
 def _keys(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:

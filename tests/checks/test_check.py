@@ -239,6 +239,19 @@ def test_coarse_wheel_speeds_make_no_table():
     assert "finer and faster" in reasons(changed(log, **noise))
 
 
+def test_axles_that_slip_alike_make_no_table():
+    """Finer wheel speeds would not help: the change of eta is 0, and known well."""
+    log = made_run()
+    alike = changed(log, **{f"omega_r{s}": log[f"omega_f{s}"] for s in "lr"})
+    rotated = {"fl": "fr", "fr": "rr", "rr": "rl", "rl": "fl"}  # one front, one rear on each axle
+    for one in (
+        alike,
+        changed(log, **{f"omega_{a}": log[f"omega_{b}"] for a, b in rotated.items()}),
+    ):
+        assert "both axles slip alike" in reasons(one)
+        assert "finer" not in reasons(one)
+
+
 def test_no_reference_speed_is_warned_of():
     log = changed(made_run(), v=None)
     assert usable(log) == ["fit", "validate"]

@@ -49,6 +49,17 @@ def test_eta_while_braked():
     assert axles.eta_braked.value == pytest.approx(expected, rel=0.02)
 
 
+def test_eta_that_falls_again_is_seen_where_its_mean_is_zero():
+    """Eta - 1 = 0.04 z (0.37 - z), over a ramp of 0.1 g/s up to 0.49 g: its means by integrals."""
+    log = made_run(ramp(rate=7.0, top=35.0), duration=6.4, noise=0.0)
+    z = 0.1 * np.clip(log.time - 1.5, 0.0, None)
+    rear = {f"omega_r{s}": log[f"omega_f{s}"] * (1.0 + 0.04 * z * (0.37 - z)) for s in "lr"}
+    log = changed(log, **rear)
+    axles = axles_of(log, driving_record(log))
+    assert abs(axles.eta_braked.value) < 3e-4  # 0.6e-4 from 0.20 to 0.49 g
+    assert axles.eta_most.value == pytest.approx(13.0e-4, abs=1e-4)  # 0.10 to 0.23 g
+
+
 @pytest.mark.parametrize("rate", [40.0, 200.0, 1000.0])
 def test_slope_is_the_rolling_radius(rate):
     log = made_run(ramp(rate=8.0), rate=rate)

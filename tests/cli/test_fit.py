@@ -204,6 +204,24 @@ def test_a_stated_mass_gives_the_pads_of_a_loaded_car(brake_cal, store, tmp_path
     assert pads == pytest.approx(0.38 / 1.2, rel=0.02)
 
 
+def test_a_doubtful_version_that_a_bare_name_means_now_is_told(brake_cal, tmp_path):
+    """The mass of another car makes pads that no file has: said, and how to go back."""
+    store = tmp_path / "tables"
+    words = ("fit", SEDAN / "ramp_wet_asphalt.csv", "--vehicle", VEHICLE, "--store", store)
+    doubtful = (*words, "--mass", "1000 kg")
+    alone = brake_cal(*doubtful, "--store", tmp_path / "other")
+    assert "warning" in alone.err
+    assert "without a number" not in alone.err
+    assert "without a number" not in brake_cal(*words).err
+    ran = brake_cal(*doubtful)
+    assert "sedan-2up without a number means sedan-2up@2 from now on" in ran.err
+    assert "then sedan-2up is sedan-2up@1 again" in ran.err
+    assert (
+        brake_cal("tables", "reject", "sedan-2up@2", "--reason", "mass", "--store", store).code == 0
+    )
+    assert Store(store).load("sedan-2up").version == 1
+
+
 def test_a_report_holds_the_inputs_and_is_refused_in_their_place(brake_cal, tmp_path):
     told = ("--vehicle", SEDAN / "vehicle.toml", "--store", tmp_path / "tables")
     bad = brake_cal("fit", SEDAN / "ramp_wet_asphalt.csv", *told, "--report", tmp_path / "x.pdf")

@@ -79,3 +79,10 @@ def test_a_terminal_is_no_log_and_a_pipe_has_a_bound(piped, monkeypatch):
     ran = piped("check", "-")
     assert ran.code == 3
     assert "BRAKE_CAL_MOST_LOG" in ran.err
+
+
+def test_another_format_on_stdin_is_named(piped):
+    ran = piped("check", "-", data=b"(1700000000.000400) can0 101#0000D4FF5F750000\n")
+    assert ran.code == 3
+    assert "stdin holds a candump log; expected CSV" in ran.err
+    assert "a file that ends in .log" in ran.err

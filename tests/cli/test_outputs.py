@@ -25,6 +25,15 @@ def test_a_file_where_a_folder_is_meant(tmp_path):
         ready_folder(tmp_path / "file")
 
 
+def test_a_folder_in_the_place_of_a_file_of_the_folder(tmp_path):
+    (tmp_path / "summary.json").mkdir()
+    ready_folder(tmp_path, ["a.parquet"])
+    with pytest.raises(
+        typer.BadParameter, match=r"cannot write .*summary\.json: it is a directory"
+    ):
+        ready_folder(tmp_path, ["a.parquet", "summary.json"])
+
+
 def test_what_a_killed_run_left_is_settled_and_told(tmp_path, capsys):
     (tmp_path / ".making-0123").mkdir()
     ready_folder(tmp_path)

@@ -13,6 +13,7 @@ import pytest
 from calib.store.state import Decision
 from calib.store.store import Store
 from calib.table.table import Value
+from tests.support.documents import missing_and_unknown
 
 SEDAN = Path(__file__).parents[2] / "sample_logs" / "sedan"
 RAMP, REPEAT, COAST, DRY, ONTO_BASALT, WET, VEHICLE = (
@@ -126,11 +127,32 @@ def test_warnings_pass(station, tmp_path):
         (("--ramp", COAST), 3, "given as a ramp, and it is a coast"),
     ],
 )
-def test_refusals_leave_nothing(station, tmp_path, words, code, says):
+def test_refusals_leave_no_result(station, tmp_path, words, code, says):
+    """Of a car that cannot be judged the index is told; of a mistake in what was typed, nothing."""
     ran = station(*words)
     assert ran.code == code, ran.err
     assert says in " ".join(ran.err.split())
-    assert list(tmp_path.iterdir()) == []
+    assert [str(path) for path in content(tmp_path)] == ["car/refused.json"] * (code == 3)
+
+
+def test_a_refused_car_is_on_the_index_until_it_is_judged(station, brake_cal, tmp_path):
+    """An earlier result stays as it was; the next verdict takes the refusal away."""
+    assert station("--serial", "0815").code == 0
+    before = content(tmp_path / "car")
+    ran = station("--serial", "0815", "--station", "E 3", "--json", ramp=DRY)
+    assert ran.code == 3
+    after = content(tmp_path / "car")
+    refusal = json.loads(after.pop(Path("refused.json")))
+    assert after == before
+    assert missing_and_unknown("refused-json", refusal) == []
+    assert refusal["error"] == json.loads(ran.out)["error"]
+    assert refusal["identity"] == {"serial": "0815", "station": "E 3"}
+    assert brake_cal("fleet", "index", tmp_path).code == 0
+    page = (tmp_path / "index.html").read_text()
+    assert "0815: Refused" in page
+    assert "this run will not do for a fit" in page
+    assert station("--serial", "0815").code == 0
+    assert content(tmp_path / "car") == before
 
 
 @pytest.mark.parametrize(
@@ -138,7 +160,7 @@ def test_refusals_leave_nothing(station, tmp_path, words, code, says):
 )
 def test_logs_in_the_wrong_place(station, tmp_path, ramp, stops, code):
     assert station(ramp=ramp, stops=stops).code == code
-    assert list(tmp_path.iterdir()) == []
+    assert [str(path) for path in content(tmp_path)] == ["car/refused.json"] * (code == 3)
 
 
 @pytest.mark.parametrize(

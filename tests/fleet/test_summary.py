@@ -6,6 +6,7 @@ import pytest
 from calib.errors import InputError
 from calib.fleet.results import open_fleet
 from calib.fleet.summary import failures, kind_of, summarise
+from calib.reports.fleet import described
 from tests.support.fleet_results import DRIFT_AT, OUTLIER, results
 
 
@@ -40,6 +41,21 @@ def test_statuses_shares_and_errors(found):
     (failure,) = found.failures
     assert re.fullmatch(r"line/car\d+\.csv: <b>ends</b> at [\d.]+ s", failure.message)
     assert failure.count == 3
+
+
+def test_no_limit_is_where_no_value_can_be(tmp_path):
+    """So few logs have wide limits: below 0 there is nothing that could be named."""
+    import pyarrow as pa
+
+    values = [0.9, 1.2, 1.0, 0.8, 1.1, 1.3, 0.7, 1.0, 0.9, 1.1, 1.2, 0.8]
+    names = ("residual_eta_rms_sigma", "own")
+    extra = {name: (values, pa.float64(), "1") for name in names}
+    found = summarise(open_fleet(results(tmp_path / "r.parquet", len(values), extra=extra)))
+    real, own = (look(found, name) for name in names)
+    assert own.spread.edges[0] < 0.0
+    assert real.spread.edges == (-np.inf, pytest.approx(own.spread.edges[1], rel=0.05))
+    assert "One more log is named above " in described(found, real)
+    assert "One more log is named below -" in described(found, own)
 
 
 def test_three_rows_and_a_column_of_nothing(tmp_path):

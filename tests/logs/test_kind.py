@@ -3,6 +3,7 @@
 import pytest
 
 from calib.errors import LogError
+from calib.logs.kind import kind_of
 from calib.logs.read import FORMATS, open_log, read_log
 from tests.support.recordings import RAMP, SEDAN, write_dbc
 
@@ -37,6 +38,10 @@ def test_a_pointer_of_git_lfs_is_named_in_every_format(tmp_path, ending, read):
         (".parquet", b"\n<!DOCTYPE HTML><html>", "a web page"),
         (".txt", b'\xef\xbb\xbf{"a": 1,\n"b": 2}\n', "a JSON file"),
         (".vbo", b"<?xml version='1.0'?>", "an XML file"),
+        (".csv", b"(1700000000.000400) can0 101#0000D4FF\n", r"a candump log.*rename it to \.log"),
+        (".csv", b"date Thu Nov 2 2023\nbase hex  timestamps absolute\n", "a Vector ASC log"),
+        (".csv", b";$FILEVERSION=2.1\n;$STARTTIME=45232.5\n", "a PEAK TRC log"),
+        (".csv", b"File created on 02/11/2023\n\n[header]\n", "a VBO log"),
     ],
 )
 def test_another_kind_is_named(tmp_path, ending, data, says):
@@ -76,3 +81,8 @@ def test_a_table_that_is_cut_off_is_still_called_so(tmp_path):
 
 def test_our_own_logs_are_of_their_kind():
     assert read_log(SEDAN / "coast.csv").time.size == 2000
+
+
+def test_a_table_that_begins_with_a_word_of_another_kind_is_a_table():
+    assert kind_of(b"date time [s],v [m/s]\n0.0,20.5\n") is None
+    assert kind_of(b"(time),v [m/s]\n0.0,20.5\n") is None

@@ -39,8 +39,9 @@ COMMANDS = (
     ("batch-json", "batch validate stop.csv --table car --out checked --workers 1"),
     ("fleet-json", "fleet report checked/results.parquet --out fleet"),
 )
-ELSEWHERE = {"diagnose-json", "qualification-json"}
-"""Their commands take long: see the tests of `calib.diagnosis` and `calib.qualification`."""
+ELSEWHERE = {"diagnose-json", "qualification-json", "refused-json"}
+"""Commands that take long, and one that ends with an error: see the tests of `calib.diagnosis`,
+`calib.qualification` and `cli.station`."""
 
 
 def test_every_document_is_looked_at():

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.errors import VehicleError
 from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads
 from calib.physics.mass import mass_used, weighed
@@ -29,6 +30,14 @@ def test_what_was_weighed_is_known_to_half_a_percent_or_as_the_file_says():
 def test_a_known_error_of_the_mass_in_the_file_counts_no_more():
     known = Effects({"mass_error": {"mass_error": 0.1}, "road_grade": {"grade": 0.01}})
     assert weighed(replace(CAR, effects=known), 2000.0).effects.names == ("road_grade",)
+
+
+@pytest.mark.parametrize("factor", [0.45359237, 1.0 / 0.45359237, 0.1])
+def test_pounds_written_as_kilograms_are_no_load_of_this_car(factor):
+    with pytest.raises(VehicleError, match=r"times the 1744 kg of the vehicle file"):
+        weighed(CAR, factor * CAR.mass)
+    with pytest.raises(VehicleError, match="check number and unit"):
+        mass_used(CAR, factor * CAR.mass)
 
 
 def test_without_a_stated_mass_the_car_is_as_it_was():

@@ -44,8 +44,8 @@ def test_every_panel_has_the_limits_beyond_which_a_log_is_named(found):
         distribution(alone, look)
         in_order(along, found, look)
         for ax in (alone, along):
-            (told,) = (label for label in labels(ax) if label.startswith("named beyond "))
-            assert [float(x) for x in told.removeprefix("named beyond ").split(" or ")] == (
+            (told,) = (label for label in labels(ax) if label.startswith("named below "))
+            assert [float(x) for x in told.removeprefix("named below ").split(" or above ")] == (
                 pytest.approx(look.spread.edges, abs=0.001)
             )
 
@@ -55,7 +55,7 @@ def test_limits_that_are_far_away_are_told_and_not_drawn(found):
     far = replace(pads, spread=replace(pads.spread, edges=(-50.0, 50.0)))
     ax = axes()
     distribution(ax, far)
-    assert "named beyond -50.0000 or 50.0000 (not in view)" in labels(ax)
+    assert "named below -50.0000 or above 50.0000 (not in view)" in labels(ax)
     assert max(ax.get_xlim()) < 1.0
 
 

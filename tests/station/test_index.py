@@ -38,15 +38,15 @@ def test_the_last_car_is_first_with_its_verdict_and_next_step(folder):
 
 
 def test_failed_runs_stand_on_top_of_the_recent_ones(folder):
-    """Of five runs, from the newest: passed, failed, warning, damaged, failed."""
-    verdicts = ("passed", "failed", "warning", index.UNREADABLE, "failed")
+    """Of six runs, from the newest: passed, failed, warning, damaged, failed, refused."""
+    verdicts = ("passed", "failed", "warning", index.UNREADABLE, "failed", index.NO_VERDICT)
     runs = [index.Run(f"car-{i}", 10.0 - i, word) for i, word in enumerate(verdicts)]
-    assert [run.place for run in worst_first(runs)] == [f"car-{i}" for i in (1, 3, 4, 2, 0)]
+    assert [run.place for run in worst_first(runs)] == [f"car-{i}" for i in (1, 3, 4, 5, 2, 0)]
     page = index_html(runs, "line")
     rows = page[page.index("<tbody>") :]
     assert rows.index("car-4") < rows.index("car-2") < rows.index("car-0")
     assert page.index("car-0: Passed") < page.index("<tbody>")  # the last car is the headline
-    assert "Failed ones on top" in page
+    assert "Failed and refused ones on top" in page
 
 
 def test_only_a_new_run_is_read(folder, monkeypatch):
@@ -66,10 +66,11 @@ def test_only_a_new_run_is_read(folder, monkeypatch):
 
 def test_a_damaged_run_is_shown_and_a_damaged_memory_is_made_again(folder):
     (folder / "day/car-1/station.json").write_text("{")
+    (folder / "day/car-2/refused.json").write_text('{"identity": {}, "error": 3}')
     (folder / ".index.json").write_text(json.dumps({"schema": 1, "runs": {"x": [1]}}))
     runs, changed = runs_below(folder)
     assert changed
-    assert {run.verdict for run in runs} == {"failed", index.UNREADABLE}
+    assert sorted(run.verdict for run in runs) == ["failed", index.UNREADABLE, index.UNREADABLE]
     assert write_index(folder) == 3
     assert "run the car again" in (folder / "index.html").read_text()
 

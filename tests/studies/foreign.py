@@ -2,11 +2,15 @@
 
 python tests/studies/foreign.py FOLDER
 
-FOLDER has recordings of any format, such as a clone of hardbyte/python-can (test/data/, LGPL) or of
-danielhrisca/asammdf (test/data/, LGPL); `tests/logs/bus/samples/SOURCES.txt` says why they are not
-kept here. Frames are decoded with a DBC that has a signal for each byte of each identifier of the
-log. One line a file: what python-can or asammdf reads, and what this program reads or why it
-refuses. Ends with the counts of each format.
+FOLDER has recordings of any format: clones of the projects that
+`tests/logs/bus/samples/SOURCES.txt` lists. Frames are decoded with a DBC that has a signal for each
+byte of each identifier of the log; where theirs finds no frame that a DBC can describe, with one of
+another identifier. One line a file: what python-can or asammdf reads, and what this program reads
+or why it refuses. Pointers of git LFS are left out. Ends with the counts of each format:
+
+read       as many bytes or samples as theirs         empty      theirs has none, ours reads none
+refused    by ours only                               both       refused by both
+DIFFERENT  another number                             TRACEBACK  an error of another kind
 """
 
 import argparse
@@ -21,6 +25,7 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
+from calib.bounded import POINTER  # noqa: E402
 from calib.errors import BrakeCalError, LogError  # noqa: E402
 from calib.logs.bus.databases import DatabaseFile  # noqa: E402
 from calib.logs.channel_map import ChannelMap  # noqa: E402
@@ -31,6 +36,8 @@ from calib.logs.tables import ending_of  # noqa: E402
 
 EXTENDED = 1 << 31
 FRAME = "CAN_DataFrame"
+NOBODY = [(0x7FE, False)]
+"""Identifiers for a DBC where a log has none that a DBC can describe."""
 
 
 def by_python_can(path: Path) -> dict[tuple[int, bool], int]:
@@ -109,6 +116,12 @@ def bytes_of_frames(mdf: Any, number: int, names: set[str]) -> "Counter[tuple[in
     return found
 
 
+def is_pointer(path: Path) -> bool:
+    """Whether a file is a pointer of git LFS."""
+    with path.open("rb") as file:
+        return file.read(len(POINTER)) == POINTER
+
+
 def judged(path: Path, folder: Path) -> tuple[str, str]:
     """What came of a file, in a word, and the line about it."""
     try:
@@ -118,15 +131,15 @@ def judged(path: Path, folder: Path) -> tuple[str, str]:
         told = f"{theirs} values"
     except Exception as error:  # theirs refuses it, in any way
         frames, theirs, told = {}, -1, f"refused ({type(error).__name__})"
-    if theirs == 0:
-        return "empty", "no data frame of a legal identifier"
     try:
-        ours = by_us(path, sorted(frames), folder)
+        ours = by_us(path, sorted(frames) or ([] if mdf else NOBODY), folder)
     except BrakeCalError as error:
-        return "refused", f"theirs {told}; ours refused: {error.what}; {error.expected or ''}"
+        word = {-1: "both", 0: "empty"}.get(theirs, "refused")
+        return word, f"theirs {told}; ours refused: {error.what}; {error.expected or ''}"
     except Exception as error:  # what this is run for
         return "TRACEBACK", f"theirs {told}; ours {type(error).__name__}: {error}"
-    return ("read" if ours == theirs else "DIFFERENT"), f"theirs {told}; ours {ours}"
+    word = "empty" if ours == theirs == 0 else "read" if ours == theirs else "DIFFERENT"
+    return word, f"theirs {told}; ours {ours}"
 
 
 def main() -> None:
@@ -137,7 +150,7 @@ def main() -> None:
     logging.disable(logging.CRITICAL)
     counts: Counter[tuple[str, str]] = Counter()
     paths = sorted(p for p in chosen.folder.rglob("*") if p.is_file())
-    for path in (p for p in paths if ending_of(p) in RECORDINGS):
+    for path in (p for p in paths if ending_of(p) in RECORDINGS and not is_pointer(p)):
         with tempfile.TemporaryDirectory() as folder:
             word, line = judged(path, Path(folder))
         counts[ending_of(path), word] += 1

@@ -11,7 +11,7 @@ from dataclasses import replace
 from math import pi
 
 from calib.physics.vehicle import Axle, Vehicle
-from calib.vehicles.plausible import plausible
+from calib.vehicles.plausible import plausible, to_confirm
 
 # name: mass [kg], wheelbase [m], front share of the load, height and track [m], rolling radii [m],
 # wheels [kg], pistons of one side [mm] and disc [mm] at the front and at the rear (none: a drum),
@@ -117,7 +117,13 @@ if __name__ == "__main__":
     cars = [car(name) for name in CARS]
     warned = [c.name for c in cars if plausible(c)]
     print(f"good cars with a warning: {len(warned)} of {len(cars)} {' '.join(warned)}")
-    told = {name: sum(bool(plausible(make(c))) for c in cars) for name, make in MISTAKES.items()}
-    for name, count in told.items():
-        print(f"{name:36} {count:2} of {len(cars)}")
+    asked = [c.name for c in cars if to_confirm(c)]
+    print(f"good cars with something to confirm: {len(asked)} of {len(cars)} {' '.join(asked)}")
+    print(f"{'':36} a warning, or something to confirm")
+    told = dict.fromkeys(MISTAKES, 0)
+    for name, make in MISTAKES.items():
+        made = [make(c) for c in cars]
+        told[name] = sum(bool(plausible(c)) for c in made)
+        either = sum(bool(plausible(c) or to_confirm(c)) for c in made)
+        print(f"{name:36} {told[name]:2}, {either:2} of {len(cars)}")
     print(f"mistakes with a warning: {sum(told.values())} of {len(cars) * len(told)}")

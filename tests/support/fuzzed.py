@@ -77,7 +77,7 @@ def on_bus(path: Path) -> object:
     from tests.support.recordings import CHANNELS
 
     mapped = {ours: Mapping(theirs) for ours, theirs in CHANNELS.items()}
-    chart = ChannelMap("map.toml", mapped, dbc=(DatabaseFile(_beside(path)),))
+    chart = ChannelMap("map.toml", mapped, dbc=(DatabaseFile(_beside(path)),), j1939=())
     return read_log(path, chart, require=())
 
 
@@ -96,8 +96,15 @@ def _beside(path: Path) -> Path:
     """The DBC of the bus, beside a log."""
     dbc = path.with_name("chassis.dbc")
     if not dbc.exists():
-        dbc.write_text(_dbc())
+        dbc.write_text(_dbc() + LONG)
     return dbc
+
+
+LONG = """
+BO_ 2566843646 VI: 17 ESP
+ SG_ Last : 128|8@1+ (1,0) [0|255] "" ESP
+"""
+"""A J1939 message of several frames."""
 
 
 def _dbc() -> str:
@@ -122,6 +129,16 @@ def recorded(ending: str) -> Seeds:
             return [path.read_bytes()]
 
     return make
+
+
+def candumps() -> list[bytes]:
+    """The first frames of the run, and a J1939 message of three frames after them."""
+    (run,) = recorded(".log")()
+    last = float(run.split()[-4].strip(b"()"))
+    sent = ("18ECFF0B#20110003FFECFE00", "1CEBFF0B#015756575A5A5A31", "1CEBFF0B#024A5A5857303030",
+            "1CEBFF0B#03303031FFFFFFFF")  # fmt: skip
+    rows = [f"({last + 0.05 * i:.6f}) can0 {frame} R\n" for i, frame in enumerate(sent, start=1)]
+    return [run + "".join(rows).encode()]
 
 
 def trcs() -> list[bytes]:
@@ -345,7 +362,7 @@ READERS = {
     "mdf": Reader("a.mf4", read_a_log, mdfs),
     "blf": Reader("a.blf", on_bus, recorded(".blf")),
     "asc": Reader("a.asc", on_bus, recorded(".asc")),
-    "candump": Reader("a.log", on_bus, recorded(".log")),
+    "candump": Reader("a.log", on_bus, candumps),
     "trc": Reader("a.trc", signals_of_a_bus, trcs),
     "dbc": Reader("a.dbc", read_a_dbc, lambda: [_dbc().encode()]),
     "arxml": Reader("a.arxml", read_a_dbc, described("arxml")),

@@ -77,3 +77,21 @@ def test_the_conclusion_and_what_comes_next(fitted):
     assert conclusion(draft, results).startswith("failed: 1 of 2 logs is within the limits; next:")
     assert "without the logs of the fit" in conclusion(draft, results)
     assert lines(results[1])[0].endswith("it is no hold-out and proves nothing")
+
+
+def test_stops_with_other_pads_do_not_send_to_a_release(fitted):
+    """Front pads of one stop are at 60 %: within the limits, and no proof of the table."""
+    models = (WET, with_pads(WET, 0.38 * 0.6, 0.38))
+    results = validate(
+        fitted,
+        [replace(noisy(stop(model), 3 + i), name=f"stop_{i}") for i, model in enumerate(models)],
+    )
+    draft = stored_as("sedan@1")
+    assert all(result.passed for result in results)
+    text = conclusion(draft, results)
+    assert text.startswith("passed: all 2 logs are within the limits")
+    assert "find out why the pads differ" in text
+    assert "tables release" not in text
+    assert any(result.all_warnings for result in results)
+    warned = [result for result in results if result.all_warnings]
+    assert "next: look at the warnings; where they do not speak" in conclusion(draft, warned[:1])

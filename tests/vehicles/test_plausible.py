@@ -8,7 +8,8 @@ import pytest
 
 from calib.physics.vehicle import Axle, Vehicle
 from calib.physics.vehicle_file import read_vehicle
-from calib.vehicles.plausible import plausible
+from calib.station.advice import BY_FIGURE
+from calib.vehicles.plausible import LEAST_FRONT_BIASED, plausible, to_confirm
 from calib.warning import UNITS
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
@@ -103,3 +104,26 @@ def test_a_mistake_is_told_with_its_causes(name):
 def test_a_value_is_told_in_the_unit_of_the_key():
     found = {w.code: w for w in plausible(both(effective_radius=2.0))}
     assert "effective_radius_f is 262 mm, expected 80 to 190" in found["effective_radius_f"].text
+
+
+def test_what_only_some_cars_have_is_for_a_person_to_confirm():
+    """A compact car with EBD, its distances swapped by hand: 41 % of the load in front."""
+    compact = CARS["compact with EBD"]
+    swapped = replace(
+        compact,
+        cg_to_front_axle=compact.cg_to_rear_axle,
+        cg_to_rear_axle=compact.cg_to_front_axle,
+    )
+    assert plausible(swapped) == ()
+    assert "41 % of the load is on the front axle" in " ".join(to_confirm(swapped))
+    assert "locks first beyond 0.4" in " ".join(to_confirm(compact))
+    assert to_confirm(SEDAN) == to_confirm(CARS["limousine"]) == ()
+    asked = {name for name, one in CARS.items() if to_confirm(one)}
+    assert asked == {"compact with EBD", "van, laden", "rear engine", "microcar"}
+
+
+def test_the_check_and_the_station_have_one_limit():
+    found = {w.code: w for w in plausible(MISTAKES["area of both sides, rear"][0])}
+    warning = found["front_biased_up_to"]
+    assert warning.expected[0] == BY_FIGURE["front_biased_up_to"].limit.low == LEAST_FRONT_BIASED
+    assert "brake-cal station" in warning.do

@@ -20,7 +20,7 @@ from calib.errors import ChannelMapError
 from calib.logs.bus.bits import last_byte, number, raw
 from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.bus.frames import Frames, Key
-from calib.logs.bus.j1939 import CONNECTION, group_of, source_of
+from calib.logs.bus.j1939 import CONNECTION, TRANSFER, group_of, source_of
 from calib.logs.extra import need
 from calib.logs.source import Array
 
@@ -60,12 +60,18 @@ class Dbc:
     sources: tuple[int, ...] | None = None
 
     def knows(self, bus: str, key: Key) -> bool:
-        """Whether `find` finds a message, or the frames announce messages of several frames."""
-        return self.find(bus, key) is not None or self.announces(key)
+        """Whether `find` finds a message, or the frames may carry one of several frames."""
+        return self.find(bus, key) is not None or self.carries(key)
 
-    def announces(self, key: Key) -> bool:
-        """Whether frames of an identifier announce J1939 messages of several frames."""
-        return self._is_j1939(key) and group_of(key[0]) == CONNECTION
+    def carries(self, key: Key) -> bool:
+        """Whether frames of an identifier announce, clear or carry J1939 messages of several."""
+        identifier, extended = key
+        asked = self.sources is not None and extended
+        return asked and group_of(identifier) in (CONNECTION, TRANSFER)
+
+    def listens_to(self, source: int) -> bool:
+        """Whether J1939 frames of this source address are asked for."""
+        return self.sources is not None and (not self.sources or source in self.sources)
 
     def find(self, bus: str, key: Key) -> "Message | None":
         """The message that describes frames of an identifier on a bus, or None.
@@ -86,9 +92,7 @@ class Dbc:
     def _is_j1939(self, key: Key) -> bool:
         """Whether frames of an identifier are found by their parameter group."""
         identifier, extended = key
-        if self.sources is None or not extended:
-            return False
-        return not self.sources or source_of(identifier) in self.sources
+        return extended and self.listens_to(source_of(identifier))
 
     @cached_property
     def _groups(self) -> "dict[str, dict[int, Message]]":

@@ -25,14 +25,16 @@ class Frames:
     """All frames of one identifier on one bus, in the order of the file.
 
     ``bus`` is the recorder's name of its channel; ``time`` [s], shape (n,); ``data``
-    shape (n, bytes), zero past the end of a frame; ``length`` bytes of each frame, shape (n,).
+    shape (n, bytes), zero past the end of a frame; ``length`` bytes of each frame, shape (n,);
+    ``order`` number of each frame in the file, shape (n,), for frames of one time.
     """
 
     bus: str
     key: Key
     time: Array
     data: NDArray[np.uint8]
-    length: NDArray[np.uint8]
+    length: NDArray[np.uint16]
+    order: NDArray[np.int64]
 
 
 @dataclass
@@ -79,23 +81,28 @@ class Gathered:
 
     def result(self, time: Array) -> list[Frames]:
         """Frames by bus and identifier; ``time`` [s] replaces `times`, shape (n,)."""
+        places = {origin: np.asarray(place, np.int64) for origin, place in self._place.items()}
         return [
-            frames_of(*origin, time[np.asarray(self._place[origin])], self._data[origin])
-            for origin in sorted(self._place)
+            frames_of(*origin, time[places[origin]], self._data[origin], places[origin])
+            for origin in sorted(places)
             if self._data[origin]
         ]
 
 
-def frames_of(bus: str, key: Key, time: Array, data: list[bytes]) -> Frames:
-    """Make `Frames` from a list of bytes, one for each frame."""
-    length = np.fromiter(map(len, data), np.uint8, len(data))
+def frames_of(
+    bus: str, key: Key, time: Array, data: list[bytes], order: NDArray[np.int64] | None = None
+) -> Frames:
+    """Make `Frames` from a list of bytes, one for each frame; ``order``: that of the list."""
+    order = np.arange(len(data)) if order is None else order
+    length = np.fromiter(map(len, data), np.uint16, len(data))
     width = int(length.max(initial=0))
     padded = b"".join(d.ljust(width, b"\0") for d in data)
-    return Frames(bus, key, time, np.frombuffer(padded, np.uint8).reshape(len(data), width), length)
+    table = np.frombuffer(padded, np.uint8).reshape(len(data), width)
+    return Frames(bus, key, time, table, length, order)
 
 
 def joined(frames: Iterable[Frames], same: Callable[[Frames], Hashable]) -> list[Frames]:
-    """Join frames with an equal value of ``same``, in the order of time; equal times stay in order.
+    """Join frames with an equal value of ``same``, in the order of time, then of the file.
 
     The result has the bus and the identifier of the first.
     """
@@ -112,5 +119,6 @@ def _one(items: list[Frames]) -> Frames:
         [np.pad(item.data, ((0, 0), (0, width - item.data.shape[1]))) for item in items]
     )
     length = np.concatenate([item.length for item in items])
-    order = np.argsort(time, kind="stable")
-    return Frames(items[0].bus, items[0].key, time[order], data[order], length[order])
+    number = np.concatenate([item.order for item in items])
+    at = np.lexsort((number, time))
+    return Frames(items[0].bus, items[0].key, time[at], data[at], length[at], number[at])

@@ -10,7 +10,8 @@ from calib.errors import LogError
 from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import LONGEST, Dbc, decode, read_databases
 from calib.logs.bus.frames import Frames, Gathered, joined
-from calib.logs.bus.j1939 import announced, source_of
+from calib.logs.bus.j1939 import source_of
+from calib.logs.bus.transport import put_together
 from calib.logs.recording import ChannelTrace, Recording, named
 from calib.logs.running import running
 from calib.logs.source import Column
@@ -56,7 +57,8 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
     """
     time, wrapped = running(np.asarray(found.times), where)
     begin = float(time.min())
-    frames = require_known(found.result(time - begin), found.buses, dbc, where)
+    frames, carried = put_together(found.result(time - begin), dbc)
+    require_known(frames, found.buses, dbc, carried, where)
     more = [f"time counts from the first frame, which was written at {begin:.6f} s"]
     empty = sorted(set(dbc.buses) - set(found.buses))
     if empty:
@@ -66,31 +68,24 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
         )
     if found.errors:
         more.append(f"{found.errors} error frames were ignored")
-    return of_frames(frames, dbc, (*notes, *wrapped, *more))
+    return of_frames(frames, dbc, (*notes, *wrapped, *more, *carried))
 
 
-def require_known(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: str) -> list[Frames]:
-    """Return ``frames``. Raises LogError if none is described; ``buses`` are those of the log."""
+def require_known(
+    frames: list[Frames], buses: Sequence[str], dbc: Dbc, carried: Sequence[str], where: str
+) -> None:
+    """Raise LogError if none of ``frames`` is described.
+
+    ``buses`` are those of the log; ``carried`` notes on messages of several frames.
+    """
     if not any(dbc.find(item.bus, item.key) for item in frames):
         names = f" (its buses are {', '.join(buses)})" if buses and dbc.buses else ""
         raise LogError(
             f"no frame of the log{names} is in the DBC",
             where=where,
             expected="one of " + ", ".join(dbc.names[:10]),
-            do="; ".join([*left_out(frames, dbc), "is it the DBC of this bus?"]),
+            do="; ".join([*carried, "is it the DBC of this bus?"]),
         )
-    return frames
-
-
-def left_out(frames: list[Frames], dbc: Dbc) -> list[str]:
-    """A note on messages of the DBC that take several frames, if the log has some; else empty."""
-    count: Counter[str] = Counter()
-    for item in filter(lambda item: dbc.announces(item.key), frames):
-        for group in announced(item.data, item.length).tolist():
-            if message := dbc.of_group(item.bus, group):
-                count[message.name] += 1
-    names = ", ".join(f"{number} x {name}" for name, number in sorted(count.items()))
-    return [f"J1939 messages of several frames are left out: {names}"] if names else []
 
 
 def of_frames(frames: list[Frames], dbc: Dbc, notes: tuple[str, ...]) -> Recording:
@@ -100,7 +95,7 @@ def of_frames(frames: list[Frames], dbc: Dbc, notes: tuple[str, ...]) -> Recordi
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
         return [trace(*signals[i - 1]) for i in indices]
 
-    return Recording(named(columns), read, (*dbc.notes, *notes, *left_out(frames, dbc)))
+    return Recording(named(columns), read, (*dbc.notes, *notes))
 
 
 def described(

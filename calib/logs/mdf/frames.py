@@ -80,7 +80,7 @@ def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
         if known(name, key):
             at = np.flatnonzero(codes == code)
             part = np.ascontiguousarray(data[at, : int(length[at].max())], np.uint8)
-            result.append(Frames(name, key, time[at], part, length[at].astype(np.uint8)))
+            result.append(Frames(name, key, time[at], part, length[at].astype(np.uint16), at))
     return result
 
 

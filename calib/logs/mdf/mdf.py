@@ -12,7 +12,8 @@ import numpy as np
 from calib.errors import LogError
 from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import Dbc
-from calib.logs.bus.recording import described, left_out, require_dbc, require_known, trace
+from calib.logs.bus.recording import described, require_dbc, require_known, trace
+from calib.logs.bus.transport import put_together
 from calib.logs.extra import need
 from calib.logs.mdf.channels import check_channels
 from calib.logs.mdf.finish import finished, is_unfinished
@@ -74,12 +75,13 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
     notes += more_notes
     known = require_dbc(dbc, "mdf", where) if buses and (dbc.all or not columns) else None
     frames = frames_in(mdf, buses, known.knows, where) if known else []
+    frames, carried = put_together(frames, known) if known else (frames, [])
     if known and not columns:
-        require_known(frames, (), known, where)
+        require_known(frames, (), known, carried, where)
     if buses and not known:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
     database = known or Dbc({}, ())
-    notes += left_out(frames, database)
+    notes += carried
     more, signals = described(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
@@ -157,10 +159,10 @@ def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace
         channel = mdf.groups[place.group].channels[place.index]
         name = f"{where}: {channel.name}"
         cycles = int(mdf.groups[place.group].channel_group.cycles_nr)
-        if not signal.samples.size == signal.timestamps.size == cycles:
+        read = len(signal.samples)  # a sample may be an array
+        if not read == signal.timestamps.size == cycles:
             raise LogError(
-                f"{signal.samples.size} of {cycles} samples can be read: "
-                f"{cycles - signal.samples.size} are missing",
+                f"{read} of {cycles} samples can be read: {cycles - read} are missing",
                 where=name,
                 expected="all that the group counts",
                 do="copy the log again",

@@ -9,6 +9,7 @@ from asammdf.blocks.conversion_utils import from_dict
 
 from calib.errors import ChannelMapError, LogError
 from calib.logs.bus.databases import DatabaseFile, Databases
+from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.mdf.mdf import open_mdf
 from calib.logs.read import read_log
 from calib.names import G
@@ -159,6 +160,15 @@ def test_text_is_no_channel(tmp_path):
     text = signal("v", "m/s", np.asarray([b"fast"] * TIME.size), encoding="utf-8")
     with pytest.raises(LogError, match="v: holds"):
         read_log(write(tmp_path / "run.mf4", [*others(), text]))
+
+
+def test_an_array_in_each_sample_is_no_channel_and_costs_no_other(tmp_path):
+    bytes_ = signal("raw", "", np.zeros((TIME.size, 8), np.uint8))
+    path = write(tmp_path / "run.mf4", [*others(), bytes_])
+    assert read_log(path)["p_mc"].size == TIME.size
+    chart = ChannelMap("map.toml", {"v": Mapping("raw", "m/s")})
+    with pytest.raises(LogError, match=r"raw: holds uint8, shape \(8,\); expected a numeric"):
+        read_log(path, chart)
 
 
 def test_nothing_that_is_known(tmp_path):
