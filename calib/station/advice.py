@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from calib.validation.limits import Limit
 from calib.validation.validate import DEPARTURE_F, DEPARTURE_R
-from calib.vehicles.plausible import LEAST_FRONT_BIASED
+from calib.vehicles.plausible import LEAST_FRONT_BIASED, UNCONTROLLED
 
 
 @dataclass(frozen=True)
@@ -62,9 +62,9 @@ ADVICE: tuple[Advice, ...] = (
     _row("side_difference_r", (-0.25, 0.25), (-0.15, 0.15), "1",
          "as at the front; rear slip is smaller, so the value is less exact",
          "Look at the rear calipers and the parking brake, left against right."),
-    _row("front_biased_up_to", (LEAST_FRONT_BIASED, None), (None, None), "g",
+    _row("front_biased_up_to", (LEAST_FRONT_BIASED, None), (UNCONTROLLED, None), "g",
          "beyond it the rear axle locks first; cars with control of the rear pressure have 0.4 or "
-         "more by design, see vehicle check; give 0.5 for a car without it",
+         "more by design, see vehicle check; a car without it should fail below 0.5",
          "Look at the rear brakes: they brake too hard for their load. Do not release the car.",
          required=True),
     _row("repeatability_f", (None, 0.15), (None, DEPARTURE_F), "1",
