@@ -174,6 +174,7 @@ METRICS: dict[str, Plain] = {
     # codes of warnings
     "level_changed": _percent("Brakes changed from the ramp to the stops"),
     "pads_changed_apart": _percent("Front and rear pads changed apart"),
+    "axles_exchanged": Plain("Front and rear wheel speeds exchanged, log odds"),
     "pads_off_file_f": Plain("Front pads, not as in the vehicle file", "", 1.0, 0.001),
     "pads_off_file_r": Plain("Rear pads, not as in the vehicle file", "", 1.0, 0.001),
     "a_x_scale": _percent("Scale of a_x"),

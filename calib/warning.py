@@ -23,6 +23,7 @@ UNITS = {
     "pads_changed_apart": "1",
     "tyre_stiffness": "1",
     "level_changed": "1",
+    "axles_exchanged": "1",
     "clock_rate": "Hz",
     "clock_jitter": "1",
     "clock_gaps": "s",

@@ -35,7 +35,8 @@ class PadRatio:
     what is common to both days falls out; ``nominal_weight`` that the pads have the table's ratio;
     ``log_stiffness`` of the surface with its sigma; ``load_shift``, ``elastic_share`` of the load
     transfer; ``innovation_eta``, ``innovation_slip`` over their sigma (NaN where not measured);
-    ``changes`` times of surface changes [s].
+    ``log_density`` logarithm of the probability density of what each block measured, less a
+    constant; ``changes`` times of surface changes [s].
     """
 
     log_pad_ratio: Array
@@ -49,7 +50,17 @@ class PadRatio:
     elastic_share: Array
     innovation_eta: Array
     innovation_slip: Array
+    log_density: Array
     changes: tuple[float, ...]
+
+    @property
+    def evidence(self) -> Array:
+        """Logarithm of the density of all that was measured until each block, less a constant.
+
+        The filter runs with pads that are free; pads that are the ramp's are one half of what is
+        thought possible, and count by their weight (`calib.statistics.mixture_posterior`).
+        """
+        return np.asarray(np.cumsum(self.log_density) - np.log1p(-self.nominal_weight))
 
 
 KEPT = np.array(
@@ -67,13 +78,18 @@ KEPT = np.array(
 
 
 def weigh(
-    x: Array, kept: Array, innovation: Array, changes: tuple[float, ...], priors: Priors
+    x: Array,
+    kept: Array,
+    innovation: Array,
+    log_density: Array,
+    changes: tuple[float, ...],
+    priors: Priors,
 ) -> PadRatio:
     """Weigh the ratio against the table's and add what a strange surface leaves open.
 
     ``x`` states (k, COUNT); ``kept`` the entries `KEPT` of their covariance (k, 4); ``innovation``
-    (k, 2) of eta and slip; ``changes`` are handed on. A ratio that cannot be told from the table's
-    is given back as the table's (`calib.statistics.mixture_posterior`).
+    (k, 2) of eta and slip; ``log_density`` (k,) and ``changes`` are handed on. A ratio that cannot
+    be told from the table's is given back as the table's (`calib.statistics.mixture_posterior`).
     """
     today, then, between, stiffness = kept.T
     log_ratio, log_stiffness = x[:, AT.log_pad_ratio], x[:, AT.log_stiffness]
@@ -98,5 +114,6 @@ def weigh(
         elastic_share=x[:, AT.elastic_share],
         innovation_eta=innovation[:, 0],
         innovation_slip=innovation[:, 1],
+        log_density=log_density,
         changes=changes,
     )

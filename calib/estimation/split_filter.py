@@ -58,7 +58,7 @@ def filter_pad_ratio(
     decay = math.exp(-b.length / priors.pitch_memory)
     count = b.end.size
     states, variances = np.empty((count, COUNT)), np.empty((count, len(KEPT)))
-    innovation = np.full((count, 2), np.nan)
+    innovation, density = np.full((count, 2), np.nan), np.zeros(count)
     changes: list[float] = []
     # views of P, taken once: the loop changes P in place and never replaces it
     shift = AT.load_shift
@@ -80,13 +80,14 @@ def filter_pad_ratio(
             if alert:
                 before_x[:], before_P[:] = x, P
             predicted = programs[braking](now, g)
-            surprise, step = _measure(x, P, predicted, now, reading, innovation[k])
+            surprise, density[k], step = _measure(x, P, predicted, now, reading, innovation[k])
             opened = bool(alert and surprise > priors.change_gate)
             if opened:
                 # the road has changed: what was learnt of the pads must not take the blame
                 x[:], P[:] = before_x, before_P
                 open_surface(P, priors)
-                _, step = _measure(x, P, predicted, now, reading, innovation[k])
+                _, density[k], step = _measure(x, P, predicted, now, reading, innovation[k])
+                density[k] -= priors.change_gate
                 changes.append(float(b.end[k]))
                 pause = priors.change_pause
             if steps is not None:
@@ -95,7 +96,7 @@ def filter_pad_ratio(
             steps.append(None)
         states[k] = x
         variances[k] = flat[KEPT]
-    return weigh(states, variances, innovation, tuple(changes), priors)
+    return weigh(states, variances, innovation, density, tuple(changes), priors)
 
 
 def _measure(
@@ -105,10 +106,11 @@ def _measure(
     now: list[float],
     reading: Measured,
     innovation: Array,
-) -> tuple[float, tuple[Array, Array, Array]]:
+) -> tuple[float, float, tuple[Array, Array, Array]]:
     """Take in eta and, where there is one, the slip; return the mean squared innovation.
 
-    Beside it rows, whitening and white of a `Step`.
+    Beside it the logarithm of the probability density of what was measured, less a constant, and
+    rows, whitening and white of a `Step`.
 
     ``predicted`` eta, slip and their gradients at ``now``, which is x as plain floats.
     """
@@ -131,7 +133,9 @@ def _measure(
     white = whitening.dot(along)
     x += np.array((first, second)).dot(white)
     P -= white.T.dot(white)
-    return (first * first + second * second) / (2.0 if scale else 1.0), (rows, whitening, white)
+    square = first * first + second * second
+    density = math.log((scale or 1.0) / root) - 0.5 * square
+    return square / (2.0 if scale else 1.0), density, (rows, whitening, white)
 
 
 LEVEL = Given._fields.index("level")

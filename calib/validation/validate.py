@@ -24,7 +24,7 @@ from calib.signals.axle_signals import signals
 from calib.store.version import Stored
 from calib.table.budget import AxleBudget, summary
 from calib.table.table import Table
-from calib.validation.axles import require_same_axles
+from calib.validation.axles import SURE, axles_warnings, judge_axles
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
 from calib.validation.roads import Road, roads_of
@@ -203,8 +203,10 @@ def validate_one(
     require_same_vehicle(table, vehicle, mass=mass)
     require_same_wheels(table.vehicle, log, signals(log, table.vehicle))
     result = estimate(table, log, vehicle, mass=mass, with_laws=baselines)
-    require_same_axles(table, log, result)
-    warnings = warnings_of(log, result)
+    other = judge_axles(table, log, result)
+    warnings = (*warnings_of(log, result), *axles_warnings(log.name, result, other))
+    if other is not None and other.log_odds > SURE:
+        result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
     if any(w.code == "unexplained_braking_force" and w.measured > FOREIGN for w in warnings):
         result = without_answer(result, "something brakes that the pressure does not explain")
     figures = score(log, car, result)

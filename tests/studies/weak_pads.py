@@ -25,7 +25,7 @@ from calib.logs.log import Log
 from calib.physics.bias import pressure_per_g
 from calib.physics.vehicle import Vehicle
 from calib.table.table import Table
-from calib.validation.axles import require_same_axles
+from calib.validation.axles import SURE, judge_axles
 from tests.support.plant import Plant, magic
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, swapped, with_pads, without
 
@@ -67,12 +67,12 @@ def stops(car: Vehicle, rng: np.random.Generator) -> Iterator[tuple[str, float, 
 
 
 def refused(table: Table, log: Log) -> bool:
-    """Whether a validation refuses the log for its axles."""
+    """Whether a validation refuses the log for its axles, or stands behind no sample of it."""
     try:
-        require_same_axles(table, log, estimate(table, log))
+        other = judge_axles(table, log, estimate(table, log))
     except LogError:
         return True
-    return False
+    return other is not None and other.log_odds > SURE
 
 
 def main() -> None:

@@ -1,0 +1,50 @@
+"""What a log would say if front and rear wheel speeds were exchanged in it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from calib.estimation.estimator import Basis, Estimate, split_of
+from calib.estimation.filter_input import SplitInput
+from calib.physics.forces import mean_slip
+from calib.physics.vehicle import Vehicle
+from calib.signals.blocks import Blocks
+
+
+@dataclass(frozen=True)
+class Exchanged:
+    """The log with its axles exchanged against the log as it is, at the end of its braking.
+
+    ``log_odds`` logarithm of the density of all that was measured, exchanged over as given [1]:
+    both explanations know the table, and pads that are its own or not. ``log_pad_ratio`` what the
+    log as given says of the pads [1], and what it says exchanged; ``block`` at which.
+    """
+
+    log_odds: float
+    block: int
+    log_pad_ratio: tuple[float, float]
+
+
+def exchanged(e: Estimate, basis: Basis) -> Exchanged:
+    """Run the split filter once more, with the wheel speeds of the axles exchanged.
+
+    The level of the pads does not hang on which axle is which, and is kept.
+    """
+    b, demand = _other_way(e.plan.nominal, e.blocks, basis.demand)
+    other = split_of(e.plan, b, demand)
+    braked = np.flatnonzero(np.isfinite(demand.level))
+    last = int(braked[-1]) if braked.size else b.end.size - 1
+    return Exchanged(
+        log_odds=float(other.evidence[last] - e.split.evidence[last]),
+        block=last,
+        log_pad_ratio=(float(e.split.log_pad_ratio[last]), float(other.log_pad_ratio[last])),
+    )
+
+
+def _other_way(car: Vehicle, b: Blocks, demand: SplitInput) -> tuple[Blocks, SplitInput]:
+    """Blocks with the wheel speeds exchanged, and the mean slip that they show then."""
+    b = replace(b, omega_f=b.omega_r, omega_r=b.omega_f)
+    if b.v is None:
+        return b, demand
+    slip = mean_slip(car, demand.load_f, b.omega_f, b.omega_r, b.v)
+    return b, replace(demand, slip=slip)
