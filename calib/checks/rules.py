@@ -205,7 +205,8 @@ def _not_for_validate(seen: Observation) -> Iterator[str]:
         return
     yield from _short_lead_in(seen, LEAD_IN_VALIDATE, "stop")
     braking = sum(event.braking for event in seen.events)
-    if braking < BRAKING:
+    locked = seen.slipping is not None and seen.slipping.locked
+    if braking < BRAKING and not locked:  # of locked wheels the speed is not known
         yield f"{braking:.1f} s of braking above 3 m/s: brake for {BRAKING:g} s or more"
 
 

@@ -128,6 +128,12 @@ def _limits(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
             (f"ABS works on {wheels} from {slips.cycles[0][1]:.2f} s on",),
             "brake less, or on a road with more grip",
         )  # fmt: skip
+    yield from locked_wheels(log, seen)
+
+
+def locked_wheels(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    """Wheels that lock: what they say after it is no speed of the car."""
+    slips = seen.slipping
     if slips and slips.locked:
         yield PlausibilityWarning(
             "locked_wheels", log, len(slips.locked), NONE,

@@ -88,7 +88,7 @@ def axles_of(log: Log, driving: DrivingRecord) -> Axles:
         front_rear=zero,
         left_right_f=mismatch(fl, fr, free, driving.step),
         left_right_r=mismatch(rl, rr, free, driving.step),
-        slope=_against_wheels(driving),
+        slope=_against_wheels(driving, _all_roll(log, driving)),
         eta_braked=braked if zero is not None else None,
         eta_most=_most(front, rear, free, braking & (driving.wheel_z > 0.1), driving.step),
     )
@@ -114,20 +114,41 @@ def _most(
     return IntervalEstimate(changes[at], float(stdtrit(rolling.size - 1, 0.975)) * spread)
 
 
-def _against_wheels(driving: DrivingRecord) -> float | None:
-    """Slope of the measured deceleration over that of the wheels [m].
+SLOPE_TIME = 0.3
+"""Both decelerations are smoothed over this [s], because the slip of a wheel changes faster than
+the speed of the car."""
 
-    Both are smoothed over 0.3 s, because the slip of a wheel changes faster than the speed of the
-    car. None for a correlation below 0.8: a wet road with much slip, or a wrong ``a_x``.
+NEAR_LOCK = 0.5
+"""Time before and after a deep slip [s] that is left out: a wheel locks within 0.1 to 0.4 s."""
+
+
+def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
+    """Slope of the measured deceleration over that of the wheels [m] where all wheels roll.
+
+    None for a correlation below 0.8: a wet road with much slip, or a wrong ``a_x``.
     """
-    width = max(1, round(0.3 / driving.step)) | 1
-    spin = centred_mean(driving.wheel_z * G / NOMINAL_RADIUS, width)[driving.moving]
-    a = centred_mean(driving.z * G, width)[driving.moving]
+    width = max(1, round(SLOPE_TIME / driving.step)) | 1
+    use = driving.moving & rolling
+    spin = centred_mean(driving.wheel_z * G / NOMINAL_RADIUS, width)[use]
+    a = centred_mean(driving.z * G, width)[use]
     if spin.size < 20 or np.ptp(spin) < 3.0 or np.ptp(a) == 0.0:  # 3 rad/s^2 are about 0.1 g
         return None
     if abs(np.corrcoef(a, spin)[0, 1]) < 0.8:
         return None
     return float(np.cov(a, spin)[0, 1] / np.var(spin, ddof=1))
+
+
+def _all_roll(log: Log, driving: DrivingRecord) -> Mask:
+    """Mask (n,): no wheel slips deeply against the unbraked part, within `NEAR_LOCK`.
+
+    A locked wheel says nothing of the speed, and one on its way to it slows faster than the car.
+    """
+    deep = np.zeros(driving.time.size, bool)
+    for slip in _slips(log, driving).values():
+        free = float(np.median(slip[driving.unbraked])) if driving.unbraked.any() else 0.0
+        deep |= slip - free > DEEP
+    width = max(1, round(2.0 * NEAR_LOCK / driving.step)) | 1
+    return np.asarray(centred_mean(deep.astype(float), width) == 0.0)
 
 
 DEEP, BACK = 0.15, 0.07

@@ -15,6 +15,9 @@ from calib.signals.filters import low_pass, since
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+LOCKS = "a wheel locks, or ABS works"
+"""Name of that reason for a sample that is not valid."""
+
 
 @dataclass(frozen=True)
 class Gates:
@@ -81,7 +84,7 @@ def validity(
             "the pressure is low": np.maximum(s.p_f, s.p_r) > gates.pressure,
             "the car is slow": s.speed > gates.speed,
             "the brake has just been applied": since(s.time, ~active) > gates.settle,
-            "a wheel locks, or ABS works": since(s.time, _locked(log, s, gates)) > gates.recover,
+            LOCKS: since(s.time, _locked(log, s, gates)) > gates.recover,
             f"the front interval is wider than {100 * gates.interval_f:g} %": _narrow(
                 front, gates.interval_f
             ),
@@ -122,8 +125,11 @@ LATERAL_TIME = 0.2
 
 
 def _locked(log: Log, s: Signals, gates: Gates) -> Mask:
-    """Where a wheel departs from the fastest one as only ABS or a locked wheel does."""
+    """Where a wheel departs from the others, or from v, as only ABS or a locked wheel does."""
     wheels = np.stack([log[f"omega_{w}"] for w in WHEELS])
     fastest = wheels.max(axis=0)
+    if s.v is not None and s.lead_in.any():  # all four may lock together
+        per_speed = float(np.mean(fastest[s.lead_in]) / np.mean(s.v[s.lead_in]))
+        fastest = np.maximum(fastest, per_speed * s.v)
     apart = fastest - wheels.min(axis=0) > gates.lock * np.maximum(fastest, 1.0)
     return np.asarray(apart & (s.speed > gates.speed))

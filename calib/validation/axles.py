@@ -25,6 +25,7 @@ from calib.checks.swapped import what_to_check
 from calib.errors import LogError
 from calib.estimation.estimator import Estimate
 from calib.estimation.exchanged import Exchanged, exchanged
+from calib.estimation.gates import LOCKS
 from calib.logs.log import Log
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
@@ -54,6 +55,10 @@ SURE = 20.0
 without v, one stop of 60 25; swapped wheel speeds 21 to 500 (`tests/studies/weak_pads.py`, seeds
 57 and 58, `tests/studies/swapped_stops.py`)."""
 
+LIMIT = 0.1
+"""Share of the braked samples with a wheel at its limit past which nothing is weighed: the filter
+knows no wheel that locks."""
+
 SWAPPED = "front and rear wheel speeds that are swapped"
 
 
@@ -78,7 +83,7 @@ def judge_axles(table: Table, log: Log, e: Estimate) -> Exchanged | None:
     other = exchanged(e, e.basis)
     if r is not None and r.expected > 0.0 and r.eta + 4.0 * r.error < -REVERSED * r.expected:
         _require_weak_pads(table, log, e, r, other)
-    return other
+    return None if float(np.mean(e.refused[LOCKS][e.braked])) > LIMIT else other
 
 
 def _require_weak_pads(table: Table, log: Log, e: Estimate, r: Rise, other: Exchanged) -> None:

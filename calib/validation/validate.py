@@ -11,8 +11,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.check import problems_for
 from calib.checks.gates import require_same_wheels
+from calib.checks.observation import observe
+from calib.checks.rules import problems
+from calib.checks.warnings import locked_wheels
 from calib.errors import LogError, VehicleError
 from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
@@ -192,10 +194,11 @@ def validate_one(
     baselines: bool = True,
 ) -> Validation:
     """Run, score and judge one log; without ``baselines`` the other methods are left out."""
-    problems = problems_for(log, "validate")
-    if problems:
+    seen = observe(log, noise=False)
+    reasons = problems(seen, "validate")
+    if reasons:
         raise LogError(
-            "this run cannot be used for a validation: " + "; ".join(problems),
+            "this run cannot be used for a validation: " + "; ".join(reasons),
             where=log.source,
             do="see `brake-cal check`",
         )
@@ -204,7 +207,11 @@ def validate_one(
     require_same_wheels(table.vehicle, log, signals(log, table.vehicle))
     result = estimate(table, log, vehicle, mass=mass, with_laws=baselines)
     other = judge_axles(table, log, result)
-    warnings = (*warnings_of(log, result), *axles_warnings(log.name, result, other))
+    warnings = (
+        *warnings_of(log, result),
+        *axles_warnings(log.name, result, other),
+        *locked_wheels(log.name, seen),
+    )
     if other is not None and other.log_odds > SURE:
         result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
     if any(w.code == "unexplained_braking_force" and w.measured > FOREIGN for w in warnings):

@@ -77,6 +77,17 @@ def test_no_slope_of_a_coast():
     assert axles_of(log, driving_record(log)).slope is None
 
 
+@pytest.mark.parametrize("locks_after", [0.6, 2.5])
+def test_locked_wheels_do_not_make_another_radius(locks_after):
+    """The wheels stop within 0.3 s while the car goes on: no radius, or that of the time before."""
+    log = made_run(stop(level=28.0))
+    start = log.time[np.argmax(log["p_mc"] > 2e5)] + locks_after
+    turning = np.clip(1.0 - (log.time - start) / 0.3, 0.0, 1.0)
+    log = changed(log, **{f"omega_{w}": turning * log[f"omega_{w}"] for w in WHEELS})
+    slope = axles_of(log, driving_record(log)).slope
+    assert slope is None or slope == pytest.approx(RADIUS, rel=0.2)
+
+
 @pytest.mark.parametrize("v", [True, False])
 def test_abs_on_one_wheel(v):
     found = slip_of(with_slip(made_run(stop()), ["fl"], 3.0, 0.4, 0.25, v))

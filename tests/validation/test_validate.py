@@ -22,6 +22,7 @@ from calib.validation.validate import (
 )
 from tests.support.made_runs import made_run
 from tests.support.made_runs import stop as made_stop
+from tests.support.plant import magic
 from tests.support.reference_car import (
     CAR,
     REAL,
@@ -305,3 +306,16 @@ def test_pads_that_no_brake_has_are_not_valid(table):
     (result,) = validate(heavy, [noisy(stop(REAL), 2)])
     assert not result.passed
     assert "no pad has such a friction" in result.refused
+
+
+@pytest.mark.parametrize("logged", ["with v", "without v"])
+def test_locked_wheels_fail_by_themselves(table, wet, logged):
+    """All wheels lock on a slippery road; the stop beside it is judged."""
+    log = noisy(stop(replace(REAL, tyre=magic(25.0, 0.5)), 60e5, "locked"), 4)
+    pair = [log, wet] if logged == "with v" else [without(one, "v") for one in (log, wet)]
+    locked, good = validate(table, pair)
+    assert good.figures["valid_share"] > 0.9
+    assert not locked.passed
+    assert not locked.estimate.valid.any()
+    assert [w.code for w in locked.warnings] == ["locked_wheels"]
+    assert locked.refused["a wheel locks, or ABS works"] > 0.5
