@@ -135,11 +135,15 @@ def level_warnings(log: str, level: float, sigma: float) -> Iterator[Plausibilit
         )
 
 
-def change_warnings(log: str, apart: float, sigma: float) -> Iterator[PlausibilityWarning]:
+def change_warnings(
+    log: str, apart: float, sigma: float, *, like_a_load: bool = False
+) -> Iterator[PlausibilityWarning]:
     """Pads that changed unlike: what eta and slip cannot tell from tyres or a motor.
 
-    ``apart`` ln of the front pads' change over that of the rear ones, with its ``sigma``.
+    ``apart`` ln of the front pads' change over that of the rear ones, with its ``sigma``;
+    ``like_a_load`` whether front and rear changed as a load makes them seem.
     """
+    load = ("another load of the car than on the ramp",)
     if abs(apart) > APART and abs(apart) > Z95 * sigma:
         yield PlausibilityWarning(
             "pads_changed_apart",
@@ -147,12 +151,13 @@ def change_warnings(log: str, apart: float, sigma: float) -> Iterator[Plausibili
             math.expm1(apart),
             (-APART, APART),
             (
+                *(load if like_a_load else ()),
                 "the pads or the tyres of one axle (wet, hot, new or changed since the ramp)",
                 "rear brakes that do not get all of the pressure"
                 if apart > 0.0
                 else "a motor or an engine that brakes the rear axle",
                 *(("a motor that brakes the front axle",) if apart > 0.0 else ()),
-                "another load of the car than on the ramp",
+                *(() if like_a_load else load),
                 *(() if apart > 0.0 else ("front and rear wheel speeds that are swapped",)),
             ),
             "state another load with --mass; drive a new ramp if tyres or brakes were changed; log "

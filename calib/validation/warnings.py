@@ -6,10 +6,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from calib.estimation.estimator import Basis, Estimate
-from calib.estimation.pads import level_change_sigma
 from calib.logs.log import Log
-from calib.plausibility.pads import change_warnings, level_warnings
+from calib.physics.forces import axle_loads
+from calib.plausibility.load import is_load, load_behind
+from calib.plausibility.pads import LEVEL, LOADED, change_warnings, level_warnings
 from calib.plausibility.run import run_warnings
+from calib.statistics.intervals import Z95
 from calib.table.pads_budget import front_share
 from calib.validation.limits import Judgement
 from calib.validation.metrics import METRICS
@@ -40,34 +42,64 @@ def limit_warnings(log: str, judged: tuple[Judgement, ...]) -> Iterator[Plausibi
 
 
 def _pads(log: str, e: Estimate) -> Iterator[PlausibilityWarning]:
-    """How the pads changed against each other, else together, at the last valid sample."""
+    """How the pads changed against each other and together, at the last valid sample."""
     if not e.valid.any():
         return
-    apart = tuple(change_warnings(log, *pads_apart(e)))
-    yield from apart
-    if not apart and e.basis is not None:
-        yield from level_warnings(log, *pads_together(e, e.basis))
+    apart = pads_apart(e)
+    if e.basis is None:
+        yield from change_warnings(log, *apart)
+        return
+    level = pads_together(e, e.basis)
+    load = like_a_load(e, level[0], apart)
+    changed = tuple(change_warnings(log, *apart, like_a_load=load))
+    yield from changed
+    if load or not changed:
+        yield from level_warnings(log, *level)
+
+
+def like_a_load(e: Estimate, level: float, apart: tuple[float, float]) -> bool:
+    """Whether a load would make the pads seem changed as they do, within what is known of them.
+
+    ``level``, ``apart`` as `pads_together` and `pads_apart` have them.
+    """
+    if not LEVEL < abs(level) < LOADED:
+        return False
+    car, z = e.plan.nominal, float(e.blocks.z[_block(e)])
+    front, rear = axle_loads(car, np.asarray(z))
+    share = front_share(car, e.plan.table.calibration.pad_log_ratio.value)
+    transfer = z * car.cg_height / car.wheelbase
+    ends = (apart[0] + sign * Z95 * apart[1] for sign in (-1.0, 1.0))
+    where = (share, float(front / (front + rear)), transfer)
+    return is_load(*(load_behind(level, end, *where) for end in ends))
 
 
 def pads_apart(e: Estimate) -> tuple[float, float]:
     """ln of the front pads' change over the rear ones', at the last valid sample, and its sigma."""
-    last = int(np.flatnonzero(e.valid)[-1])
-    return math.log(float(e.front.change[last] / e.rear.change[last])), _sigma(e, last)
+    last = _last(e)
+    apart = math.log(float(e.front.change[last] / e.rear.change[last]))
+    return apart, float(e.split.change_sigma[_block(e)])
 
 
 def pads_together(e: Estimate, basis: Basis) -> tuple[float, float]:
     """ln of the brake force over that of the ramp's pads, at the last valid sample, and its sigma.
 
-    The sigma is that of pads that are not the ramp's: they are known as well as the mass.
+    As it was measured: pads that are not the ramp's. The mass is not counted in the sigma, since
+    another load is what it would tell.
     """
-    last = int(np.flatnonzero(e.valid)[-1])
+    last, level = _last(e), basis.level
     share = front_share(e.plan.table.vehicle, e.plan.table.calibration.pad_log_ratio.value)
-    front, rear = float(e.front.change[last]), float(e.rear.change[last])
-    sigma = level_change_sigma(e.plan, basis.level.sigma)[last]
-    return math.log(share * front + (1.0 - share) * rear), float(sigma)
+    weighed = share * e.front.change[last] + (1.0 - share) * e.rear.change[last]
+    measured = math.log(weighed) + float(level.free[last] - math.log(level.value[last]))
+    parts = (level.noise[last], level.resistance[last], level.accelerometer[last])
+    ramp = sum(variance for part, variance in e.plan.ramp_level.items() if part != "mass")
+    return measured, math.sqrt(sum(float(part) ** 2 for part in parts) + ramp)
 
 
-def _sigma(e: Estimate, at: int) -> float:
-    """Standard deviation of ln of the pads' ratio over that of the ramp, at a sample."""
-    block = min(int(np.searchsorted(e.blocks.end, e.time[at])), e.blocks.end.size - 1)
-    return float(e.split.change_sigma[block])
+def _last(e: Estimate) -> int:
+    """The last valid sample."""
+    return int(np.flatnonzero(e.valid)[-1])
+
+
+def _block(e: Estimate) -> int:
+    """The block of the last valid sample."""
+    return min(int(np.searchsorted(e.blocks.end, e.time[_last(e)])), e.blocks.end.size - 1)

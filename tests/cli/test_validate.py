@@ -76,8 +76,10 @@ def test_logs_that_pass(run):
         f"passed: all 2 logs are within the limits, with {len(warned)} warning"
     )
     rows = {line.split()[0]: line for line in figures.splitlines()}
-    assert rows["wet"].rstrip().endswith("passed, 1 warning")
-    assert rows["harder"].rstrip().endswith("passed, 1 warning")
+    for name in ("wet", "harder"):  # a load would make rear pads seem weaker, too
+        count = sum(line.startswith(f"warning: {name}: ") for line in warned)
+        assert 1 <= count <= 2
+        assert f"passed, {count} warning" in rows[name]
     assert "wet, harder: on roads alike, pad friction differs from the mean by up to" in ran.out
     made_of = [line for line in ran.out.splitlines() if "(95 %): one sigma of " in line]
     assert [line.split(" pads ")[0] for line in made_of] == [

@@ -12,7 +12,7 @@ from calib.validation.validate import to_dict, validate
 from calib.validation.warnings import warnings_of
 from calib.warning import PlausibilityWarning
 from tests.support.plant import as_log, drive
-from tests.support.reference_car import CAR, REAL, WET, noisy, stop, with_pads
+from tests.support.reference_car import CAR, REAL, WET, noisy, stop, with_pads, without
 from tests.support.tables import stored_as
 
 
@@ -81,6 +81,28 @@ def test_a_load_that_nobody_stated_is_named_and_measured(fitted, seed):
     assert warning.code == "level_changed"
     assert warning.measured == pytest.approx(1.0 / 1.12 - 1.0, abs=0.02)
     assert codes(log, estimate(fitted, log, mass=1.12 * CAR.mass)) == []
+
+
+def with_passengers(mass):
+    """The plant with people on all seats, most of them behind the middle [kg]."""
+    total = CAR.mass + mass
+    front = (CAR.mass * CAR.cg_to_front_axle + mass * 0.62 * CAR.wheelbase) / total
+    rear = CAR.wheelbase - front
+    car = replace(CAR, mass=total, cg_to_front_axle=front, cg_to_rear_axle=rear)
+    return replace(REAL, vehicle=car)
+
+
+@pytest.mark.parametrize("logged", ["with v", "without v"])
+@pytest.mark.parametrize("pressure", [18e5, 30e5])
+def test_passengers_in_the_stops_only_are_named_first(fitted, pressure, logged):
+    """Most of their weight is on the rear axle: its pads seem to have lost more."""
+    log = noisy(stop(with_passengers(225.0), pressure), 7)
+    log = log if logged == "with v" else without(log, "v")
+    found = warnings_of(log, estimate(fitted, log))
+    assert "level_changed" in [one.code for one in found]
+    for one in found:
+        assert "load" in one.causes[0]
+        assert "--mass" in one.do
 
 
 def test_the_summary_holds_the_warnings_with_their_log(fitted, clean):
