@@ -181,10 +181,10 @@ def _residuals(vehicle: Vehicle, runs: list[RampRun], x: Array) -> list[tuple[Ar
     for run, (eta_zero, slip_zero), own in zip(runs, zeros, softer, strict=True):
         eta, mean = predict(vehicle, run, parameters, eta_zero, slip_zero, own)
         b = run.blocks
-        e = (b.eta - eta) / sigma_eta(run.noise, b, b.eta - 1.0)
+        e = (b.eta - eta) / sigma_eta(run, b.eta - 1.0)
         if run.slip is None:
             out.append((e[run.use], np.empty(0)))
         else:
-            s = (run.slip - mean) / sigma_slip(run.noise, b, run.slip)
+            s = (run.slip - mean) / sigma_slip(run, run.slip)
             out.append((e[run.use], s[run.use]))
     return out

@@ -31,6 +31,8 @@ def settings() -> dict[str, float]:
         "block": BLOCK,
         "bite_pressure": BITE,
         "model_error": SETTINGS.model_error,
+        "form_error": SETTINGS.form_error,
+        "form_reach": SETTINGS.form_reach,
         "pads_repeat": SETTINGS.pads_repeat,
         "tyres_repeat": SETTINGS.tyres_repeat,
         "pads_differ": SETTINGS.pads_differ,

@@ -8,7 +8,7 @@ scale follows from the sum of forces. The forces give the slips through the comp
                                               \----------> mean slip     where v is known
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,8 @@ class RampRun:
     the brake, inertia included, as a force at the road [N]; ``brake_sum`` brake force of both axles
     that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
     blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
-    is exact; ``only`` the axle that brakes alone, None where both do.
+    is exact; ``only`` the axle that brakes alone, None where both do; ``model_error`` of the tyre's
+    curve relative to the slip [1].
     """
 
     name: str
@@ -53,6 +54,7 @@ class RampRun:
     use: NDArray[np.bool_]
     accelerometer: Accelerometer | None = None
     only: Axle | None = None
+    model_error: Array | float = SETTINGS.model_error
 
 
 def prepare(
@@ -72,7 +74,7 @@ def prepare(
     # the last blocks of a stop hold the jerk at standstill
     use = (b.speed > SETTINGS.min_speed) & (b.end < b.end[-1] - 0.1) & stands
     load_f = np.where(stands, forces.load_f, np.nan)
-    return RampRun(
+    run = RampRun(
         name=name,
         blocks=b,
         noise=noise,
@@ -86,6 +88,18 @@ def prepare(
         accelerometer=accelerometer,
         only=braked_alone(b.p_f, b.p_r),
     )
+    return run if run.only else replace(run, model_error=_model_error(vehicle, run))
+
+
+def _model_error(vehicle: Vehicle, run: RampRun) -> Array:
+    """What the tyre's curve may be off, relative to the slip [1], (k,).
+
+    Near its peak a tyre yields more than a cubic does, and the fit would take that for another
+    ratio of the pads. Where one axle brakes alone its force is known, and no such thing happens.
+    """
+    F_f, F_r, _ = normalised_forces(vehicle, run, 0.0)
+    near_peak = np.maximum(F_f, F_r) / SETTINGS.form_reach
+    return np.hypot(SETTINGS.model_error, SETTINGS.form_error * near_peak**12)
 
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
@@ -138,10 +152,11 @@ def predict(
     return speed_ratio(slip_f, slip_r) * (1.0 + eta_zero), mean + slip_zero + lag
 
 
-def sigma_eta(noise: SensorNoise, b: Blocks, signal: Array) -> Array:
+def sigma_eta(run: RampRun, signal: Array) -> Array:
     """Standard deviation of eta of a block [1]: two axle means, and the model error."""
-    sensor = np.sqrt(2.0 / b.length) * noise.omega / _turning(b)
-    return np.asarray(np.hypot(sensor, SETTINGS.model_error * signal))
+    b = run.blocks
+    sensor = np.sqrt(2.0 / b.length) * run.noise.omega / _turning(b)
+    return np.asarray(np.hypot(sensor, run.model_error * signal))
 
 
 def _turning(b: Blocks) -> Array:
@@ -149,8 +164,9 @@ def _turning(b: Blocks) -> Array:
     return np.maximum(b.omega_f, 1.0)
 
 
-def sigma_slip(noise: SensorNoise, b: Blocks, signal: Array) -> Array:
+def sigma_slip(run: RampRun, signal: Array) -> Array:
     """Standard deviation of the mean slip of a block [1]: v, the wheels, and the model error."""
+    b, noise = run.blocks, run.noise
     speed = np.maximum(b.speed, SETTINGS.min_speed)  # slower blocks take no part
     sensor = np.hypot(noise.v / speed, noise.omega / _turning(b)) / np.sqrt(b.length)
-    return np.asarray(np.hypot(sensor, SETTINGS.model_error * signal))
+    return np.asarray(np.hypot(sensor, run.model_error * signal))

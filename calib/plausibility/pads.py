@@ -16,7 +16,8 @@ OF_FILE = (0.8, 1.25)
 """Pad friction over that of the vehicle file [1]: pads of one grade scatter by 10 %."""
 
 RATIO = 0.09
-"""Departure of the pads' ratio from the file's [1] from which it is named."""
+"""Departure of the pads' ratio from the file's (logarithm) from which it is named, if its interval
+says so too."""
 
 STIFFNESS = (8.0, 60.0)
 """Slip stiffness of tyres over their load [1]: winter tyres on a wet road have 10, sports tyres on
@@ -82,12 +83,13 @@ def calibration_warnings(
                 "correct what is wrong, or write the friction of these pads into the vehicle file",
             )
     rho = calibration.pad_log_ratio
-    if abs(rho.value) > max(RATIO, rho.sigma):
+    usual = max(RATIO, Z95 * rho.sigma)
+    if abs(rho.value) > usual:
         yield PlausibilityWarning(
             "pad_ratio",
             vehicle.name,
             math.expm1(rho.value),
-            (-RATIO, RATIO),
+            (math.expm1(-usual), math.expm1(usual)),
             (
                 "piston areas, radii or pads of one axle in the vehicle file",
                 "cg_height or the axle distances of the vehicle file",

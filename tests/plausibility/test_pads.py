@@ -40,7 +40,7 @@ def codes(pads, tyre=None):
         (calibration(0.75, 0.75), ["pads_off_file_f", "pads_off_file_r"]),
         (calibration(1.3, 1.3), ["pads_off_file_f", "pads_off_file_r"]),
         (calibration(1.1, 0.9), ["pad_ratio"]),
-        (calibration(1.1, 0.9, sigma=0.25), []),
+        (calibration(1.1, 0.9, sigma=0.12), []),
     ],
 )
 def test_pads_far_from_the_file_are_named(pads, expected):
