@@ -27,10 +27,7 @@ def _read_too_low(p: Array, by: float) -> Array:
 EFFECT = Effect(
     card=Card(
         name="brake_threshold_pressure",
-        cause=(
-            "return springs and seals of the calipers; below zero, a pressure sensor whose zero "
-            "reads too low"
-        ),
+        cause="springs and seals of the calipers; below 0 a sensor that reads too low",
         equation="p - p_0 above |p_0|; no effect at threshold = 0",
         source="Limpert, Brake Design and Safety, ch. 5 (pushout pressure)",
         looks_like="the same loss of torque at every pressure; no torque below the threshold",
