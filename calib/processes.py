@@ -53,6 +53,8 @@ def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
         yield map
         return
     pool = workers(count, preload)
+    for _ in range(count):
+        pool.submit(os.getpid)  # a process starts with its first work: let it import meanwhile
 
     def mapped(function: Callable[[T], R], items: Iterable[T], /) -> Iterator[R]:
         given = list(items)

@@ -76,14 +76,16 @@ def diagnose(
     car = with_own_effects(read_vehicle(vehicle), effect)
     mapping = channel_map_of(channel_map)
     paths, runs = [*logs, *kept], []
-    with stages() as tell:
-        for i, path in enumerate(paths):
-            tell(f"reading {path.name}", i, len(paths))
-            runs.append(read(path, mapping))
-    say(f"searching {counted(len(logs), 'log')}, confirming on {len(kept)}")
     count = workers or min(cores(), REFINED)
-    with side_by_side(count, "calib.fleet.warm") as mapped, stages() as tell:
-        found = find(car, runs[: len(logs)], runs[len(logs) :], tell, mapped)
+    with side_by_side(count, "calib.diagnosis.diagnose") as mapped:
+        with stages() as tell:
+            for i, path in enumerate(paths):
+                tell(f"reading {path.name}", i, len(paths))
+                runs.append(read(path, mapping))
+        say(f"searching {counted(len(logs), 'log')}, confirming on {len(kept)}")
+        with stages() as tell:
+            found = find(car, runs[: len(logs)], runs[len(logs) :], tell, mapped)
+    with stages() as tell:
         tell("drawing the report", 0, 1)
         report = report_html(found, car.name)
     with writing(out):
