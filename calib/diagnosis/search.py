@@ -8,9 +8,10 @@ innovations on the rest. That is cheap. The best ones are then fitted in full, s
 hysteresis are not linear.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from calib.physics.effects.effects import Effects
 from calib.physics.own_effects.own_effect import definition, every_effect
 
 Array = NDArray[np.float64]
+R = TypeVar("R")
 
 REFINED = 6
 """Effects that are fitted in full after the first ranking."""
@@ -72,11 +74,15 @@ def hints(problem: Problem, at: Candidate) -> list[Hint]:
     names = [name for name in every_effect(problem.vehicle.effects) if name not in at.names]
     alone = replace(at, problem=problem.alone)
     hint_of = partial(_hint_of, alone, innovations, directions)
-    found = []
-    for i, hint in enumerate(problem.mapped(hint_of, names)):
-        problem.tell(f"trying effect {i + 1} of {len(names)}", i + 1, len(names))
-        found.append(hint)
+    found = _one_by_one(problem, "trying effect", problem.mapped(hint_of, names), len(names))
     return sorted(found, key=lambda hint: -hint.gain)
+
+
+def _one_by_one(problem: Problem, stage: str, results: Iterator[R], count: int) -> Iterator[R]:
+    """The ``count`` results, each with its number told before it comes."""
+    for i in range(count):
+        problem.tell(f"{stage} {i + 1} of {count}", i, count)
+        yield next(results)
 
 
 def _hint_of(at: Candidate, innovations: Array, directions: Array, name: str) -> Hint:
@@ -145,10 +151,9 @@ def refine(problem: Problem, at: Candidate, count: int = REFINED) -> list[Candid
     """Fit the most promising effects on top of ``at``; best first."""
     tried = [hint for hint in hints(problem, at)[:count] if hint.gain > 0.0]
     alone = replace(at, problem=problem.alone)
-    fitted = []
-    for i, candidate in enumerate(problem.mapped(partial(_fitted, alone), tried)):
-        problem.tell(f"fitting the best {len(tried)}", i + 1, len(tried))
-        fitted.append(replace(candidate, problem=problem))
+    results = problem.mapped(partial(_fitted, alone), tried)
+    found = _one_by_one(problem, "fitting the best, effect", results, len(tried))
+    fitted = [replace(candidate, problem=problem) for candidate in found]
     return sorted(fitted, key=lambda candidate: candidate.chi2)
 
 
