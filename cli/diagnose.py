@@ -76,7 +76,8 @@ def diagnose(
     car = with_own_effects(read_vehicle(vehicle), effect)
     mapping = channel_map_of(channel_map)
     paths, runs = [*logs, *kept], []
-    count = workers or min(cores(), REFINED)
+    # A function of one's own acts in one process only.
+    count = 1 if car.effects.own else workers or min(cores(), REFINED)
     with side_by_side(count, "calib.diagnosis.diagnose") as mapped:
         with stages() as tell:
             for i, path in enumerate(paths):

@@ -20,6 +20,7 @@ from calib.estimation.estimator import Estimate, estimate
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.table.table import Table
+from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.ensemble import SURFACES, Case, cases
 
 METHODS = ("kalman", "nominal", "mean_gain", "temperature", "gradient_as_written", "gradient_paper")
@@ -59,29 +60,28 @@ def row(index: int, table: Table, log: Log, surface: str, alike: bool) -> Row:
     """Score one stop against the plant."""
     e = estimate(table, log)
     valid, counted = e.valid, e.braked & (e.speed > 3.0)
-    truths = [log.truth[f"true_mu_pad_{side}"] for side in "fr"]
-    axles = (e.front, e.rear)
+    truths = truths_of(log)
     if not valid.any():
         nan = (np.nan, np.nan)
         return Row(index, surface, alike, 0.0, 0, nan, nan, nan, {})
 
-    def of(f):
-        return tuple(float(f(a, t)) for a, t in zip(axles, truths, strict=True))
-
+    front, rear = against_truth(e, truths)
     return Row(
         car=index,
         surface=surface,
         alike=alike,
         valid_share=float(np.sum(valid & counted) / np.sum(counted)),
         samples=int(valid.sum()),
-        held=of(lambda a, t: np.mean(((t >= a.lower) & (t <= a.upper))[valid])),
-        bias=of(lambda a, t: np.mean((a.pad_friction / t - 1.0)[valid])),
-        width=of(lambda a, t: np.median((0.5 * (a.upper - a.lower) / a.pad_friction)[valid])),
+        held=(mean(front.held), mean(rear.held)),
+        bias=(mean(front.error), mean(rear.error)),
+        width=(float(np.median(front.half_width)), float(np.median(rear.half_width))),
         rms=method_errors(e, truths),
     )
 
 
-def method_errors(e: Estimate, truths: list[np.ndarray]) -> dict[str, tuple[float, float]]:
+def method_errors(
+    e: Estimate, truths: tuple[np.ndarray, np.ndarray]
+) -> dict[str, tuple[float, float]]:
     """Rms relative error of each method over the valid samples, front and rear [1]."""
     pads = {"kalman": (e.front.pad_friction, e.rear.pad_friction), **e.baselines}
     return {

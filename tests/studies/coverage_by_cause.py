@@ -28,6 +28,7 @@ from calib.physics.mass import WEIGHED
 from calib.table.table import Table
 from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
+from tests.studies.against_truth import against_truth, truths_of
 from tests.studies.causes import CAUSES
 from tests.studies.coverage import without_v
 from tests.studies.ensemble import Case, case
@@ -79,18 +80,15 @@ def row(cause: str, keep_v: bool, table: Table, log: Log) -> Row:
         result = validate_one(table, log, None, DEFAULTS, baselines=False)
     except BrakeCalError as error:
         return Row(cause, keep_v, refused=f"validate: {error}")
-    e, held, squares = result.estimate, [], []
-    for axle, name in ((e.front, "true_mu_pad_f"), (e.rear, "true_mu_pad_r")):
-        truth = log.truth[name]
-        held.append(float(np.sum(((truth >= axle.lower) & (truth <= axle.upper))[e.valid])))
-        squares.append(float(np.sum((axle.pad_friction / truth - 1.0)[e.valid] ** 2)))
+    e = result.estimate
+    front, rear = against_truth(e, truths_of(log))
     return Row(
         cause,
         keep_v,
         valid=int(np.sum(e.valid)),
         braked=int(np.sum(e.braked & (e.speed > 3.0))),
-        held=(held[0], held[1]),
-        squares=(squares[0], squares[1]),
+        held=(float(np.sum(front.held)), float(np.sum(rear.held))),
+        squares=(float(np.sum(front.error**2)), float(np.sum(rear.error**2))),
         codes=tuple(warning.code for warning in result.warnings),
     )
 

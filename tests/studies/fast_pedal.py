@@ -26,6 +26,7 @@ from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
 from calib.table.table import Table
 from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
+from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.coverage import without_v
 from tests.studies.ensemble import car, per_pascal, tyre
 from tests.support.plant import Plant, Pressure, as_log, drive
@@ -95,14 +96,9 @@ def scored(table: Table, log: Log) -> list[float]:
     """Valid samples, coverage, mean error and half width [%] front and rear; whether it passed."""
     result = validate_one(table, log, None, DEFAULTS, baselines=False)
     e, out = result.estimate, []
-    valid = e.valid
-    for axle, name in ((e.front, "true_mu_pad_f"), (e.rear, "true_mu_pad_r")):
-        mu, truth = axle.pad_friction[valid], log.truth[name][valid]
-        low, high = axle.lower[valid], axle.upper[valid]
-        held = (truth >= low) & (truth <= high)
-        each = (held, 100.0 * (mu / truth - 1.0), 50.0 * (high - low) / mu)
-        out += [float(np.mean(x)) if valid.any() else np.nan for x in each]
-    return [float(valid.sum()), *out, float(result.passed)]
+    for axle in against_truth(e, truths_of(log)):
+        out += [mean(axle.held), mean(100.0 * axle.error), mean(100.0 * axle.half_width)]
+    return [float(e.valid.sum()), *out, float(result.passed)]
 
 
 def main() -> None:

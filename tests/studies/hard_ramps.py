@@ -25,6 +25,7 @@ from calib.plausibility.pads import RATIO
 from calib.statistics.intervals import Z95
 from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
+from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.coverage import without_v
 from tests.studies.ensemble import per_pascal
 from tests.studies.fast_pedal import BITE, drawn, rising, run
@@ -66,12 +67,9 @@ def main() -> None:
                 near += abs(true) < RATIO
                 warned = any(w.code == "pad_ratio" for w in table.warnings)
                 false += warned and abs(true) < RATIO
-                for axle, side in ((e.front, "f"), (e.rear, "r")):
-                    truth = stop.truth[f"true_mu_pad_{side}"]
-                    inside = ((truth >= axle.lower) & (truth <= axle.upper))[e.valid]
-                    error = (axle.pad_friction / truth - 1.0)[e.valid]
-                    held.append(float(np.mean(inside)) if inside.size else np.nan)
-                    wrong.append(float(np.mean(error)) if inside.size else np.nan)
+                for axle in against_truth(e, truths_of(stop)):
+                    held.append(mean(axle.held))
+                    wrong.append(mean(axle.error))
             x, s = np.array(off).T
             share = np.nanmean(np.reshape(held, (-1, 2)), axis=0)
             rms = 100.0 * np.sqrt(np.nanmean(np.reshape(wrong, (-1, 2)) ** 2, axis=0))

@@ -25,6 +25,7 @@ from calib.physics.mass import WEIGHED
 from calib.physics.vehicle import Vehicle
 from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
+from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.coverage import without_v
 from tests.studies.ensemble import per_pascal
 from tests.studies.fast_pedal import BITE, drawn, rising, run
@@ -72,11 +73,8 @@ def main() -> None:
                     continue
                 for kind, log in stops:
                     result = validate_one(table, less(log), None, DEFAULTS, baselines=False)
-                    e, held = result.estimate, []
-                    for axle, side in ((e.front, "f"), (e.rear, "r")):
-                        truth = log.truth[f"true_mu_pad_{side}"]
-                        inside = ((truth >= axle.lower) & (truth <= axle.upper))[e.valid]
-                        held.append(float(np.mean(inside)) if inside.size else np.nan)
+                    axles = against_truth(result.estimate, truths_of(log))
+                    held = [mean(axle.held) for axle in axles]
                     named = any("load" in " ".join(w.causes[:2]) for w in result.warnings)
                     found[kind, told].append((named, bool(result.warnings), min(held)))
     print(f"{asked.cars} cars, seed {asked.seed}")

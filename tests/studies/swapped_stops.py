@@ -28,6 +28,7 @@ from calib.logs.log import Log
 from calib.table.table import Table
 from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
+from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.coverage import without_v
 from tests.studies.ensemble import per_pascal
 from tests.studies.fast_pedal import BITE, Levels, drawn, rising, run
@@ -73,16 +74,12 @@ def judged(table: Table, log: Log) -> tuple[str, tuple[float, float] | None]:
         result = validate_one(table, log, None, DEFAULTS, baselines=False)
     except LogError:
         return REFUSED, None
-    e, held = result.estimate, []
-    for axle, side in ((e.front, "f"), (e.rear, "r")):
-        truth = log.truth[f"true_mu_pad_{side}"]
-        inside = ((truth >= axle.lower) & (truth <= axle.upper))[e.valid]
-        held.append(float(np.mean(inside)) if inside.size else np.nan)
+    front, rear = against_truth(result.estimate, truths_of(log))
     codes = {warning.code for warning in result.warnings}
     word = WARNED if codes else SILENT
     if "axles_exchanged" in codes:
-        word = NAMED if e.valid.any() else INVALID
-    return word, (held[0], held[1])
+        word = NAMED if front.held.size else INVALID
+    return word, (mean(front.held), mean(rear.held))
 
 
 def main() -> None:

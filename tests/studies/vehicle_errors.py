@@ -26,6 +26,7 @@ from calib.logs.log import Log
 from calib.physics.vehicle import Vehicle
 from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
+from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop, without
 
@@ -73,9 +74,7 @@ def answer(vehicle: Vehicle, logs: list[Log], held_out: Log) -> tuple[np.ndarray
     values = [pads.pad_friction_f.value, pads.pad_friction_r.value]
     values += [float(np.median(x[at])) for x in (f.pad_friction, r.pad_friction)]
     values += [float(np.median(x[at])) for x in (f.torque, r.torque)]
-    for axle, side in ((f, "f"), (r, "r")):
-        truth = held_out.truth[f"true_mu_pad_{side}"]
-        values.append(float(np.mean(((axle.lower <= truth) & (truth <= axle.upper))[at])))
+    values += [mean(axle.held) for axle in against_truth(found, truths_of(held_out))]
     codes = {w.code for w in (*table.warnings, *judged.warnings)}
     return np.array(values), codes
 
