@@ -26,17 +26,19 @@ from calib.physics.effects.combined import (
     caliper_pressure,
     line_pressure,
     pad_factors,
+    speed_delay,
     total_axle_moment,
     total_body_force,
     total_load_shift,
     wheel_factors,
+    wheel_speed_delay,
     wheel_speed_factors,
 )
 from calib.physics.effects.effect import Pair
 from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads, tyre_force
 from calib.physics.history import Motion, RunHistory
-from calib.physics.lag import integral
+from calib.physics.lag import delayed, integral
 from calib.physics.vehicle import Vehicle
 from calib.signals.filters import block_mean, centred_mean
 from calib.signals.pedal import as_pressed
@@ -91,7 +93,7 @@ class ObservedRun:
 
 @dataclass(frozen=True)
 class Prediction:
-    """``a_x`` [m/s^2] as read, ``gained`` speed since the first sample [m/s], ``omega`` [rad/s]."""
+    """``a_x`` [m/s^2], ``gained`` speed since the start [m/s], ``omega`` [rad/s], all as read."""
 
     a_x: Array
     gained: Array
@@ -176,13 +178,19 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     a_read = as_read(car, effects, last, a_true)
     gained = np.concatenate([[0.0], np.cumsum(0.5 * (a_true[1:] + a_true[:-1])) * run.step])
     axles = (car.front, car.front, car.rear, car.rear)
+    late = wheel_speed_delay(effects)
+    shown = delayed(run.time, gained, speed_delay(effects))  # by v as it is read
+    v = run.v + (delayed(run.time, gained, late) - shown)  # of the time that the wheels show
     omega = np.stack(
-        [run.v * (1.0 - s) / axle.rolling_radius for s, axle in zip(slips, axles, strict=True)]
+        [
+            v * (1.0 - delayed(run.time, s, late)) / axle.rolling_radius
+            for s, axle in zip(slips, axles, strict=True)
+        ]
     )
     moved = Motion(run.v_smooth, 2.0 * loads[0], 2.0 * loads[2], last)
     for w, factor in wheel_speed_factors(car, effects, moved).items():
         omega[WHEELS.index(w)] *= factor
-    return Prediction(a_read, gained, omega)
+    return Prediction(a_read, shown, omega)
 
 
 def history_of(run: ObservedRun) -> RunHistory:

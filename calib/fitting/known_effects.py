@@ -21,18 +21,22 @@ from calib.errors import ModelError
 from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
 from calib.physics.brakes import Brakes, brakes_of
+from calib.physics.braking import MOVING
 from calib.physics.effects.combined import (
+    accelerometer_lag,
     as_driven,
-    as_read,
+    as_sensed,
     chosen,
     pad_factors,
+    speed_delay,
+    wheel_speed_delay,
     wheel_speed_factors,
 )
 from calib.physics.effects.effect import Effect, acts_on_brakes, slows
 from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads, deceleration
 from calib.physics.history import Motion, RunHistory, at_rest
-from calib.physics.lag import integral
+from calib.physics.lag import delayed, integral
 from calib.physics.model import Model, default_model
 from calib.physics.vehicle import Vehicle
 
@@ -80,10 +84,10 @@ def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
         return CorrectedRun(car, log, ones, ones)
     model = replace(known, vehicle=car, effects=effects)
     history = _history(model, log)
-    channels = {**log.channels, "a_x": -G * history.z}
+    channels = {**log.channels, "a_x": -G * history.z, **_in_time(effects, log, history)}
     moved = Motion(history.v, *axle_loads(car, history.z), history)
     for w, factor in wheel_speed_factors(car, effects, moved).items():
-        channels[f"omega_{w}"] = log[f"omega_{w}"] / factor
+        channels[f"omega_{w}"] = channels[f"omega_{w}"] / factor
     factors = (ones, ones)
     if chosen(effects, acts_on_brakes):
         brakes = _brakes(model, log)
@@ -111,7 +115,15 @@ def _refuse_force_over_temperature(effects: Effects, log: Log) -> None:
 
 def _changes_log(effect: Effect) -> bool:
     """Whether an effect changes a pressure or the reading of a sensor; others stay in the car."""
-    return acts_on_brakes(effect) or any((effect.accelerometer, effect.wheel_speed))
+    return acts_on_brakes(effect) or any(
+        (
+            effect.accelerometer,
+            effect.accelerometer_lag,
+            effect.speed_delay,
+            effect.wheel_speed,
+            effect.wheel_speed_delay,
+        )
+    )
 
 
 def _history(model: Model, log: Log) -> RunHistory:
@@ -126,10 +138,10 @@ def _history(model: Model, log: Log) -> RunHistory:
         angle_f=integral(log.time, omega["f"]),
         angle_r=integral(log.time, omega["r"]),
     )
-    a_x = log["a_x"]
+    a_x = felt = _followed(log, accelerometer_lag(model.effects))
     for _ in range(ITERATIONS):
         run = replace(run, z=deceleration(a_x))
-        off = log["a_x"] - as_read(car, model.effects, run, a_x)
+        off = felt - as_sensed(car, model.effects, run, a_x)
         a_x = a_x + off
         if float(np.max(np.abs(off))) < TOLERANCE:
             return run
@@ -138,6 +150,33 @@ def _history(model: Model, log: Log) -> RunHistory:
         where=log.source,
         do="check accelerometer_scale and pitch_coupling among the known effects",
     )
+
+
+def _followed(log: Log, time_constant: float) -> Array:
+    """What an accelerometer follows [m/s^2] (n,): its reading and T times the rise of that.
+
+    The rise since the last sample, so half a sample late.
+    """
+    a_x = log["a_x"]
+    rise = np.diff(a_x, prepend=a_x[0]) / np.gradient(log.time)
+    return np.asarray(a_x + time_constant * rise)
+
+
+def _in_time(effects: Effects, log: Log, history: RunHistory) -> dict[str, Array]:
+    """Speeds that are read late, as they are at each sample, by what the car lost since.
+
+    A wheel keeps the slip of the time at which it was read: slip over ``wheel_speed_delay`` is
+    taken as constant.
+    """
+    gained = integral(log.time, -G * history.z)
+    late = {"v": speed_delay(effects), "omega": wheel_speed_delay(effects)}
+    since = {name: gained - delayed(log.time, gained, delay) for name, delay in late.items()}
+    right = {"v": log["v"] + since["v"]} if "v" in log and late["v"] else {}
+    if late["omega"]:
+        before = right.get("v", history.v) - (since["omega"] if "v" in log else 0.0)
+        ratio = 1.0 + since["omega"] / np.maximum(before, MOVING)
+        right |= {f"omega_{w}": log[f"omega_{w}"] * ratio for w in WHEELS}
+    return right
 
 
 def _brakes(model: Model, log: Log) -> Brakes:

@@ -17,6 +17,19 @@ def integral(time: Array, x: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(time))])
 
 
+def delayed(time: Array, x: Array, delay: float) -> Array:
+    """Return ``x`` (n,) of ``delay`` [s] earlier, at ``time`` [s] (n,); ``delay`` not negative.
+
+    Linear between samples; before the first one along the line through the first two.
+    """
+    if delay == 0.0:
+        return x
+    then = time - delay
+    slope = (x[1] - x[0]) / (time[1] - time[0])
+    before = np.minimum(then - time[0], 0.0)
+    return np.asarray(np.interp(then, time, x) + slope * before)
+
+
 def first_order(time: Array, x: Array, time_constant: float) -> Array:
     """Return y of T dy/dt + y = x at ``time`` [s] (n,), ``x`` (n,), T [s] above zero."""
     return np.asarray(_follow(time, x, -1.0 / time_constant), float)

@@ -9,7 +9,7 @@ from calib.logs.log import Array, Log
 from calib.names import AXLES, WHEELS
 from calib.physics.braking import BITE
 from calib.physics.disc_temperature import START
-from calib.physics.effects.combined import as_driven
+from calib.physics.effects.combined import as_driven, speed_delay
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
 from calib.signals.driving_record import SETTLE
@@ -45,7 +45,7 @@ def replay(
         model,
         log.time,
         as_pressed(log["p_mc"], step),
-        first_speed(log, as_driven(model.vehicle, model.effects)),
+        first_speed(log, as_driven(model.vehicle, model.effects), speed_delay(model.effects)),
         wheel_pressure={w: as_pressed(log[f"p_{w}"], step) for w in WHEELS if f"p_{w}" in log},
         temperature={a: log[f"T_disc_{a}"] for a in AXLES if f"T_disc_{a}" in log},
         drive_torque={a: log[f"T_drive_{a}"] for a in AXLES if f"T_drive_{a}" in log},
@@ -56,11 +56,12 @@ def replay(
     )
 
 
-def first_speed(log: Log, vehicle: Vehicle) -> float:
+def first_speed(log: Log, vehicle: Vehicle, late: float = 0.0) -> float:
     """Speed [m/s] at the first sample, from a straight line through the first samples of ``v``.
 
     Without ``v``, through the mean of R omega over the wheels: too low by their slip if the log
-    begins with braking. Raises LogError if there are not two finite samples.
+    begins with braking. ``late`` [s] is the time by which ``v`` is read late. Raises LogError if
+    there are not two finite samples.
     """
     since = log.time - log.time[0]
     braked = np.flatnonzero(log["p_mc"] > BITE) if "p_mc" in log else np.array([0])
@@ -75,7 +76,8 @@ def first_speed(log: Log, vehicle: Vehicle) -> float:
             expected="v, or wheel speeds, from the start",
         )
     t = (log.time[first] - log.time[0])[finite]
-    return float(np.polynomial.Polynomial.fit(t, speed[finite], 1)(0.0))
+    line = np.polynomial.Polynomial.fit(t, speed[finite], 1)
+    return float(line(late))
 
 
 def _rolling_speed(log: Log, vehicle: Vehicle) -> Array:

@@ -18,8 +18,15 @@ from calib.names import AXLES, WHEELS, G
 from calib.physics import forces
 from calib.physics.brakes import brakes_of
 from calib.physics.disc_temperature import START
-from calib.physics.effects.combined import as_driven, as_read, wheel_speed_factors
+from calib.physics.effects.combined import (
+    as_driven,
+    as_read,
+    speed_delay,
+    wheel_speed_delay,
+    wheel_speed_factors,
+)
 from calib.physics.history import Motion, RunHistory, at_rest
+from calib.physics.lag import delayed
 from calib.physics.model import Model
 from calib.simulation.clock import FineClock, fine_clock
 from calib.simulation.solver import Drive, SolverState, end_of, history_of, solve
@@ -162,8 +169,9 @@ def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, 
     for w in WHEELS:
         slip = state.slip[brakes.twin(w)]
         omega = forces.wheel_speed(brakes.axle(w), slip, state.v)
+        omega = delayed(run.time, omega, wheel_speed_delay(model.effects))
         channels[f"omega_{w}"] = omega * read[w] if w in read else omega
-    return channels | {"v": state.v}
+    return channels | {"v": delayed(run.time, state.v, speed_delay(model.effects))}
 
 
 def _truth(run: Drive, state: SolverState, history: RunHistory) -> dict[str, Array]:

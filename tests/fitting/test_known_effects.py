@@ -60,14 +60,40 @@ def test_every_effect_comes_out_again(name):
         torque = forces.brake_torque(wheel, wheel.pad_friction, pressure_of(ran.log, w))
         scale = float(np.max(log.truth[f"true_Tb_{w}"]))
         assert np.max(np.abs(torque - log.truth[f"true_Tb_{w}"])) < 2e-3 * scale
-    # the acceleration is that of the speed, whatever the sensor read
+    # the acceleration is that of the speed, whatever the sensors read
     gained = np.cumsum(0.5 * (ran.log["a_x"][1:] + ran.log["a_x"][:-1]) * np.diff(log.time))
-    assert np.max(np.abs(gained - (log["v"][1:] - log["v"][0]))) < 5e-3
+    assert np.max(np.abs(gained - (ran.log["v"][1:] - ran.log["v"][0]))) < 5e-3
     # and the forces balance with the car as driven
     total = sum(log.truth[f"true_Fx_{w}"] for w in WHEELS)
     body = ran.vehicle.weight * (-ran.log["a_x"] / G) - np.abs(total)
     if not ran.vehicle.effects:
         assert np.max(np.abs(body)) < 2e-3 * ran.vehicle.weight
+
+
+@pytest.mark.parametrize(
+    ("name", "channel", "most"),
+    [("accelerometer_lag", "a_x", 0.02), ("speed_delay", "v", 0.002)],
+)
+def test_a_channel_that_is_late_comes_out_as_without_the_delay(name, channel, most):
+    late, right = driven({name: typical(name)}, wave), driven({}, wave)
+    ran = remove_known_effects(known({name: typical(name)}), late)
+    assert np.max(np.abs(late[channel] - right[channel])) > 5.0 * most
+    assert np.max(np.abs(ran.log[channel] - right[channel])) < most
+
+
+@pytest.mark.parametrize("with_v", [True, False])
+def test_wheels_that_are_late_keep_their_slip_and_lose_the_delay(with_v):
+    name = "wheel_speed_delay"
+    late, right = driven({name: typical(name)}, wave), driven({}, wave)
+    kept = {k: x for k, x in late.channels.items() if with_v or k != "v"}
+    ran = remove_known_effects(known({name: typical(name)}), replace(late, channels=kept))
+    for w in WHEELS:
+        turned = right[f"omega_{w}"] / right["v"]
+        by_slip = 0.02 * np.gradient(turned, right.time) * right["v"]
+        off = ran.log[f"omega_{w}"] - (right[f"omega_{w}"] - by_slip)
+        assert np.max(np.abs(off)) < 0.02
+        assert np.max(np.abs(late[f"omega_{w}"] - right[f"omega_{w}"])) > 0.2
+    assert ("v" in ran.log) == with_v
 
 
 def test_pads_fade_and_the_factor_says_so():

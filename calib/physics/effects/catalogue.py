@@ -7,6 +7,7 @@ accelerometer, it also needs its place in `LINE`, `CALIPER` or `SENSOR`, in thei
 from calib.errors import ModelError
 from calib.physics.effects import (
     accelerometer_bias,
+    accelerometer_lag,
     accelerometer_scale,
     aerodynamic_drag,
     brake_threshold_pressure,
@@ -29,9 +30,11 @@ from calib.physics.effects import (
     rolling_radius_mismatch,
     rolling_resistance,
     side_imbalance,
+    speed_delay,
     tone_ring_runout,
     wet_pad_recovery,
     wheel_inertia,
+    wheel_speed_delay,
 )
 from calib.physics.effects.effect import Effect
 
@@ -64,6 +67,9 @@ CATALOGUE: dict[str, Effect] = {
         regenerative_torque.EFFECT,
         rolling_radius_load.EFFECT,
         tone_ring_runout.EFFECT,
+        accelerometer_lag.EFFECT,
+        speed_delay.EFFECT,
+        wheel_speed_delay.EFFECT,
     )
 }
 

@@ -15,6 +15,7 @@ from calib.physics.effects.effect import Array, Effect, Pair, Parameters
 from calib.physics.effects.effects import Effects
 from calib.physics.effects.empirical import effect_of
 from calib.physics.history import Motion, RunHistory
+from calib.physics.lag import first_order
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Axle, Vehicle
 
@@ -132,10 +133,39 @@ def total_axle_moment(vehicle: Vehicle, effects: Effects, motion: Motion) -> Pai
 
 def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
     """Reading of the accelerometer [m/s^2] (n,) at the acceleration ``a_x`` [m/s^2] (n,)."""
+    reading = as_sensed(vehicle, effects, history, a_x)
+    lag = accelerometer_lag(effects)
+    return first_order(history.time, reading, lag) if lag else reading
+
+
+def as_sensed(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
+    """Reading of an accelerometer [m/s^2] (n,) that follows ``a_x`` [m/s^2] (n,) at once."""
     for effect, parameters in _in_order(effects, (*SENSOR, *effects.own)):
         if effect.accelerometer is not None:
             a_x = effect.accelerometer(vehicle, parameters, history, a_x)
     return a_x
+
+
+def accelerometer_lag(effects: Effects) -> float:
+    """Time constant [s] with which the accelerometer follows."""
+    return _seconds(effects, lambda effect: effect.accelerometer_lag)
+
+
+def speed_delay(effects: Effects) -> float:
+    """Time [s] by which v is read late."""
+    return _seconds(effects, lambda effect: effect.speed_delay)
+
+
+def wheel_speed_delay(effects: Effects) -> float:
+    """Time [s] by which all wheel speeds are read late."""
+    return _seconds(effects, lambda effect: effect.wheel_speed_delay)
+
+
+def _seconds(
+    effects: Effects, hook_of: Callable[[Effect], Callable[[Parameters], float] | None]
+) -> float:
+    hooks = ((hook_of(effect), parameters) for effect, parameters in _all(effects))
+    return sum((hook(parameters) for hook, parameters in hooks if hook is not None), 0.0)
 
 
 def _all(effects: Effects) -> Iterator[tuple[Effect, Parameters]]:

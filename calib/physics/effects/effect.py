@@ -2,6 +2,7 @@
 
     p_mc -> pressure -> friction -> wheels -> + moment -> tyre -> + body -> mass -> accelerometer
             caliper     pads        L/R       inertia     radius  load_shift         a_x as read
+                                                                               v, wheels as read
 
 An effect only adds to a link, and has no hook where it does not act. Its parameters are named in
 its card; their values are held in `Effects`. So one object serves the simulation (which adds the
@@ -90,6 +91,9 @@ class Effect:
     wheel_speed : factors on the speeds of wheels as read [1], by wheel name; no force changes.
     mass : factor on the mass [1].
     accelerometer : reading of a_x from the true a_x [m/s^2].
+    accelerometer_lag : time constant [s] with which that reading follows.
+    speed_delay : time [s] by which v is read late.
+    wheel_speed_delay : time [s] by which all wheel speeds are read late.
     """
 
     card: Card
@@ -104,6 +108,9 @@ class Effect:
     wheel_speed: Callable[[Vehicle, Parameters, Motion], dict[str, Array]] | None = None
     mass: Callable[[Parameters], float] | None = None
     accelerometer: Callable[[Vehicle, Parameters, RunHistory, Array], Array] | None = None
+    accelerometer_lag: Callable[[Parameters], float] | None = None
+    speed_delay: Callable[[Parameters], float] | None = None
+    wheel_speed_delay: Callable[[Parameters], float] | None = None
 
 
 def acts_on_brakes(effect: Effect) -> bool:
@@ -114,7 +121,11 @@ def acts_on_brakes(effect: Effect) -> bool:
 def acts_on_wheels(effect: Effect) -> bool:
     """Whether an effect changes brakes, wheels or their sensors, not only the body and its own."""
     return acts_on_brakes(effect) or _any(
-        effect.axle_moment, effect.inertia, effect.radius, effect.wheel_speed
+        effect.axle_moment,
+        effect.inertia,
+        effect.radius,
+        effect.wheel_speed,
+        effect.wheel_speed_delay,
     )
 
 

@@ -35,6 +35,9 @@ RESULTS = {
     "wheel_speed": BY_WHEEL,
     "mass": NUMBER,
     "accelerometer": ONE,
+    "accelerometer_lag": NUMBER,
+    "speed_delay": NUMBER,
+    "wheel_speed_delay": NUMBER,
 }
 """What each hook returns; an array has one value for each sample."""
 

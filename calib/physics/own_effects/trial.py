@@ -28,6 +28,9 @@ SAMPLES = 400
 STEP = 0.01
 """Clock of the run [s]."""
 
+FACTORS = ("friction", "wheels", "radius", "wheel_speed", "mass")
+"""Hooks that return factors: a link does not change at one, and else at zero."""
+
 TOLERANCE = 1e-9
 """Largest change, relative to one or to the value itself, that counts as rounding."""
 
@@ -55,7 +58,7 @@ def changes(hook: str, given: tuple[Any, ...], result: Any) -> bool:
         return any(_differs(p, before) for p, before in zip(result, given[2:], strict=True))
     if hook == "accelerometer":
         return _differs(result, given[3])
-    nothing = 0.0 if hook in ("axle_moment", "inertia", "load_shift", "body_force") else 1.0
+    nothing = 1.0 if hook in FACTORS else 0.0
     values = result.values() if isinstance(result, Mapping) else result
     several = isinstance(result, Mapping | tuple)
     return any(_differs(v, nothing) for v in (values if several else (result,)))

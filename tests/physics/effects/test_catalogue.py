@@ -60,7 +60,8 @@ CONTRACT = (
     "brake_threshold_pressure hydraulic_lag hydraulic_delay rear_proportioning caliper_hysteresis "
     "pitch_coupling accelerometer_bias accelerometer_scale wheel_inertia side_imbalance "
     "disc_thickness_variation mass_error residual_torque hydraulic_oscillation "
-    "regenerative_torque rolling_radius_load tone_ring_runout"
+    "regenerative_torque rolling_radius_load tone_ring_runout accelerometer_lag speed_delay "
+    "wheel_speed_delay"
 )
 
 
@@ -126,7 +127,7 @@ def test_a_small_change_of_a_parameter_is_a_small_change_of_the_run(name, p):
         log = driven(
             {name: {**typical, p.name: value}}, restless, duration=3.0, temperature=hot
         )  # with a release
-        return np.concatenate([log["a_x"], log["omega_fl"], log["omega_rl"]])
+        return np.concatenate([log["a_x"], log["v"], log["omega_fl"], log["omega_rl"]])
 
     middle = run(p.typical - 2.0 * h)
     whole, half = run(p.typical) - middle, run(p.typical - h) - middle

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import integrate, interpolate, signal
 from scipy.integrate import solve_ivp
 
 from calib.physics.vehicle import Vehicle
@@ -252,8 +253,37 @@ def readings(car: Car, lines: Lines, time: Array, y: Array, rates: Rates) -> dic
         felt = felt - GRAVITY * np.sin(h.pitch_gain * y[Z])
     grid = np.arange(lines.master.size) * STEP
     run = {"time": time, "p_mc": np.interp(time, grid, lines.master)}
-    run |= {"a_x": felt * (1.0 + h.scale_error) + h.bias}
+    run |= {"a_x": filtered(time, felt * (1.0 + h.scale_error) + h.bias, h.filter_frequency)}
     for name, row in (("fl", FL), ("fr", FR), ("rl", RL), ("rr", RR)):
-        run[f"omega_{name}"] = y[row].copy()
+        run[f"omega_{name}"] = averaged(time, y[row], h.wheel_window)
     run["omega_fl"] *= 1.0 + h.tooth_error * np.cos(y[ANGLE])
-    return run | {"v": y[V], "T_disc_f": y[T_F], "T_disc_r": y[T_R]}
+    return run | {"v": earlier(time, y[V], h.v_late), "T_disc_f": y[T_F], "T_disc_r": y[T_R]}
+
+
+def filtered(time: Array, x: Array, frequency: float) -> Array:
+    """A Butterworth filter of second order, from rest, with its corner [Hz]; 0 for none."""
+    if not frequency:
+        return x
+    corner = 2.0 * math.pi * frequency
+    system = ([corner**2], [1.0, math.sqrt(2.0) * corner, corner**2])
+    return x[0] + signal.lsim(system, x - x[0], time - time[0])[1]
+
+
+def averaged(time: Array, x: Array, window: float) -> Array:
+    """Means of ``x`` over the last ``window`` [s]; before the first sample it rose as at it."""
+    if not window:
+        return x.copy()
+    path = integrate.cumulative_trapezoid(x, time, initial=0.0)
+    then, rise = time - time[0] - window, (x[1] - x[0]) / (time[1] - time[0])
+    before = np.where(then < 0.0, x[0] * then + 0.5 * rise * then**2, 0.0)
+    return (path - np.interp(then, time - time[0], path) - before) / window
+
+
+def earlier(time: Array, x: Array, by: float) -> Array:
+    """``x`` of ``by`` [s] earlier, by a spline; before the first sample it rose as at it."""
+    if not by:
+        return x
+    then = time - by
+    rise = (x[1] - x[0]) / (time[1] - time[0])
+    spline = interpolate.CubicSpline(time, x)(np.maximum(then, time[0]))
+    return spline + rise * np.minimum(then - time[0], 0.0)

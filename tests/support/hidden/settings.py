@@ -37,6 +37,9 @@ class Hidden:
     regen_torque, regen_power, regen_axle : while braking, per wheel [N m], [W], 0 front, 1 rear.
     radius_load : share by which a rolling radius falls when the load of its wheel doubles [1].
     tooth_error : amplitude [1] once per turn of the front left wheel-speed reading.
+    filter_frequency : corner [Hz] of the Butterworth filter of second order on a_x; 0 for none.
+    v_late : time [s] by which v is read late.
+    wheel_window : wheel speeds are means over this time [s], ended now.
 
     abs_slip : slip above which wheel pressures are modulated [1]; 0 for never.
     stiffness_speed : relative change of the tyre's stiffness per speed [s/m], nothing at 20 m/s.
@@ -89,6 +92,9 @@ class Hidden:
     regen_axle: int = 0
     radius_load: float = 0.0
     tooth_error: float = 0.0
+    filter_frequency: float = 0.0
+    v_late: float = 0.0
+    wheel_window: float = 0.0
 
     abs_slip: float = 0.0
     stiffness_speed: float = 0.0

@@ -122,6 +122,9 @@ CATALOGUE: dict[str, Draw] = {
     "regenerative_torque": regeneration,
     "rolling_radius_load": lambda s, r: {"radius_load": s(0.003, 0.012)},
     "tone_ring_runout": lambda s, r: {"tooth_error": s(0.0006, 0.002)},
+    "accelerometer_lag": lambda s, r: {"filter_frequency": 16.0 - s(1.0, 11.0)},
+    "speed_delay": lambda s, r: {"v_late": s(0.03, 0.15)},
+    "wheel_speed_delay": lambda s, r: {"wheel_window": s(0.03, 0.08)},
 }
 
 OUTSIDE: dict[str, Draw] = {

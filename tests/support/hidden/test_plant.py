@@ -153,7 +153,12 @@ def test_a_higher_severity_is_stronger(name):
         )
         return abs(getattr(hidden, field))
 
-    falling = name in ("abs_modulation", "rear_proportioning", "hydraulic_oscillation")
+    falling = name in (
+        "abs_modulation",
+        "rear_proportioning",
+        "hydraulic_oscillation",
+        "accelerometer_lag",
+    )
     steps = np.diff([change(severity) for severity in range(3)])
     assert np.all(steps < 0.0 if falling else steps > 0.0)
 
