@@ -19,7 +19,7 @@ from calib.diagnosis.candidate import (
     unpack,
 )
 from calib.diagnosis.predict import ObservedRun, run_of, wheel_angles
-from calib.diagnosis.remainder import Remainder, remainder_of
+from calib.diagnosis.remainder import Remainder, apart_from_parameters, remainder_of
 from calib.errors import ModelError
 from calib.logs.log import Log
 from calib.physics.effects.effects import Effects
@@ -53,6 +53,10 @@ class HoldOuts:
     def left(self, candidate: Candidate, replayed: Sequence[Log]) -> Remainder:
         """What remains with a candidate, beyond noise and the errors of its parameters."""
         return remainder_of(replayed, self.logs, lambda: self._moved(candidate))
+
+    def left_at_best(self, candidate: Candidate, replayed: Sequence[Log]) -> Remainder:
+        """What remains with the parameters that their errors allow and the replays like best."""
+        return apart_from_parameters(replayed, self.logs, lambda: self._moved(candidate))
 
     def _moved(self, candidate: Candidate) -> list[tuple[Log, ...]]:
         """Replays with the parameters moved by one standard deviation along each direction."""

@@ -141,8 +141,22 @@ def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
     after, left = judged
     steps = (*present.steps, _step(best, left))
     tried = replace(present, after=after, left=left, steps=steps)
-    worse = left.size > WORSE * bare.size + CHANCE
-    return _withdrawn(tried, bare, _closed(tried, bare)) if worse else tried
+    if _grown(bare, left) and _grown(*_at_best(held, tried)):
+        return _withdrawn(tried, bare, _closed(tried, bare))
+    return tried
+
+
+def _grown(before: Remainder, after: Remainder) -> bool:
+    return after.size > WORSE * before.size + CHANCE
+
+
+def _at_best(held: HoldOuts, tried: Proved) -> tuple[Remainder, Remainder]:
+    """What is left without effects and with them, less what errors of the parameters explain.
+
+    Pads that are 0.1 % off move the replayed speed by as much as its noise.
+    """
+    bare, best = tried.decision.base, tried.decision.best
+    return held.left_at_best(bare, tried.before), held.left_at_best(best, tried.after)
 
 
 def _withdrawn(present: Proved, bare: Remainder, closed: float | None) -> Proved:

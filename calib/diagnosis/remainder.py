@@ -71,19 +71,33 @@ Moved = Callable[[], Sequence[Sequence[Log]]]
 
 def remainder_of(replays: Sequence[Log], measured: Sequence[Log], moved: Moved) -> Remainder:
     """Judge replays of ``measured``; ``moved`` is called only where something seems to be left."""
+    plain = as_replayed(replays, measured)
+    return apart_from_parameters(replays, measured, moved) if plain.significant else plain
+
+
+def as_replayed(replays: Sequence[Log], measured: Sequence[Log]) -> Remainder:
+    """What remains with the parameters as they are."""
+    return judged(*_lasting(replays, measured), measured)
+
+
+def apart_from_parameters(
+    replays: Sequence[Log], measured: Sequence[Log], moved: Moved
+) -> Remainder:
+    """What remains, less what a change of the parameters within their covariance explains."""
+    errors, noise, spread = _lasting(replays, measured)
+    directions = [
+        [lasting(sim, log) for log, sim in zip(replays, other, strict=True)] for other in moved()
+    ]
+    kept = without(errors, directions, spread) if directions else errors
+    return judged(kept, noise, spread, measured)
+
+
+def _lasting(replays: Sequence[Log], measured: Sequence[Log]) -> tuple[list[Array], Array, Array]:
+    """The lasting errors (6, m) of each log; noise of the sensors and of the means, (6,)."""
     errors = [lasting(sim, log) for sim, log in zip(replays, measured, strict=True)]
     noise = noises_of(measured)
     spread = np.maximum(noise_of_means(errors), noise / np.sqrt(samples_of(measured)))
-    plain = judged(errors, noise, spread, measured)
-    if not plain.significant:
-        return plain
-    directions = []
-    for other in moved():
-        pairs = zip(replays, other, strict=True)
-        directions.append([lasting(sim, log) for log, sim in pairs])
-    if not directions:
-        return plain
-    return judged(without(errors, directions, spread), noise, spread, measured)
+    return errors, noise, spread
 
 
 def lasting(simulated: Log, measured: Log) -> Array:

@@ -70,7 +70,8 @@ class CorrectedRun:
 def remove_known_effects(vehicle: Vehicle, log: Log) -> CorrectedRun:
     """Take the known effects of a vehicle, empirical terms among them, out of a log.
 
-    A run without such effects comes back as it is. Causal: no sample depends on a later one.
+    A run without such effects comes back as it is. Causal: no sample depends on a later one, unless
+    the pressure is logged late (a negative ``hydraulic_delay``).
     Raises ModelError for an effect that the catalogue does not know, for a term on the brakes over
     a temperature that the log lacks, for a term on body or wheels over any temperature (the balance
     of forces has none), and when a_x cannot be computed from its reading.

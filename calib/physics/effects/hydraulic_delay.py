@@ -1,4 +1,4 @@
-"""Hydraulic delay: the pressure reaches the brakes after a dead time."""
+"""Hydraulic delay: the pressure reaches the brakes after a dead time, or is logged late."""
 
 import numpy as np
 
@@ -9,7 +9,8 @@ from calib.physics.history import RunHistory
 def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array) -> Pair:
     """Pressure [Pa] of ``delay`` [s] earlier, linear between samples.
 
-    Before the first sample the pressure was that of the first sample.
+    A ``delay`` below zero is that of a pressure which is logged late against all other channels.
+    Outside the log the pressure is that of the nearest sample.
     """
     then = history.time - parameters["delay"]
     return np.interp(then, history.time, p_f), np.interp(then, history.time, p_r)
@@ -22,7 +23,7 @@ EFFECT = Effect(
         equation="p(t) = p_mc(t - T_d); no effect at delay = 0",
         source="Breuer and Bill, Brake Technology Handbook",
         looks_like="torque that follows the pressure later, with unchanged shape",
-        parameters=(Parameter("delay", "s", 0.0, 0.5, 0.05, 0.03),),
+        parameters=(Parameter("delay", "s", -0.05, 0.5, 0.05, 0.03),),
     ),
     pressure=pressure,
 )
