@@ -21,7 +21,9 @@ class Base:
     """Parameters that are always re-identified [1]: pad friction by axle, and the tyre.
 
     ``stiffness``, ``peak``, ``shape``, ``load_exponent`` and ``bend`` as in `MagicFormula`;
-    ``radius`` the factor on the rolling radii of the vehicle file, common to both axles.
+    ``radius`` the factor on the rolling radii of the vehicle file, common to both axles;
+    ``tyre_ratio`` the stiffness of the rear tyres over that of the front ones, 1 in every fit: pads
+    and tyres of an axle cannot both be fitted (`calib.diagnosis.doubts`).
     """
 
     pad_friction_f: float
@@ -32,6 +34,7 @@ class Base:
     load_exponent: float = MagicFormula.load_exponent
     bend: float = MagicFormula.bend
     radius: float = 1.0
+    tyre_ratio: float = 1.0
 
     @property
     def tyre(self) -> MagicFormula:

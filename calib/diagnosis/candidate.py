@@ -164,7 +164,7 @@ class Candidate:
     def covariance(self) -> Array:
         """Covariance (k, k) of ``x``, from the derivatives of the innovations and the priors."""
         J = self.jacobian
-        priors = _prior_derivatives(self.problem, self.names, J.shape[1])
+        priors = prior_derivatives(self.problem, self.names, J.shape[1])
         return np.asarray(np.linalg.pinv(J.T @ J + priors.T @ priors))
 
 
@@ -299,7 +299,7 @@ def prior_rows(problem: Problem, names: tuple[str, ...], x: Array) -> Array:
     return np.asarray(rows)
 
 
-def _prior_derivatives(problem: Problem, names: tuple[str, ...], size: int) -> Array:
+def prior_derivatives(problem: Problem, names: tuple[str, ...], size: int) -> Array:
     """Derivatives (m, k) of `prior_rows`, which are linear in the vector (k,)."""
     rows = [prior_rows(problem, names, unit) for unit in np.eye(size)]
     return np.stack(rows, axis=1)

@@ -4,7 +4,7 @@ calibration logs ──> problem ──> decide ──────────�
 hold-out logs ────────────────── confirm ──> prove ─────────────────────────────── replays, gap
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned,
 from calib.diagnosis.confirm import chi2_by_run, confirm, count_of
 from calib.diagnosis.confusion import Confusion, confusion_of
 from calib.diagnosis.decide import Decision, confusable, decide, explains, gain
+from calib.diagnosis.doubts import base_half_widths
 from calib.diagnosis.drives import Drive, drives
 from calib.diagnosis.gap import Gap, gap_of
 from calib.diagnosis.groups import LogGroup, groups_of
@@ -207,7 +208,7 @@ def diagnose(
         verdict=decision.verdict,
         effects=named(problem, held.problem, decision, confusion) if stands else (),
         unexplained=unexplained,
-        base=base_estimates(left_of),
+        base=base_estimates(left_of, not_resolved),
         gap=gap_of(proved.before, last, holdout),
         model_before=before,
         model_after=after,
@@ -370,9 +371,12 @@ def _axle(problem: Problem, best: Candidate, name: str) -> str:
     return "front" if front > rear else "rear"
 
 
-def base_estimates(candidate: Candidate) -> dict[str, ParameterEstimate]:
-    """Base parameters with intervals; ``rolling_radius`` over that of the file where it is free."""
-    half = half_widths(candidate)
+def base_estimates(candidate: Candidate, unseen: Sequence[str]) -> dict[str, ParameterEstimate]:
+    """Base parameters with intervals; ``rolling_radius`` over that of the file where it is free.
+
+    ``unseen`` are the effects that the logs could not have shown.
+    """
+    half = base_half_widths(candidate, unseen)
     b = candidate.base
     values = {
         "pad_friction_f": b.pad_friction_f,

@@ -169,10 +169,11 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
         energy = _energy(run, torques)
         drive = (run.drive_f, run.drive_r)
         forces, loads, z = _balance(car, base, effects, history, torques, drive)
+    softer = (np.sqrt(base.tyre_ratio), 1.0 / np.sqrt(base.tyre_ratio))
     slips: list[Array] = []
     for i, force in enumerate(forces):
         twin = i % 2 == 1 and force is forces[i - 1]
-        slips.append(slips[-1] if twin else _slip(car, base, force, loads[i]))
+        slips.append(slips[-1] if twin else _slip(car, base, force, loads[i]) * softer[i // 2])
     a_true = -G * z
     last = _history(run, z, energy)
     a_read = as_read(car, effects, last, a_true)

@@ -1,11 +1,13 @@
-"""What a diagnosis says to effects that have no name of their own, and how wrong the pads are then.
+"""What a diagnosis says to effects that pads take up, and how wrong the pads are then.
 
     python tests/studies/absorbed.py --seed 88100 --count 3
     python tests/studies/absorbed.py --seed 88300 --count 3 --top 0.7
 
-Of each of them ``--count`` cases of the plant in tests/support/hidden, severities in turn. With
-``--top`` ramps and hard stops reach that deceleration over g. The figures are in
-the page `own_effect` of the manual.
+Those that have no name of their own, a radius that falls under load, another mass, and nothing: of
+each ``--count`` cases of the plant in tests/support/hidden, severities in turn. With ``--top``
+ramps and hard stops reach that deceleration over g. Printed: the answer, the pads over the true
+ones, and how often their 95 % interval holds those. The figures are in the pages `own_effect` and
+`diagnosis` of the manual.
 """
 
 import argparse
@@ -32,12 +34,16 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.top:
         harder(asked.top)
-    for name in ABSORBED:
-        print(name)
+    for name in (*ABSORBED, "rolling_radius_load", "mass_error", ""):
+        print(name or "nothing")
+        held = np.zeros(2, int)
         for i in range(asked.count):
-            case = draw("single", asked.seed + i, names=(name,), severity=i % 3)
+            names, kind = ((name,), "single") if name else ((), "none")
+            case = draw(kind, asked.seed + i, names=names, severity=i % 3)
             found = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
+            held += holds(case, found)
             print(asked.seed + i, line(case, found), flush=True)
+        print(f"held {held[0]} / {held[1]} of {asked.count}")
 
 
 def harder(top: float) -> None:
@@ -54,6 +60,21 @@ def harder(top: float) -> None:
     manoeuvres.SHAPES["ramp"] = manoeuvres.SHAPES["ramp_fast"] = ramp
 
 
+def true_pads(case: HiddenCase) -> tuple[float, float]:
+    """The pad friction of the plant, front and rear [1]."""
+    scale, car = case.answer["base"], case.vehicle
+    return (
+        car.front.pad_friction * scale["mu_scale_f"],
+        car.rear.pad_friction * scale["mu_scale_r"],
+    )
+
+
+def holds(case: HiddenCase, found: Diagnosis) -> list[bool]:
+    """Whether the intervals of the pads hold the true ones, front and rear."""
+    told = (found.base[f"pad_friction_{a}"].ci95 for a in "fr")
+    return [low <= true <= high for (low, high), true in zip(told, true_pads(case), strict=True)]
+
+
 def line(case: HiddenCase, found: Diagnosis) -> str:
     """Settings, verdict, names with parameters, pads over the true ones."""
     named = {
@@ -61,9 +82,10 @@ def line(case: HiddenCase, found: Diagnosis) -> str:
                  e.parameters.items()} for e in found.effects
     }  # fmt: skip
     pads = []
-    for a, axle in (("f", case.vehicle.front), ("r", case.vehicle.rear)):
-        true = axle.pad_friction * case.answer["base"][f"mu_scale_{a}"]
-        pads.append(f"{found.base[f'pad_friction_{a}'].value / true:.3f}")
+    for a, true in zip("fr", true_pads(case), strict=True):
+        told = found.base[f"pad_friction_{a}"]
+        half = 0.5 * (told.ci95[1] - told.ci95[0]) / told.value
+        pads.append(f"{told.value / true:.3f} +- {half:.3f}")
     return f"{case.answer['settings']}: {found.verdict} {named}, pads over true {', '.join(pads)}"
 
 
