@@ -35,10 +35,20 @@ one is of second order, and would count as if the logs excluded it."""
 
 
 def tyre_spread() -> float:
-    """Standard deviation of ln(rear over front stiffness): tyres alike, or not, as `fit` weighs."""
+    """Standard deviation of ln(rear over front stiffness) with the 95 % range that `fit` assumes.
+
+    There tyres are alike or they differ, so the range is that of a mixture of two normal ones.
+    """
+    from scipy.optimize import brentq
+
     differ = SETTINGS.tyres_differ
     wide, narrow = PRIORS[AT.log_tyre_ratio].sigma, SETTINGS.tyre_tolerance
-    return math.sqrt(differ * wide**2 + (1.0 - differ) * narrow**2)
+
+    def outside(x: float) -> float:
+        tails = (math.erfc(x / (math.sqrt(2.0) * sigma)) for sigma in (wide, narrow))
+        return sum(p * tail for p, tail in zip((differ, 1.0 - differ), tails, strict=True))
+
+    return float(brentq(lambda x: outside(x) - 0.05, 0.0, 10.0 * wide)) / Z95
 
 
 def base_half_widths(candidate: Candidate, unseen: Sequence[str]) -> Array:

@@ -6,7 +6,6 @@
 The legend of a panel is between its title and its axes, where it covers no data.
 """
 
-import math
 import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,10 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+POINTS = 72.0
+"""Points to the inch."""
 LETTER = 0.086
 """Width of a letter of the title [in], with a little to spare."""
-LEGEND_ROW = 10.5
-"""Height of one row of a legend [pt]."""
 
 
 @dataclass(frozen=True)
@@ -33,13 +32,13 @@ class Panel:
     draw: "Callable[[Axes], None]"
     columns: int = 3
 
-    def fill(self, ax: "Axes") -> int:
-        """Draw the panel and its legend; returns the rows of the legend."""
+    def fill(self, ax: "Axes") -> float:
+        """Draw the panel and its legend; returns the height of the legend [pt]."""
         self.draw(ax)
-        entries = len(ax.get_legend_handles_labels()[1])
-        if entries:
-            ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
-        return math.ceil(entries / self.columns)
+        if not ax.get_legend_handles_labels()[1]:
+            return 0.0
+        legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
+        return POINTS * legend.get_window_extent().height / legend.figure.dpi
 
 
 @dataclass(frozen=True)
@@ -80,14 +79,12 @@ class Sheet:
         with styled():
             figure = Figure(figsize=(WIDTH, 2.5 * sum(heights) + 0.8), layout="constrained")
             places = figure.subplot_mosaic([list(r) for r in self.rows], height_ratios=heights)
-            entries = {n: panels[n].fill(ax) for n, ax in places.items()}
+            legends = {n: panels[n].fill(ax) for n, ax in places.items()}
             top = {n: next(i for i, row in enumerate(self.rows) if n in row) for n in places}
             for i, (name, ax) in enumerate(places.items()):
                 # titles of one row are at one height
-                room = max(entries[n] for n in places if top[n] == top[name])
-                ax.set_title(
-                    f"({chr(ord('a') + i)}) {panels[name].title}", pad=4 + LEGEND_ROW * room
-                )
+                room = max(legends[n] for n in places if top[n] == top[name])
+                ax.set_title(f"({chr(ord('a') + i)}) {panels[name].title}", pad=4.0 + room)
             _frame(figure, self, 150)
         return figure
 
@@ -99,7 +96,7 @@ class Sheet:
         with styled():
             figure = Figure(figsize=(WIDTH * 0.85, 4.4), layout="constrained")
             ax = figure.subplots()
-            ax.set_title(panel.title, pad=4 + LEGEND_ROW * panel.fill(ax))
+            ax.set_title(panel.title, pad=4.0 + panel.fill(ax))
             _frame(figure, self, 125)
         return figure
 

@@ -71,7 +71,7 @@ def test_results_and_talk_go_their_own_ways(capsys):
 
 
 def test_nothing_in_a_string_is_markup_and_no_line_is_cut(capsys):
-    text = "[bold]log[/bold] :car: [/x] " + "long " * 60
+    text = "[bold]log[/bold] :car: [/x] " + "long " * 60 + "to the end"
     emit(text)
     assert capsys.readouterr().out == text + "\n"
     complain(text)

@@ -13,6 +13,12 @@ def test_the_front_axle_has_all_of_it():
     assert np.array_equal(rear, [0.0, 0.0])
 
 
+def test_it_grows_with_the_speed_by_the_share_of_its_parameter():
+    grows = {"drag_torque": 100.0, "drag_growth": 0.01}
+    front, _ = EFFECT.axle_moment(SEDAN, grows, made_motion([10.0, 20.0, 35.0]))
+    assert front == pytest.approx([90.0, 100.0, 115.0])
+
+
 @pytest.mark.parametrize("torque", [180.0, -60.0])
 def test_coasting_in_gear(torque):
     log = driven(

@@ -20,6 +20,13 @@ def test_each_axle_by_its_own_heat(loss, dry, energy):
     assert rear == pytest.approx([1.0 - loss, 1.0 - loss * np.exp(-0.5 * energy / dry)])
 
 
+def test_a_rear_brake_that_has_half_to_dry_is_dry_at_half_the_heat():
+    heat = np.array([0.0, 20e3, 90e3])
+    history = made_history(3, energy_f=heat, energy_r=0.5 * heat)
+    front, rear = factors("wet_pad_recovery", history, **WET, dry_rear_share=0.5)
+    assert rear == pytest.approx(front)
+
+
 @pytest.mark.parametrize("w", ["fl", "rr"])
 def test_the_torque_comes_back_with_the_heat_of_its_own_brake(w):
     log = driven({"wet_pad_recovery": WET})
