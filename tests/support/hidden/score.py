@@ -256,12 +256,17 @@ def gap_closed(case: HiddenCase, before: Replays, after: Replays) -> tuple[float
 
 
 def distances(case: HiddenCase, replays: Replays) -> dict[str, float]:
-    """Mean square of replay less truth by channel, in units of the noise, the runs alike [1]."""
+    """Mean square of replay less truth by channel, in units of the noise, the runs alike [1].
+
+    The noise is that of the case's own sensors.
+    """
     squares = dict.fromkeys(CHANNELS, 0.0)
+    variety = case.answer.get("variety") or {}
+    factor = variety.get("noise", 1.0)
     for name, truth in case.truth.items():
         n = min(truth["time"].size, replays[name]["time"].size)
         for c in CHANNELS:
-            off = (replays[name][c][:n] - truth[c][:n]) / NOISE[c].sd
+            off = (replays[name][c][:n] - truth[c][:n]) / (factor * NOISE[c].sd)
             squares[c] += float(np.mean(off**2)) / len(case.truth)
     return squares
 
