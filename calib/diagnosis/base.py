@@ -20,9 +20,9 @@ Array = NDArray[np.float64]
 class Base:
     """Parameters that are always re-identified [1]: pad friction by axle, and the tyre.
 
-    ``stiffness``, ``peak``, ``shape``, ``load_exponent`` and ``bend`` as in `MagicFormula`;
-    ``radius`` the factor on the rolling radii of the vehicle file, common to both axles;
-    ``tyre_ratio`` the stiffness of the rear tyres over that of the front ones, 1 in every fit: pads
+    ``stiffness``, ``peak``, ``shape``, ``load_exponent``, ``bend`` [1] and ``relaxation`` [m] as in
+    `MagicFormula`; ``radius`` the factor on the rolling radii of the vehicle file, common to both
+    axles; ``tyre_ratio`` the stiffness of the rear tyres over that of the front ones, 1 in every fit: pads
     and tyres of an axle cannot both be fitted (`calib.diagnosis.doubts`).
     """
 
@@ -33,13 +33,21 @@ class Base:
     shape: float = MagicFormula.shape
     load_exponent: float = MagicFormula.load_exponent
     bend: float = MagicFormula.bend
+    relaxation: float = MagicFormula.relaxation
     radius: float = 1.0
     tyre_ratio: float = 1.0
 
     @property
     def tyre(self) -> MagicFormula:
         """The tyre of both axles."""
-        return MagicFormula(self.stiffness, self.peak, self.shape, self.load_exponent, self.bend)
+        return MagicFormula(
+            stiffness=self.stiffness,
+            peak=self.peak,
+            shape=self.shape,
+            load_exponent=self.load_exponent,
+            bend=self.bend,
+            relaxation=self.relaxation,
+        )
 
 
 @dataclass(frozen=True)

@@ -38,13 +38,15 @@ Array = NDArray[np.float64]
 STIFFNESS, PEAK = 25.0, 0.95
 """Start of the fit for the tyre: slip stiffness and peak of a passenger car, both per load [1]."""
 
-SHAPE, LOAD_EXPONENT, BEND = 1.65, 0.03, 0.1
-"""Middle of the priors on the tyre's form [1]: passenger cars on asphalt; `calib.fitting`. The bend
-of a brush is 0.55; a fit begins here, within its bounds: from a bound it may not move."""
+SHAPE, LOAD_EXPONENT, BEND, RELAXATION = 1.65, 0.03, 0.1, 0.2
+"""Middle of the priors on the tyre's form [1, m]: passenger cars on asphalt; `calib.fitting`. The
+bend of a brush is 0.55; relaxation lengths are 0.1 to 0.6 m. A fit begins here, within its bounds:
+from a bound it may not move."""
 
-BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04, 0.2])
+BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04, 0.2, 0.2])
 """Standard deviations of the priors on the logarithms of pads, stiffness and peak: wide; on that of
-the shape factor, on the load exponent and on the bend: the spread of passenger tyres."""
+the shape factor, on the load exponent, the bend and the relaxation length: the spread of passenger
+tyres."""
 
 BASE = BASE_SIGMA.size
 """Number of base parameters, the first ones of every vector, where the rolling radii are given."""
@@ -242,6 +244,7 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
         shape=SHAPE * float(np.exp(x[4])),
         load_exponent=LOAD_EXPONENT + float(x[5]),
         bend=max(BEND + float(x[6]), 0.0),
+        relaxation=max(RELAXATION + float(x[7]), 0.0),
         radius=float(np.exp(x[BASE])) if x.size > BASE else 1.0,
     )
 
@@ -276,7 +279,7 @@ def origins(known: Effects, card: Card) -> tuple[float, ...]:
 
 def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
     """Bounds of the vector: the cards' ranges."""
-    low, high = [*[-2.0] * 4, -0.4, -0.2, -BEND], [*[2.0] * 4, 0.18, 0.2, 0.7]
+    low, high = [*[-2.0] * 4, -0.4, -0.2, -BEND, -RELAXATION], [*[2.0] * 4, 0.18, 0.2, 0.7, 1.0]
     if problem.free_radius:
         low, high = [*low, -RADIUS_RANGE], [*high, RADIUS_RANGE]
     known = problem.vehicle.effects

@@ -179,13 +179,14 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     a_read = as_read(car, effects, last, a_true)
     gained = np.concatenate([[0.0], np.cumsum(0.5 * (a_true[1:] + a_true[:-1])) * run.step])
     axles = (car.front, car.front, car.rear, car.rear)
+    leading = [base.tyre.leading(s, run.v_smooth, run.time) for s in slips]
     late = wheel_speed_delay(effects)
     shown = delayed(run.time, gained, speed_delay(effects))  # by v as it is read
     v = run.v + (delayed(run.time, gained, late) - shown)  # of the time that the wheels show
     omega = np.stack(
         [
             v * (1.0 - delayed(run.time, s, late)) / axle.rolling_radius
-            for s, axle in zip(slips, axles, strict=True)
+            for s, axle in zip(leading, axles, strict=True)
         ]
     )
     moved = Motion(run.v_smooth, 2.0 * loads[0], 2.0 * loads[2], last)

@@ -11,8 +11,11 @@ With a bend b, lambda = (1 + b B x) x s instead of x s. The formula starts strai
 at zero slip is zero. That of a brush, whose contact patch begins to slide at its end at once, is
 not: F = K lambda (1 - K lambda/(3 mu) + ...), which is b = C/3.
 
+All this is the steady state. The force builds up over a way, the relaxation length sigma: the slip
+leads the slip that carries the force by (sigma/v) dlambda/dt.
+
 Source: Pacejka, Tyre and Vehicle Dynamics, ch. 4, pure longitudinal slip without the E term and
-offsets; ch. 3 for the brush.
+offsets; ch. 3 for the brush; ch. 7 for the relaxation length.
 """
 
 from dataclasses import dataclass, replace
@@ -20,6 +23,8 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
+
+from calib.physics.braking import MOVING
 
 Array = NDArray[np.float64]
 
@@ -35,6 +40,7 @@ class MagicFormula:
     shape : C [1], between 1 (never falls) and 2 (falls to zero).
     load_exponent : q [1].
     bend : b [1], not negative.
+    relaxation : sigma [m], not negative.
     """
 
     stiffness: float | Array
@@ -42,6 +48,7 @@ class MagicFormula:
     shape: float = 1.65
     load_exponent: float = 0.0
     bend: float = 0.0
+    relaxation: float = 0.0
 
     def force(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
         """Normalised force F [1] at braking ``slip`` [1], axle load over half the weight [1].
@@ -66,6 +73,17 @@ class MagicFormula:
         ratio = force / self.peak
         held = np.where(np.abs(ratio) <= 1.0, ratio, np.nan)
         return self._bent(np.tan(np.arcsin(held) / self.shape), relative_load)
+
+    def leading(self, slip: Array, v: Array, time: Array) -> Array:
+        """Slip [1] (n,) that the wheel has while ``slip`` (n,) carries the force.
+
+        ``v`` [m/s] (n,) counts as `MOVING` below it; ``time`` [s] (n,). Not valid for a lag that is
+        not short beside what the slip does, nor near the peak, where the way grows shorter.
+        """
+        if self.relaxation == 0.0:
+            return slip
+        way = self.relaxation / np.maximum(v, MOVING)
+        return np.asarray(slip + way * np.gradient(slip, time))
 
     def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
         """Slip [1] where C atan(B x) is ``fraction`` of pi/2; 1 is the peak itself."""

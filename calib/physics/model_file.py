@@ -8,6 +8,7 @@ rear = 0.36
 stiffness = 25.0
 peak = 0.9
 bend = 0.2                    # 0 is the Magic Formula, a third of its shape factor a brush
+relaxation = "0.3 m"          # way over which the force builds up; 0 when left out
 [effects.aerodynamic_drag]    # [effects] is the whole list; the vehicle's when left out
 drag_area = "0.66 m^2"
 [own_effects.air_brake_flap]  # where an effect is defined that is not in the catalogue
@@ -49,6 +50,7 @@ from calib.physics.effects.catalogue import CATALOGUE
 from calib.physics.effects.effect import Card, Effect
 from calib.physics.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.physics.effects.empirical import DRIVERS, PLACES
+from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import WET_ASPHALT, Model, Surface, default_model
 from calib.physics.own_effects.own_effect import (
     OwnEffect,
@@ -91,6 +93,7 @@ class TyreSection(Section):
     shape: Annotated[float, QuantityMark("1", 1.01, 1.99)] | None = None
     load_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
     bend: Annotated[float, QuantityMark("1", 0.0, 1.0)] | None = None
+    relaxation: Annotated[float, QuantityMark("m", 0.0, 2.0)] | None = None
 
 
 def _start(written: object) -> tuple[float, str]:
@@ -262,7 +265,7 @@ def write_model(model: Model, path: Path) -> None:
     document: dict[str, Any] = {
         "schema": 1,
         "pads": {"front": model.pad_friction_f, "rear": model.pad_friction_r},
-        "tyre": {name: float(value) for name, value in asdict(model.tyre).items()},
+        "tyre": _written_tyre(model.tyre),
         "effects": {
             name: _written(definition(model.effects, name).card, values)
             for name, values in model.effects.parameters.items()
@@ -286,6 +289,11 @@ def write_model(model: Model, path: Path) -> None:
     if terms:
         document["empirical"] = terms[0] if len(terms) == 1 else terms
     write_whole(Path(path), toml_bytes(document))
+
+
+def _written_tyre(tyre: MagicFormula) -> dict[str, str | float]:
+    numbers = {name: float(value) for name, value in asdict(tyre).items()}
+    return numbers | {"relaxation": written_quantity(numbers["relaxation"], "m")}
 
 
 def _written(card: Card, values: Mapping[str, float]) -> dict[str, str | float]:

@@ -167,7 +167,7 @@ def _channels(run: Drive, state: SolverState, history: RunHistory) -> dict[str, 
         model.vehicle, model.effects, Motion(run.moving(state.v), *state.loads, history)
     )
     for w in WHEELS:
-        slip = state.slip[brakes.twin(w)]
+        slip = model.tyre.leading(state.slip[brakes.twin(w)], run.moving(state.v), run.time)
         omega = forces.wheel_speed(brakes.axle(w), slip, state.v)
         omega = delayed(run.time, omega, wheel_speed_delay(model.effects))
         channels[f"omega_{w}"] = omega * read[w] if w in read else omega

@@ -30,6 +30,7 @@ peak = 0.5
 shape = 1.5
 load_exponent = 0.1
 bend = 0.3
+relaxation = "25 cm"
 [effects.aerodynamic_drag]
 drag_area = "6600 cm^2"
 [[surfaces]]
@@ -56,7 +57,7 @@ def refused(tmp_path, text):
 def test_reads_every_section_in_si(tmp_path):
     model = read(tmp_path, WHOLE, KNOWN)
     assert (model.pad_friction_f, model.pad_friction_r) == (0.30, pytest.approx(0.34))
-    assert model.tyre == MagicFormula(20.0, 0.5, 1.5, 0.1, 0.3)
+    assert model.tyre == MagicFormula(20.0, 0.5, 1.5, 0.1, 0.3, 0.25)
     assert model.effects == Effects({"aerodynamic_drag": {"drag_area": pytest.approx(0.66)}})
     assert model.surfaces == (Surface(60.0, "m", 0.8, 0.5), Surface(4.5, "s", 1.0, 1.0))
 
@@ -92,6 +93,7 @@ models = st.builds(
         shape=st.floats(1.05, 1.95),
         load_exponent=st.floats(-0.9, 0.9),
         bend=st.floats(0.0, 1.0),
+        relaxation=st.floats(0.0, 2.0),
     ),
     effects=st.builds(
         Effects,
