@@ -22,8 +22,8 @@ class Base:
 
     ``stiffness``, ``peak``, ``shape``, ``load_exponent``, ``bend`` [1] and ``relaxation`` [m] as in
     `MagicFormula`; ``radius`` the factor on the rolling radii of the vehicle file, common to both
-    axles; ``tyre_ratio`` the stiffness of the rear tyres over that of the front ones, 1 in every fit: pads
-    and tyres of an axle cannot both be fitted (`calib.diagnosis.doubts`).
+    axles; ``tyre_ratio`` the stiffness of the rear tyres over that of the front ones, 1 in every
+    fit: pads and tyres of an axle cannot both be fitted (`calib.diagnosis.doubts`).
     """
 
     pad_friction_f: float

@@ -90,3 +90,12 @@ def test_surface_factors_may_vary_along_the_run():
     assert tyre.force(np.array([0.01, 0.01]))[1] == pytest.approx(
         MagicFormula(12.5, 0.45).force(np.array([0.01]))[0]
     )
+
+
+def test_a_slip_leads_by_the_way_that_the_force_needs():
+    """The linear tyre of ch. 7: sigma ds'/dt + v s' = v s."""
+    time, v = np.linspace(0.0, 2.0, 401), np.full(401, 15.0)
+    carried = 0.01 * time**2
+    slip = MagicFormula(25.0, 0.9, relaxation=0.3).leading(carried, v, time)
+    assert slip[1:-1] == pytest.approx((carried + 0.3 / 15.0 * 0.02 * time)[1:-1], abs=1e-9)
+    assert MagicFormula(25.0, 0.9).leading(carried, v, time) is carried

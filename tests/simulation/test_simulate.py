@@ -16,6 +16,7 @@ from calib.physics.magic_formula import MagicFormula
 from calib.physics.model import Model, Surface, default_model
 from calib.physics.vehicle_file import read_vehicle
 from calib.simulation.simulate import simulate
+from tests.support import effect_runs
 from tests.support.plant import Plant, drive, magic
 
 SEDAN = read_vehicle(Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml")
@@ -377,3 +378,18 @@ def test_disc_temperatures_are_handed_through_and_looked_at():
 def test_an_unknown_effect_is_refused():
     with pytest.raises(ModelError, match="unknown effect 'fad'"):
         simulate(model({"fad": {}}), clock(1), np.zeros(201), 20.0)
+
+
+def test_tyres_that_need_a_way_follow_the_plant():
+    def pedal(t):
+        return 10e5 * (1.0 - np.cos(6.0 * t))  # rises by up to 60 bar/s
+
+    run = effect_runs.on_the_plant(pedal, v0=20.0, duration=2.0, relaxation=0.4)
+    off = {}
+    for way in (0.0, 0.4):
+        tyre = replace(effect_runs.TYRE, relaxation=way)
+        model = replace(default_model(SEDAN), effects=Effects({}), tyre=tyre)
+        time = effect_runs.clock(2.0)
+        log = simulate(model, time, np.array([pedal(t) for t in time]), 20.0)
+        off[way] = max(effect_runs.apart(log, run, f"omega_{w}") for w in ("fl", "rl"))
+    assert off[0.4] < 0.25 * off[0.0]
