@@ -19,6 +19,9 @@ from calib.physics.lag import first_order
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Axle, Vehicle
 
+SHORTEST = 1e-6
+"""Time constant [s] up to which an accelerometer follows at once: far less than a sample."""
+
 
 def chosen(effects: Effects, test: Callable[[Effect], bool]) -> Effects:
     """The effects, terms among them, that pass a test. Raises ModelError for an unknown name."""
@@ -135,7 +138,7 @@ def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array)
     """Reading of the accelerometer [m/s^2] (n,) at the acceleration ``a_x`` [m/s^2] (n,)."""
     reading = as_sensed(vehicle, effects, history, a_x)
     lag = accelerometer_lag(effects)
-    return first_order(history.time, reading, lag) if lag else reading
+    return first_order(history.time, reading, lag) if lag > SHORTEST else reading
 
 
 def as_sensed(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
