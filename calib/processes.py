@@ -68,7 +68,14 @@ def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
             do="repeat it; if memory ran out, with --workers 1",
         ) from error
     finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+        end(pool)
+
+
+def end(pool: ProcessPoolExecutor) -> None:
+    """End the workers at once; what they are computing is lost."""
+    for process in list((pool._processes or {}).values()):
+        process.terminate()
+    pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _context(preload: str) -> BaseContext:

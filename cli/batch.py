@@ -1,6 +1,5 @@
 """`brake-cal batch`: one command on many logs, one row per log."""
 
-import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +11,7 @@ from cli.console import emit, emit_json, is_watched, progress_bar, say
 from cli.jobs import Commands, Fresh, JobOptions, Out
 from cli.options import Json, Workers, example, grouped
 from cli.outputs import writing
+from cli.stop import stoppable
 
 if TYPE_CHECKING:
     from calib.fleet.job import Job
@@ -56,19 +56,16 @@ def batch(
         raise typer.BadParameter("the scheduler has its own workers", param_hint="--workers")
     job = options.job(command, out)
     _check_logs(logs, job, out)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: rows are kept
     from calib.fleet.run import run_batch
 
-    executor = _executor(workers, scheduler)
-    say(f"{command.value} on {executor.workers} worker{'s' * (executor.workers > 1)}")
-    try:
-        with _progress() as report, writing(out):
-            done = run_batch(job, logs, out, executor, report, fresh)
-    except KeyboardInterrupt:
-        say("stopped; the same command continues where it was")
-        raise
-    finally:
-        executor.close()
+    with stoppable("stopped; the same command continues where it was"):
+        executor = _executor(workers, scheduler)
+        say(f"{command.value} on {executor.workers} worker{'s' * (executor.workers > 1)}")
+        try:
+            with _progress() as report, writing(out):
+                done = run_batch(job, logs, out, executor, report, fresh)
+        finally:
+            executor.close()
     _tell(done, json)
     if done.unreadable:
         raise typer.Exit(UNREADABLE)

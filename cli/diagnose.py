@@ -7,11 +7,12 @@ import typer
 from typer.core import TyperCommand
 
 from calib.plain import counted
-from cli.console import emit, emit_json, say, stages
+from cli.console import emit, emit_json, say, stages, warn
 from cli.inputs import channel_map_of, with_own_effects
 from cli.logs import named, read
 from cli.options import Json, Map, OwnEffects, Workers, example, needed_vehicle, out_folder
 from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
+from cli.stop import stoppable
 
 if TYPE_CHECKING:
     from calib.diagnosis.diagnose import Diagnosis
@@ -58,7 +59,9 @@ def diagnose(
     """Name the effect that the model of a car lacks.
 
     It says where simulation and measured runs disagree, adds the effect, and confirms it on the
-    logs of --holdout.
+    logs of --holdout. Logs that look like a mistake are refused before the search: a hold-out that
+    is a copy, swapped wheel speeds, a pressure of another run. Exit code 0, or 130 if stopped by
+    Ctrl-C or SIGTERM.
     """
     from calib.diagnosis.diagnose import diagnose as find
     from calib.diagnosis.document import text_of, to_dict
@@ -78,20 +81,22 @@ def diagnose(
     paths, runs = [*logs, *kept], []
     # A function of one's own acts in one process only.
     count = 1 if car.effects.own else workers or min(cores(), REFINED)
-    with side_by_side(count, "calib.diagnosis.diagnose") as mapped:
+    with stoppable("stopped; nothing was written"):
+        with side_by_side(count, "calib.diagnosis.diagnose") as mapped:
+            with stages() as tell:
+                for i, path in enumerate(paths):
+                    tell(f"reading {path.name}", i, len(paths))
+                    runs.append(read(path, mapping))
+            say(f"searching {counted(len(logs), 'log')}, confirming on {len(kept)}")
+            with stages() as tell:
+                found = find(car, runs[: len(logs)], runs[len(logs) :], tell, mapped)
         with stages() as tell:
-            for i, path in enumerate(paths):
-                tell(f"reading {path.name}", i, len(paths))
-                runs.append(read(path, mapping))
-        say(f"searching {counted(len(logs), 'log')}, confirming on {len(kept)}")
-        with stages() as tell:
-            found = find(car, runs[: len(logs)], runs[len(logs) :], tell, mapped)
-    with stages() as tell:
-        tell("drawing the report", 0, 1)
-        report = report_html(found, car.name)
-    with writing(out):
-        write_folder(found, text_of(found), report, out)
+            tell("drawing the report", 0, 1)
+            report = report_html(found, car.name)
+        with writing(out):
+            write_folder(found, text_of(found), report, out)
     say(f"wrote {out}: diagnosis.json, model.toml, report.html, replays in sim/")
+    warn(found.warnings)
     if json:
         emit_json(to_dict(found))
     else:

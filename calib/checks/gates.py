@@ -3,13 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.swapped import what_to_check
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.physics.braking import BITE
+from calib.physics.forces import front_biased_up_to
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals, rolling_radii
 from calib.signals.blocks import Blocks
 from calib.signals.driving_record import SETTLE
+from calib.signals.one_axle import braked_alone
 
 RADIUS_TOLERANCE = 0.03
 """Largest deviation of v/(R omega) from 1 without braking: tyre wear and pressure cause 2 %."""
@@ -72,3 +75,38 @@ def bitten(b: Blocks) -> float:
     """Time after which the brakes are applied and settled [s]; infinite if they never are."""
     braked = np.flatnonzero(np.maximum(b.p_f, b.p_r) > BITE)
     return float(b.end[braked[0]]) + SETTLE if braked.size else np.inf
+
+
+_EXPECTED = {"f": (1.0, "rise", "front", "rear"), "r": (-1.0, "fall", "rear", "front")}
+"""Sign and name of the change of eta, by the axle that slips more; that axle, and the other."""
+
+
+def wrong_slip(vehicle: Vehicle, b: Blocks) -> float | None:
+    """Rise of eta [1] under braking where it goes the wrong way; None where it does not.
+
+    The axle that brakes more must slip more: the front one of a front-biased car, or the one that
+    brakes alone by its pressures.
+    """
+    alone = braked_alone(b.p_f, b.p_r)
+    end = np.inf if alone else 0.8 * front_biased_up_to(vehicle)
+    rise, error = eta_rise(b, (b.z > 0.1) & (b.z < end) & (b.end > bitten(b)))
+    sign = _EXPECTED["r" if alone == "r" else "f"][0]
+    return rise if sign * rise < -4.0 * error else None
+
+
+def require_right_slip(vehicle: Vehicle, log: Log, b: Blocks) -> None:
+    """Raise LogError for a run on which eta goes the wrong way, see `wrong_slip`."""
+    rise = wrong_slip(vehicle, b)
+    if rise is None:
+        return
+    alone = braked_alone(b.p_f, b.p_r)
+    _, way, more, less = _EXPECTED["r" if alone == "r" else "f"]
+    biased = f"{vehicle.name} is front-biased there"
+    why = f"only the {more} brakes have pressure" if alone else biased
+    raise LogError(
+        f"the {more} wheels slip less than the {less} while braking: eta {100 * rise:+.2f} %",
+        where=log.source,
+        expected=f"a {way}: {why}",
+        do=what_to_check(less)
+        + ("; leave out wheel pressures that are not measured" if alone else ""),
+    )

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.checks.clock import Clock, clock_of
+from calib.checks.copies import made_of_wheels
+from calib.checks.pressure_checks import explained
 from calib.checks.sensors import Sensor, sensors_of
 from calib.checks.wheel_checks import Axles, Slipping, axles_of, slipping
 from calib.logs.log import Log
@@ -34,6 +36,9 @@ class Observation:
     speed : highest speed [m/s]; approximate without ``v``.
     z : highest deceleration, in g [1].
     alone : the axle that brakes alone by its pressures, "f" or "r"; None for both.
+    explained : share of the deceleration's variance that the pressure explains [1]; None where it
+        cannot be told.
+    v_of_wheels : whether ``v`` is made of the wheel speeds.
     axles, slipping : None where ``a_x`` or a wheel speed is missing; so are the times above.
     """
 
@@ -49,6 +54,8 @@ class Observation:
     speed: float = 0.0
     z: float = 0.0
     alone: Axle | None = None
+    explained: float | None = None
+    v_of_wheels: bool = False
     axles: Axles | None = None
     slipping: Slipping | None = None
 
@@ -85,6 +92,8 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
         speed=float(driving.speed.max()),
         z=float(driving.z[driving.moving].max()) if driving.moving.any() else 0.0,
         alone=braked_alone_in(log),
+        explained=explained(log, driving) if "p_mc" in log else None,
+        v_of_wheels="v" in log and made_of_wheels(log),
         axles=axles_of(log, driving),
         slipping=slipping(log, driving, events),
     )

@@ -19,6 +19,9 @@ COASTING = 2.0  # [s]; a coast of that length gives the zero of eta and the drag
 RADIUS = (0.12, 0.9)  # [m] range of plausible a_x over wheel deceleration
 NEVER_FREE = 1e5  # [Pa] pressure that a released pedal does not leave
 SOFTEST = 20e5  # [Pa] for each g; usual cars need 60 to 150 bar
+EXPLAINED = 0.85
+"""Share of the deceleration's variance [1] that the pressure of a run explains: 0.95 and more with
+every effect of the catalogue in the brakes, three at a time (`tests/studies/mixed_up.py`)."""
 PRESSURE = 350e5  # [Pa] above the pressure of any master cylinder
 GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
 HOLE = 0.1  # [s] longest gap within a braking
@@ -64,6 +67,7 @@ def _unusable(seen: Observation) -> Iterator[str]:
             )
     yield from _wrong_a_x(seen)
     yield from _wrong_pressure(seen)
+    yield from _foreign_pressure(seen)
 
 
 def _wheels(seen: Observation) -> list[str]:
@@ -109,6 +113,17 @@ def _wrong_pressure(seen: Observation) -> Iterator[str]:
         yield (
             f"p_mc takes {sensor.high / seen.z / 1e5:.1f} bar for each g, and no car less than "
             f"{SOFTEST / 1e5:g}: check its unit (bar or MPa) and its scale"
+        )
+
+
+def _foreign_pressure(seen: Observation) -> Iterator[str]:
+    """A wheel at its limit does not follow its pressure, so nothing is said of it."""
+    limited = seen.slipping is not None and (seen.slipping.cycles or seen.slipping.locked)
+    if seen.explained is not None and seen.explained < EXPLAINED and not limited:
+        yield (
+            f"p_mc explains {100 * max(seen.explained, 0.0):.0f} % of how the deceleration goes, "
+            f"and that of the same run {100 * EXPLAINED:.0f} % or more: look for a pressure of "
+            "another run or another clock, and log the torque T_drive of a motor that brakes"
         )
 
 
@@ -220,6 +235,11 @@ def _not_for_coast(seen: Observation) -> Iterator[str]:
 def _not_for_diagnose(seen: Observation) -> Iterator[str]:
     if "v" not in seen.present:
         yield "no reference speed v: log it, wheel speeds alone cannot tell slip from speed"
+    if seen.v_of_wheels:
+        yield (
+            "v is made of the wheel speeds: log the speed over ground of another sensor, wheel "
+            "speeds alone cannot tell slip from speed"
+        )
     if seen.events:
         yield from _not_for_validate(seen)
     elif seen.coasting < COASTING:

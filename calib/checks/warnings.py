@@ -29,7 +29,7 @@ MORE = math.inf
 
 def warnings_of(name: str, seen: Observation) -> tuple[PlausibilityWarning, ...]:
     """Warnings on the log ``name``."""
-    rules = (_clock, _lead_in, _radii, _swapped, _limits, _sensors, _pressure)
+    rules = (_clock, _lead_in, _radii, swapped_axles, _limits, _sensors, _pressure)
     return tuple(warning for rule in rules for warning in rule(name, seen))
 
 
@@ -105,7 +105,8 @@ def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
             )  # fmt: skip
 
 
-def _swapped(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+def swapped_axles(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    """Eta that goes the wrong way while braking."""
     eta = seen.axles.eta_braked if seen.axles else None
     if eta is None:
         return

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.gates import require_same_wheels
 from calib.diagnosis.agreement import half_widths
+from calib.diagnosis.axles import require_axles
 from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, problem_of
 from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.confirm import chi2_by_run, confirm, count_of
@@ -20,9 +20,16 @@ from calib.diagnosis.decide import Decision, confusable, decide, explains, gain
 from calib.diagnosis.doubts import base_half_widths
 from calib.diagnosis.drives import Drive, drives
 from calib.diagnosis.gap import Gap, gap_of
+from calib.diagnosis.gates import (
+    refuse_copies,
+    require_enough,
+    require_own_pressure,
+    require_usable,
+)
 from calib.diagnosis.groups import LogGroup, groups_of
 from calib.diagnosis.heats import start_heats_of, with_start_heats
 from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
+from calib.diagnosis.judged import judged_logs
 from calib.diagnosis.predict import ObservedRun, predict, run_of
 from calib.diagnosis.progress import Tell, silent
 from calib.diagnosis.prove import Step, Withdrawn, prove
@@ -32,7 +39,8 @@ from calib.diagnosis.remainder import Remainder, range_of
 from calib.diagnosis.search import unresolved
 from calib.diagnosis.sides import with_even_sides
 from calib.diagnosis.unexplained import UnexplainedTerm, locate
-from calib.errors import LogError, ModelError
+from calib.diagnosis.warnings import log_warnings, unexplained_warnings
+from calib.errors import ModelError
 from calib.logs.log import Log
 from calib.physics.effects.effect import acts_on_wheels
 from calib.physics.effects.effects import Effects
@@ -40,8 +48,8 @@ from calib.physics.model import Model
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
 from calib.processes import Mapped
-from calib.signals.axle_signals import signals
 from calib.units import behind
+from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
 
@@ -100,7 +108,7 @@ class Diagnosis:
     reference first, where one set of parameters does not serve all; ``start_heats`` of the discs
     [degC] by log, where fade is named and no temperature is logged; ``withdrawn`` what fits the
     calibration logs and not the hold-outs; ``steps`` the course of the search; ``noise`` that of
-    the evidence, and its source.
+    the evidence, and its source; ``warnings`` what speaks against the logs and is not explained.
     """
 
     verdict: str
@@ -125,6 +133,7 @@ class Diagnosis:
     drives: tuple[Drive, ...]
     confusion: Confusion | None
     sides: Mapping[str, float]
+    warnings: tuple[PlausibilityWarning, ...]
 
     def __repr__(self) -> str:
         lines = [f"Diagnosis: {self.verdict}"]
@@ -164,8 +173,9 @@ def diagnose(
     The diagnosis. Its ``model_after`` is the car with the identified effects, for `calib.simulate`.
     Left and right wheel speeds are made even where nothing brakes (`calib.diagnosis.sides`).
 
-    Raises LogError when there is no hold-out, when a log is given twice, lacks ``v`` or is of
-    another car, or when nothing in the logs is braked.
+    Raises LogError when there is no hold-out, when nothing in the logs is braked, and for a log
+    that looks like a mistake: a run that is given twice, also as a copy; a log that `check` does
+    not call usable; one of another car; wheel speeds that are swapped; a pressure of another run.
 
     >>> import calib
     >>> case = calib.sample_logs() / "hidden" / "case_0"
@@ -178,9 +188,8 @@ def diagnose(
     >>> low < 0.7444 < high  # m^2, the hidden value
     True
     """
-    check_logs(calibration, holdout)
-    for log in (*calibration, *holdout):
-        require_same_wheels(vehicle, log, signals(log, vehicle))
+    tell("checking the logs", 0, 1)
+    warnings = checked(vehicle, calibration, holdout)
     evened, sides = with_even_sides([*sorted(calibration, key=lambda log: log.digest), *holdout])
     ordered, holdout = evened[: len(calibration)], evened[len(calibration) :]
     tell("fitting the model without effects", 0, 1)
@@ -204,6 +213,7 @@ def diagnose(
     if unexplained is not None and not stands:
         after, last = with_term(before, unexplained, proved.before, held)
     at = unexplained.at if unexplained and not stands else decision.best
+    groups = groups_of((*problem.runs, *held.problem.runs))
     return Diagnosis(
         verdict=decision.verdict,
         effects=named(problem, held.problem, decision, confusion) if stands else (),
@@ -216,7 +226,7 @@ def diagnose(
         after=last,
         measured=tuple(holdout),
         reduced_before=decision.base.reduced,
-        groups=groups_of((*problem.runs, *held.problem.runs)),
+        groups=groups,
         start_heats=start_heats_of((*problem.runs, *held.problem.runs)),
         not_resolved=not_resolved,
         drives=drives(problem, decision.best, not_resolved),
@@ -227,7 +237,22 @@ def diagnose(
         steps=proved.steps,
         noise=problem.noise,
         sides=sides,
+        warnings=unexplained_warnings(warnings, left=unexplained is not None, grouped=bool(groups)),
     )
+
+
+def checked(
+    vehicle: Vehicle, calibration: list[Log], holdout: list[Log]
+) -> tuple[PlausibilityWarning, ...]:
+    """What speaks against the logs; raises LogError for a mistake that must not be searched in."""
+    logs = [*calibration, *holdout]
+    require_enough(calibration, holdout)
+    refuse_copies(calibration, holdout)
+    require_usable(vehicle, logs)
+    judged = judged_logs(vehicle, logs)
+    require_axles(vehicle, logs, judged)
+    require_own_pressure(judged)
+    return log_warnings(judged)
 
 
 def by_log(decision: Decision) -> Decision:
@@ -251,31 +276,6 @@ def with_term(
         return before, replayed
     helped = gap_of(replayed, last, held.logs).closed > 0.0
     return (model, last) if helped else (before, replayed)
-
-
-def check_logs(calibration: list[Log], holdout: list[Log]) -> None:
-    """Raise LogError for logs from which no diagnosis can be made."""
-    if not holdout:
-        raise LogError("no hold-out log", expected="--holdout LOG...", do="keep two stops back")
-    if len(calibration) < 2:
-        raise LogError(
-            f"{len(calibration)} calibration log",
-            expected="two or more that differ: a coast, a ramp, stops at other pressures and heats",
-        )
-    digests = [log.digest for log in calibration if log.digest]
-    for log in calibration:
-        if digests.count(log.digest) > 1:
-            raise LogError("given twice", where=log.source, do="give each run once")
-    for log in holdout:
-        if log.digest in digests:
-            raise LogError(
-                "is among the calibration logs too", where=log.source, do="hold it out, or fit it"
-            )
-    if max(float(np.max(log["p_mc"])) for log in calibration) < 5e5:
-        raise LogError(
-            "nothing is braked in the calibration logs",
-            expected="pressure above 5 bar in at least one",
-        )
 
 
 def named(

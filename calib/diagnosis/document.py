@@ -14,6 +14,7 @@ from calib.diagnosis.prove import Step
 from calib.diagnosis.remainder import Remainder
 from calib.diagnosis.unexplained import UnexplainedTerm
 from calib.physics.effects.empirical import DRIVERS
+from calib.warning import to_dict as warning_dict
 
 SCHEMA = 1
 
@@ -40,6 +41,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "steps": _steps(found.steps),
         "withdrawn": [asdict(one) for one in found.withdrawn],
         "gap": _gap(found.gap),
+        "warnings": [warning_dict(warning) for warning in found.warnings],
     }
 
 

@@ -157,6 +157,13 @@ def refine(problem: Problem, at: Candidate, count: int = REFINED) -> list[Candid
     return sorted(fitted, key=lambda candidate: candidate.chi2)
 
 
+def added(at: Candidate, name: str) -> Candidate:
+    """The explanation with one further effect, fitted."""
+    innovations = at.problem.flat(at.base, at.effects)
+    directions = base_directions(at.problem, at, innovations)
+    return _fitted(at, _hint_of(at, innovations, directions, name))
+
+
 def _fitted(at: Candidate, hint: Hint) -> Candidate:
     """Fit an effect; once more from a full spread if the fit gains less than its hint promised.
 

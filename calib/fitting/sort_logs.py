@@ -1,13 +1,9 @@
 """Ramps and coast logs among the logs of a fit, and which of them will do."""
 
-import numpy as np
-
 from calib.checks.check import problems_for
-from calib.checks.gates import bitten, eta_rise, refuse_twice, require_same_wheels
-from calib.checks.swapped import what_to_check
+from calib.checks.gates import refuse_twice, require_right_slip, require_same_wheels
 from calib.errors import LogError
 from calib.logs.log import Log
-from calib.physics.forces import front_biased_up_to
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import Blocks, blocks
@@ -41,7 +37,7 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
         require_same_wheels(vehicle, log, s)
         b = blocks(s)
         if not coasting:
-            _require_axles(vehicle, log, b)
+            require_right_slip(vehicle, log, b)
         (coasts if coasting else ramps).append((log, b, sensor_noise(log, b)))
     if not ramps:
         raise LogError(
@@ -56,28 +52,3 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
             expected="at least one ramp with both axles; ramps with one axle serve in addition",
         )
     return ramps, coasts
-
-
-_EXPECTED = {"f": (1.0, "rise", "front", "rear"), "r": (-1.0, "fall", "rear", "front")}
-"""Sign and name of the change of eta, by the axle that slips more; that axle, and the other."""
-
-
-def _require_axles(vehicle: Vehicle, log: Log, b: Blocks) -> None:
-    """Refuse a ramp on which eta goes the wrong way: the axle that brakes more must slip more.
-
-    That is the front axle of a front-biased car, or the one that brakes alone by its pressures.
-    """
-    alone = braked_alone(b.p_f, b.p_r)
-    end = np.inf if alone else 0.8 * front_biased_up_to(vehicle)
-    rise, error = eta_rise(b, (b.z > 0.1) & (b.z < end) & (b.end > bitten(b)))
-    sign, way, more, less = _EXPECTED["r" if alone == "r" else "f"]
-    if sign * rise < -4.0 * error:
-        biased = f"{vehicle.name} is front-biased there"
-        why = f"only the {more} brakes have pressure" if alone else biased
-        raise LogError(
-            f"the {more} wheels slip less than the {less} while braking: eta {100 * rise:+.2f} %",
-            where=log.source,
-            expected=f"a {way}: {why}",
-            do=what_to_check(less)
-            + ("; leave out wheel pressures that are not measured" if alone else ""),
-        )

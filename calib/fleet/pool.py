@@ -5,7 +5,7 @@ from typing import Protocol
 
 from calib.fleet.row import Row
 from calib.fleet.work import Item, run_items
-from calib.processes import workers
+from calib.processes import end, workers
 
 Rows = list[Row | None]
 
@@ -63,9 +63,7 @@ class Pool:
 
     def close(self) -> None:
         """End the workers, also during a log; it has no row and the next run repeats it."""
-        for process in list((self._pool._processes or {}).values()):
-            process.terminate()
-        self._pool.shutdown(wait=True, cancel_futures=True)
+        end(self._pool)
 
     def _new(self) -> ProcessPoolExecutor:
         return workers(self._workers, preload="calib.fleet.warm")

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.sensors import resolution_of
+from calib.checks.copies import SAME, is_noise, rough
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.vehicle import Vehicle
@@ -14,13 +14,6 @@ from calib.signals.axle_signals import HELD, Signals, held_time, rolling_radii
 from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
-
-SAME = 0.99
-"""Correlation of the noise of two channels [1] from which they are one signal: the road shakes two
-wheels of an axle alike by 0.5."""
-
-STEPS = 2.0
-"""Noise of a channel over its resolution, below which it is rounding, and says nothing."""
 
 RADIUS = 0.02
 """Difference of a rolling radius from the file's [1] that wear and inflation can cause."""
@@ -37,11 +30,11 @@ def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Plausib
 
 
 def _twice(log: Log) -> Iterator[PlausibilityWarning]:
-    noise = {name: _noise(log[name]) for name in COMPARED if name in log}
+    noise = {name: rough(log[name]) for name in COMPARED if name in log}
     rows = np.array(list(noise.values()))
     alike = np.abs(rows @ rows.T)
     for (i, one), (j, other) in combinations(enumerate(noise), 2):
-        if alike[i, j] > SAME and _is_noise(log[one]):
+        if alike[i, j] > SAME and is_noise(log[one]):
             yield PlausibilityWarning(
                 "same_signal",
                 log.name,
@@ -62,24 +55,6 @@ def _held(log: Log) -> PlausibilityWarning:
         ("a receiver of satellites, or a slow bus, whose v is held in between", "a coarse v"),
         "v is not used; log a v of 20 Hz or more",
     )
-
-
-def _noise(x: Array) -> Array:
-    """Second differences of a channel, of length 1 as a vector."""
-    rough = np.diff(x, 2)
-    size = float(np.linalg.norm(rough))
-    return rough / size if size > 0.0 else rough
-
-
-def _is_noise(x: Array) -> bool:
-    """Whether the second differences are more than rounding, and those of noise.
-
-    Those of noise change their sign from one to the next, those of a smooth signal do not.
-    """
-    rough = np.diff(x, 2)
-    square = float(rough @ rough)
-    rounding = STEPS * resolution_of(x)
-    return square > rounding**2 * rough.size and float(rough[1:] @ rough[:-1]) < -0.3 * square
 
 
 def _radii(log: str, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:

@@ -12,6 +12,7 @@ from calib.physics.own_effects.own_effect import definition
 from calib.plots import diagnosis
 from calib.plots.sheet import Sheet
 from calib.reports.html import drawn, page
+from calib.reports.judged import warned
 
 BASE = {
     "pad_friction_f": "pad friction, front",
@@ -52,6 +53,7 @@ def report_html(found: Diagnosis, title: str) -> str:
         unexplained=found.unexplained and _unexplained(found.unexplained, sheet),
         kind=KINDS[judged],
         colour=COLOURS[judged],
+        warnings=[warned(warning) for warning in found.warnings],
         something_else=words.something_else(found),
         withdrawn=words.withdrawn(found),
         own_effects=words.own_effects(found),

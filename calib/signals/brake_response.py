@@ -56,10 +56,12 @@ AGE = 10.0
 class BrakeResponse:
     """Delay of the brakes [s], force without pressure [N], each with its standard deviation.
 
-    ``delay`` is above zero where the deceleration comes after the pressure. ``share`` is ``force``
-    over the median demanded brake force [1], ``share_sigma`` its standard deviation.
+    ``level`` the pads over the nominal ones [1]; ``delay`` is above zero where the deceleration
+    comes after the pressure. ``share`` is ``force`` over the median demanded brake force [1],
+    ``share_sigma`` its standard deviation.
     """
 
+    level: float
     delay: float
     delay_sigma: float
     force: float
@@ -104,6 +106,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         solution, sigma = _with_usual(A, y, variance, level * SPREAD, FORCE * usual, delay)
         delay += float(solution[4]) / level
     return BrakeResponse(
+        level=float(solution[0]),
         delay=delay,
         delay_sigma=float(sigma[4]) / level,
         force=float(solution[2]),

@@ -10,7 +10,7 @@ from tests.support.reference_car import CAR, REAL, noisy, stop
 
 
 def response(delay=0.0, share=0.0, sigma=0.01):
-    return BrakeResponse(delay, sigma, 5000.0 * share, 5000.0 * sigma, share, sigma)
+    return BrakeResponse(1.0, delay, sigma, 5000.0 * share, 5000.0 * sigma, share, sigma)
 
 
 @pytest.mark.parametrize(

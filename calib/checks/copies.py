@@ -1,0 +1,46 @@
+"""Channels that are copies of others, by their noise: two sensors have noise of their own."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.checks.sensors import resolution_of
+from calib.logs.log import Log
+from calib.names import WHEELS
+
+Array = NDArray[np.float64]
+
+SAME = 0.99
+"""Correlation of the noise of two channels [1] from which they are one signal: the road shakes two
+wheels of an axle alike by 0.5."""
+
+STEPS = 2.0
+"""Noise of a channel over its resolution, below which it is rounding, and says nothing."""
+
+
+def made_of_wheels(log: Log) -> bool:
+    """Whether ``v`` is a wheel speed times a radius, or a mean of several of them."""
+    v = rough(log["v"])
+    wheels = np.column_stack([rough(log[f"omega_{w}"]) for w in WHEELS])
+    if not v.any() or not is_noise(log["v"]):
+        return False
+    left = v - wheels @ np.linalg.lstsq(wheels, v, rcond=1e-9)[0]
+    return float(left @ left) < 1.0 - SAME**2
+
+
+def rough(x: Array) -> Array:
+    """Second differences of a channel, of length 1 as a vector."""
+    differences = np.diff(x, 2)
+    size = float(np.linalg.norm(differences))
+    return differences / size if size > 0.0 else differences
+
+
+def is_noise(x: Array) -> bool:
+    """Whether the second differences are more than rounding, and those of noise.
+
+    Those of noise change their sign from one to the next, those of a smooth signal do not.
+    """
+    differences = np.diff(x, 2)
+    square = float(differences @ differences)
+    rounding = STEPS * resolution_of(x)
+    above = square > rounding**2 * differences.size
+    return above and float(differences[1:] @ differences[:-1]) < -0.3 * square

@@ -1,0 +1,88 @@
+"""Compare the pressure with the deceleration: a pressure of another run does not go with it.
+
+    z(t) = a + (b + c t) p(t - delay) + rest        over the lead-in and all that is braked
+
+Everything that brakes do is in it but for a small part: pads that fade or dry are in c, lines that
+lag in the delay, resistance and a bias of a_x in a. Wrong where a wheel is at its limit.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.logs.log import Log
+from calib.names import AXLES, G
+from calib.physics.braking import MOVING
+from calib.signals.axle_signals import axle_pressure
+from calib.signals.driving_record import BITE_Z, STEADY, DrivingRecord
+from calib.signals.filters import centred_mean, since
+
+Array = NDArray[np.float64]
+
+SLOWS = 1.5 * BITE_Z
+"""Deceleration [g] that counts as braking whatever the pressure is: an engine in a low gear stays
+below it."""
+
+GREATEST = 1.5 * G
+"""Deceleration [m/s^2] that no road car reaches: a sample past it is a glitch of a_x."""
+
+WIDTH = 0.3
+"""Width of the means that are compared [s]: brakes build up in 0.1 to 0.2 s."""
+
+EVERY = 0.05
+"""Step at which they are compared [s]."""
+
+DELAYS = np.arange(-0.2, 0.51, 0.05)
+"""Delays of the deceleration against the pressure that are tried [s]: clocks may be early."""
+
+AFTER = 0.5
+"""Time after a braking that still tells of it [s]."""
+
+LEAD_IN = 0.25
+"""Rolling before the braking that is needed [s]: without it a steady stop has nothing to tell."""
+
+BRAKED = 1.0
+"""Braking that is needed [s]."""
+
+
+def explained(log: Log, driving: DrivingRecord) -> float | None:
+    """Share of the variance of the deceleration that the pressure explains [1].
+
+    None where too little is braked to tell, or a motor's torque is logged, which brakes as well.
+    The log must have ``p_mc``, ``a_x`` and the wheel speeds.
+    """
+    if any(f"T_drive_{axle}" in log for axle in AXLES):
+        return None
+    step = driving.step
+    width = max(1, round(WIDTH / step)) | 1
+    z = centred_mean(driving.z, width)
+    active = driving.braked | (z > SLOWS)
+    if not active.any():
+        return None
+    before = np.arange(z.size) < int(np.argmax(active))
+    rolling = before & (np.abs(driving.z) < STEADY)
+    glitch = (np.abs(log["a_x"]) > GREATEST).astype(float)
+    use = (driving.speed > MOVING) & (centred_mean(glitch, width) == 0.0)
+    enough = (use & active).sum() * step >= BRAKED and (use & rolling).sum() * step >= LEAD_IN
+    if not enough:
+        return None
+    at = np.flatnonzero(use & (rolling | (since(log.time, active) < AFTER)))
+    at = at[:: max(1, round(EVERY / step))]
+    time, y = log.time[at], z[at] - float(np.mean(z[at]))
+    axles = np.unique([axle_pressure(log, axle) for axle in AXLES], axis=0)
+    pressures = [centred_mean(p, width) for p in axles]
+    rest = min(_rest(log.time, pressures, time, y, float(delay)) for delay in DELAYS)
+    return 1.0 - rest / float(y @ y)
+
+
+def _rest(clock: Array, pressures: list[Array], time: Array, y: Array, delay: float) -> float:
+    """Sum of squares of ``y`` at ``time`` that the pressures, so much earlier, do not explain."""
+    age = time - float(time.mean())
+    columns = [np.ones_like(time)]
+    for pressure in pressures:
+        p = np.interp(time - delay, clock, pressure)
+        columns += [p, p * age]
+    A = np.column_stack(columns)
+    sizes = np.linalg.norm(A, axis=0)
+    A = A / np.where(sizes > 0.0, sizes, 1.0)
+    left = y - A @ np.linalg.lstsq(A, y, rcond=1e-9)[0]
+    return float(left @ left)
