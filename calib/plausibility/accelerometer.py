@@ -33,7 +33,7 @@ def accelerometer_warnings(log: str, sensor: Accelerometer) -> Iterator[Plausibi
                 "body pitch that a_x feels",
                 "a slope that changes",
             ),
-            "it is taken out; calibrate a_x against v",
+            "fit and validate take it out; calibrate a_x against v",
         )
     bias, sigma = G * float(sensor.bias[-1]), G * math.sqrt(float(sensor.variance_bias[-1]))
     if abs(bias) > OFFSET and abs(bias) > sigma:
@@ -43,7 +43,7 @@ def accelerometer_warnings(log: str, sensor: Accelerometer) -> Iterator[Plausibi
             -bias,
             (-OFFSET, OFFSET),
             ("the zero or the mounting of a_x", "a car that drags or is driven while it rolls"),
-            "it is taken out as far as it is known; zero a_x on level ground",
+            "fit and validate take out what is known of it; zero a_x on level ground",
         )
     drag = G * float(sensor.drag[-1])
     if abs(drag) > OFFSET:

@@ -1,6 +1,11 @@
 """`brake-cal diagnose` as the shell runs it."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -83,4 +88,31 @@ def test_without_a_holdout_nothing_can_be_proved(brake_cal, tmp_path):
     ran = brake_cal("diagnose", *SEARCHED, "--vehicle", VEHICLE, "--out", tmp_path / "found")
     assert ran.code == 3
     assert "no hold-out log" in ran.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_hold_out_that_is_a_copy_in_another_format_is_refused(brake_cal, run, tmp_path):
+    copy = tmp_path / "fresh.csv"
+    assert brake_cal("log", "convert", SEARCHED[1], "--out", copy).code == 0
+    ran = run("--out", tmp_path / "found", held=(HELD[0], copy))
+    assert ran.code == 3
+    assert f"fresh.csv: the same run as {SEARCHED[1]}" in ran.err
+    assert "no hold-out and proves nothing" in ran.err
+    assert not (tmp_path / "found").exists()
+
+
+@pytest.mark.parametrize("send", [os.kill, os.killpg], ids=["itself", "with its workers"])
+def test_stopped_it_says_so_in_a_line_and_leaves_nothing(tmp_path, send):
+    words = ["diagnose", *SEARCHED, HOLDOUT, *HELD, "--vehicle", VEHICLE, "--workers", "2"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "cli.main", *map(str, words), "--out", str(tmp_path / "found")],
+        cwd=Path(__file__).parents[2],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stderr.readline().startswith("searching")
+    send(process.pid, signal.SIGTERM)
+    _, err = process.communicate(timeout=60)  # ends when no process holds stderr
+    assert (process.returncode, err) == (130, "stopped; nothing was written\n")
     assert not list(tmp_path.iterdir())
