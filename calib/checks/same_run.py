@@ -34,8 +34,7 @@ OVERLAP = 0.5
 
 ALIKE = 0.75
 """Median of D over the channels below which two logs are one run. Of white noise, means of two
-samples make 0.33, of five 0.67; copies of 106 logs came to 0.7 at most but for two kinds of error,
-and 9000 pairs of runs to 1.2 at least (`tests/studies/mixed_up.py`)."""
+samples make 0.33, of five 0.67; two runs of one motion make 1 (`tests/checks/test_same_run.py`)."""
 
 FAR = 1e3
 """D of the wheel speeds past which nothing further is compared: a lag of half a step makes 100."""

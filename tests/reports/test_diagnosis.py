@@ -6,10 +6,12 @@ import pytest
 from lxml import html
 
 from calib.diagnosis.confusion import Confusion, Explanation, Pair
+from calib.diagnosis.document import to_dict
 from calib.diagnosis.drives import Drive
 from calib.diagnosis.prove import Step, Withdrawn
 from calib.physics.effects.catalogue import effect_named
 from calib.reports.diagnosis import report_html
+from calib.warning import PlausibilityWarning
 from tests.support.written_diagnosis import MARKUP, named_drag, unknown
 
 
@@ -40,6 +42,16 @@ def test_a_named_cause_has_its_card_its_numbers_and_its_rivals(named):
     assert rows(page, "Gap by channel")[0] == ["a_x [m/s^2]", "0.5000", "0.1250", "0.0625"]
     assert rows(page, "Base parameters")[0][0] == "pad friction, front"
     assert rows(page, "Base parameters")[1][3] == ""  # a vehicle file says nothing of the tyres
+
+
+def test_warnings_of_the_logs_are_on_the_page_and_in_the_document(named):
+    warning = PlausibilityWarning("pressure_zero", MARKUP, 0.8, (-0.5, 0.5), ("the zero",), "zero")
+    warned = replace(named, warnings=(warning,))
+    (row,) = rows(read(warned), "What speaks against the logs")
+    assert row == [f"{MARKUP}: pressure zero", "0.8 bar; expected -0.5 to 0.5", "the zero", "zero"]
+    assert "Warnings" not in texts(read(named), "//h2")
+    (said,) = to_dict(warned)["warnings"]
+    assert (said["code"], said["measured"]) == ("pressure_zero", 0.8)
 
 
 def test_an_unknown_cause_is_described_by_its_term(named):
