@@ -67,9 +67,9 @@ def test_progress_is_told_stage_by_stage_and_changes_nothing(drag):
     )
     assert all(0 <= done < total for _, done, total in told)
     stages = [stage for stage, _, _ in told]
-    assert stages[0] == "fitting the model without effects"
-    assert stages[1].startswith("trying effect 1 of ")
-    assert stages.index("proving on the hold-outs") > stages.index(stages[1])
+    assert stages[:2] == ["checking the logs", "fitting the model without effects"]
+    assert stages[2].startswith("trying effect 1 of ")
+    assert stages.index("proving on the hold-outs") > stages.index(stages[2])
     assert stages[-1] == "asking what these logs could not show"
     assert to_dict(found) == to_dict(answer(drag))
 
