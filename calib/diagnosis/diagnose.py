@@ -24,7 +24,7 @@ from calib.diagnosis.gates import (
     refuse_copies,
     require_enough,
     require_own_pressure,
-    require_usable,
+    require_right_channels,
 )
 from calib.diagnosis.groups import LogGroup, groups_of
 from calib.diagnosis.heats import start_heats_of, with_start_heats
@@ -174,8 +174,8 @@ def diagnose(
     Left and right wheel speeds are made even where nothing brakes (`calib.diagnosis.sides`).
 
     Raises LogError when there is no hold-out, when nothing in the logs is braked, and for a log
-    that looks like a mistake: a run that is given twice, also as a copy; a log that `check` does
-    not call usable; one of another car; wheel speeds that are swapped; a pressure of another run.
+    that looks like a mistake: a run that is given twice, also as a copy; one whose channels `check`
+    calls wrong; one of another car; wheel speeds that are swapped; a pressure of another run.
 
     >>> import calib
     >>> case = calib.sample_logs() / "hidden" / "case_0"
@@ -248,7 +248,7 @@ def checked(
     logs = [*calibration, *holdout]
     require_enough(calibration, holdout)
     refuse_copies(calibration, holdout)
-    require_usable(vehicle, logs)
+    require_right_channels(vehicle, logs)
     judged = judged_logs(vehicle, logs)
     require_axles(vehicle, logs, judged)
     require_own_pressure(judged)

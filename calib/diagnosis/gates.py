@@ -11,7 +11,7 @@ import numpy as np
 
 from calib.checks.gates import require_same_wheels
 from calib.checks.observation import observe
-from calib.checks.rules import problems
+from calib.checks.rules import wrong_channels
 from calib.checks.same_run import same_run
 from calib.diagnosis.judged import JudgedLog
 from calib.errors import LogError
@@ -72,10 +72,10 @@ def _same(log: Log, others: Sequence[Log]) -> Log | None:
     return next((other for other in others if same_run(other, log)), None)
 
 
-def require_usable(vehicle: Vehicle, logs: Sequence[Log]) -> None:
-    """Raise LogError for a log that `check` does not call usable, or that is of another car."""
+def require_right_channels(vehicle: Vehicle, logs: Sequence[Log]) -> None:
+    """Raise LogError for a log with channels that are wrong, or one of another car."""
     for log in logs:
-        reasons = problems(observe(log, noise=False), "diagnose")
+        reasons = wrong_channels(observe(log, noise=False))
         if reasons:
             raise LogError(
                 "this run will not do for a diagnosis: " + "; ".join(reasons),
