@@ -52,8 +52,8 @@ class Measured(NamedTuple):
     """What the sensors say of one block, and how well. Flags are 1.0 or 0.0.
 
     ``eta``, ``slip`` [1], NaN where not measured; ``variance_eta``, ``variance_slip`` from the
-    sensors; ``relative`` error of both in proportion to the slip; ``rolling`` the car moves and all
-    wheels roll; ``calm`` the body is at rest on its springs.
+    sensors; ``relative`` error of both in proportion to the slip; ``known`` the brakes act or they
+    do not, the car moves and all wheels roll; ``calm`` the body is at rest on its springs.
     """
 
     eta: float
@@ -61,7 +61,7 @@ class Measured(NamedTuple):
     variance_eta: float
     variance_slip: float
     relative: float
-    rolling: float
+    known: float
     calm: float
 
 
@@ -101,7 +101,11 @@ def measured(b: Blocks, d: SplitInput, noise: SensorNoise, priors: Priors) -> li
         eta         2 omega^2/(w^2 T)                     (relative (eta - 1 - eta_zero))^2
         slip        omega^2/(w^2 T) + v^2/(V^2 T)         (relative (slip - slip_zero))^2
         relative    model error + pressure and wheels apart in time while the pressure moves
+
+    Between the lead-in and the bite, and after a release, nobody knows whether the pads touch: such
+    a block says nothing.
     """
+    braked = np.isfinite(d.level)
     omega, speed = np.maximum(b.omega_f, 1.0), np.maximum(b.speed, 1.0)
     axle = noise.omega**2 / omega**2 / b.length
     p = np.maximum(b.p_f, b.p_r)
@@ -111,8 +115,10 @@ def measured(b: Blocks, d: SplitInput, noise: SensorNoise, priors: Priors) -> li
         "slip": np.full(b.end.size, np.nan) if d.slip is None else d.slip,
         "variance_eta": 2.0 * axle,
         "variance_slip": axle + noise.v**2 / speed**2 / b.length,
-        "relative": priors.model + np.where(np.isfinite(d.level), priors.sync * moving, 0.0),
-        "rolling": (b.speed > MOVING) & _all_roll(b, d.slip, priors.rolling),
+        "relative": priors.model + np.where(braked, priors.sync * moving, 0.0),
+        "known": (braked | b.lead_in)
+        & (b.speed > MOVING)
+        & _all_roll(b, d.slip, priors.rolling),
         "calm": _held_back(b, priors) < priors.change_calm,
     }
     rows = np.column_stack([columns[name] for name in Measured._fields])

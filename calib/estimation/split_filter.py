@@ -73,7 +73,7 @@ def filter_pad_ratio(
         column_shift *= decay
         diagonal += grown[k]
         # with an axle lifted, a_x had a glitch and no load is known
-        if reading.rolling and min(loads(now := x.tolist(), g)[0]) > 0.0:
+        if reading.known and min(loads(now := x.tolist(), g)[0]) > 0.0:
             pause = max(pause - 1, 0)
             braking = g[LEVEL] > 0.0
             alert = braking and reading.calm and pause == 0

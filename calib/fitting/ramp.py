@@ -67,12 +67,14 @@ def prepare(
 ) -> RampRun:
     """Loads, resistances and the demanded brake force of each block.
 
-    A block in which an axle would lift holds a glitch of a_x: it has no loads and no part.
+    A block in which an axle would lift holds a glitch of a_x: it has no loads and no part. Nor has
+    one between the lead-in and the bite, or after a release: nobody knows whether the pads touch.
     """
     forces = block_balance(vehicle, effects, b)
     stands = np.minimum(forces.load_f, forces.load_r) > 0.0
     # the last blocks of a stop hold the jerk at standstill
     use = (b.speed > SETTINGS.min_speed) & (b.end < b.end[-1] - 0.1) & stands
+    use &= b.lead_in | (np.maximum(b.p_f, b.p_r) > BITE)
     load_f = np.where(stands, forces.load_f, np.nan)
     run = RampRun(
         name=name,

@@ -19,6 +19,7 @@ from calib.physics.forces import deceleration
 from calib.physics.vehicle import Vehicle
 from calib.signals.driving_record import SETTLE, STEADY
 from calib.signals.filters import trailing_mean
+from calib.statistics.intervals import QUARTILE
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -131,11 +132,27 @@ def _drive_torque(log: Log, axle: str) -> Array:
 def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -> Mask:
     """Mask (n,) of steady rolling before the first braking, less ``SETTLE`` [s].
 
-    If there is no braking, of the whole run. Strong acceleration is left out: driven wheels slip,
-    so that eta cannot be zeroed there. ``step`` is the sample time [s].
+    If there is no braking, of the whole run. It ends where the pressure leaves the level that it
+    has before: behind a slow pedal it takes long to reach ``BITE``, and brakes meanwhile. Strong
+    acceleration is left out: driven wheels slip, so that eta cannot be zeroed there. ``step`` is
+    the sample time [s].
     """
-    smooth = trailing_mean(pressure, max(1, round(0.05 / step)))
+    smooth = trailing_mean(pressure, max(1, round(SMOOTH / step)))
     braked = np.flatnonzero(smooth > BITE)
-    first = time[braked[0]] - SETTLE - 0.05 if braked.size else np.inf
+    first = np.inf
+    if braked.size:
+        bite = int(braked[0])
+        first = min(time[bite] - SETTLE, time[_leaves(smooth[: bite + 1])]) - SMOOTH
     steady = np.abs(trailing_mean(z, max(1, round(0.1 / step)))) < STEADY
     return np.asarray((time < first) & steady & (speed > MOVING))
+
+
+SMOOTH = 0.05
+"""Time over which a pressure is averaged before it is compared [s]."""
+
+
+def _leaves(p: Array) -> int:
+    """The sample after which ``p`` (n,) stays above the level of before by more than its noise."""
+    level = float(np.median(p))
+    spread = float(np.median(np.abs(p - level))) / QUARTILE
+    return int(np.flatnonzero(p <= level + 3.0 * spread)[-1])

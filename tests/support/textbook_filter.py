@@ -158,7 +158,8 @@ def textbook(car, blocks, demand, noise, posterior, p):
         seen = np.array([blocks.omega_r[k] / blocks.omega_f[k], now["slip"]])
         off = np.array([abs(seen[0] - 1.0), abs(seen[1])])
         stands = now["load_f"] > late > -now["load_r"]
-        if blocks.speed[k] > 3.0 and not np.any(off >= p.rolling) and stands:
+        told = math.isfinite(now["level"]) or blocks.lead_in[k]
+        if told and blocks.speed[k] > 3.0 and not np.any(off >= p.rolling) and stands:
             before = np.diff(pressure, prepend=pressure[0])[k]
             sync = p.sync * abs(before) / T / max(pressure[k], 3e5)
             relative = p.model + (sync if math.isfinite(now["level"]) else 0.0)
