@@ -116,9 +116,7 @@ def measured(b: Blocks, d: SplitInput, noise: SensorNoise, priors: Priors) -> li
         "variance_eta": 2.0 * axle,
         "variance_slip": axle + noise.v**2 / speed**2 / b.length,
         "relative": priors.model + np.where(braked, priors.sync * moving, 0.0),
-        "known": (braked | b.lead_in)
-        & (b.speed > MOVING)
-        & _all_roll(b, d.slip, priors.rolling),
+        "known": (braked | b.lead_in) & (b.speed > MOVING) & _all_roll(b, d.slip, priors.rolling),
         "calm": _held_back(b, priors) < priors.change_calm,
     }
     rows = np.column_stack([columns[name] for name in Measured._fields])

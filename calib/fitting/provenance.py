@@ -38,4 +38,7 @@ def settings() -> dict[str, float]:
         "pads_differ": SETTINGS.pads_differ,
         "tyres_differ": SETTINGS.tyres_differ,
         "radii_fall": SETTINGS.radii_fall,
+        "pad_scatter": SETTINGS.pad_scatter,
+        "tyre_scatter": SETTINGS.tyre_scatter,
+        "radius_scatter": SETTINGS.radius_scatter,
     }

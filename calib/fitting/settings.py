@@ -14,11 +14,22 @@ class FitSettings:
     radii_fall: float = 0.3
     """Chance that the rolling radii fall under load: tyre files say so, many tyres hardly do."""
     radius_tolerance: float = 0.0005
-    """How far a radius that does not fall may do so all the same (standard deviation)."""
+    """How far a radius that is taken as one that does not fall may do so all the same (standard
+    deviation)."""
+    radius_scatter: float = 0.002
+    """How far it may do so in truth, for the interval: half of what tyre files give."""
     tyre_tolerance: float = 0.02
-    """How equal equal tyres are (standard deviation of the logarithm)."""
+    """How equal tyres that are taken as equal are (standard deviation of the logarithm): what
+    cannot be told from that is given back as equal."""
+    tyre_scatter: float = 0.07
+    """How equal they are in truth, for the interval: inflation and wear of the same tyres move the
+    stiffness of each axle by 5 % (Carlson and Gerdes, IEEE Trans. Control Systems Technology 13,
+    2005). Run `tests/studies/hard_ramps.py`."""
     pad_tolerance: float = 0.02
-    """How exactly pads that are as declared have the declared ratio (standard deviation)."""
+    """How exactly pads that are taken as declared have the declared ratio (standard deviation)."""
+    pad_scatter: float = 0.07
+    """How exactly they have it in truth, for the interval: pads of one grade scatter by 10 %, two
+    standard deviations of each axle."""
     pads_repeat: float = 0.015
     """How alike the pads are on the ramps of one fit (standard deviation): friction changes by
     about 0.05 % per kelvin, and discs are 30 K warmer or colder from one ramp to the next."""

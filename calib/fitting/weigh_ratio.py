@@ -21,24 +21,28 @@ def weigh_ratio(x: Array, information: Parts) -> tuple[Array, Array, float, Part
     which each of the three departs or does not are weighed; the other parameters follow along their
     correlation with the three. Returns mean, covariance, weight of the declared pads, and the parts
     of the covariance.
+
+    What cannot be told from the declared is taken as declared: weights and mean are those of a
+    narrow tolerance. Real pads and tyres scatter more, and such that differ against each other look
+    like a car as declared: the covariance within each case is that of the scatter.
     """
     covariance = np.linalg.inv(sum(information.values(), np.zeros((x.size, x.size))))
     at = [AT.log_pad_ratio, AT.log_tyre_ratio, AT.radius_load]
     wide = np.array([PRIORS[i].sigma for i in at])
-    narrow = np.array([SETTINGS.pad_tolerance, SETTINGS.tyre_tolerance, SETTINGS.radius_tolerance])
+    s = SETTINGS
+    taken = np.array([s.pad_tolerance, s.tyre_tolerance, s.radius_tolerance])
+    real = np.array([s.pad_scatter, s.tyre_scatter, s.radius_scatter])
     free = np.array(list(product((False, True), repeat=3)))
-    chance = np.array([SETTINGS.pads_differ, SETTINGS.tyres_differ, SETTINGS.radii_fall])
-    own = covariance[np.ix_(at, at)]
-    precision = np.asarray(np.linalg.inv(own))
-    sigma = np.where(free, wide, narrow)
+    chance = np.array([s.pads_differ, s.tyres_differ, s.radii_fall])
+    precision = np.asarray(np.linalg.inv(covariance[np.ix_(at, at)]))
     weighed = weigh_hypotheses(
         precision - np.diag(wide**-2.0),
         precision @ x[at],
-        sigma,
+        np.where(free, wide, taken),
         np.where(free, chance, 1.0 - chance).prod(axis=1),
     )
     along = covariance[:, at] @ precision
     moved = x + along @ (weighed.mean - x[at])
-    spread = covariance + along @ (weighed.covariance - own) @ along.T
+    parts = posterior_parts(information, weighed, along, at, np.where(free, wide, real), free)
     sure = float(weighed.weights[~free[:, 0]].sum())
-    return moved, spread, sure, posterior_parts(information, weighed, along, at, sigma, free)
+    return moved, sum(parts.values(), np.zeros_like(covariance)), sure, parts

@@ -175,6 +175,18 @@ def test_an_axle_that_lifts_is_not_taken_in():
     assert np.max(np.abs(answer.innovation_eta[91:])) < 1e-6
 
 
+def test_a_block_between_lead_in_and_bite_is_not_taken_in():
+    """The pads may touch or not: what eta does there is no news of the pads."""
+    b, demand = stop(np.concatenate([np.zeros(40), np.full(60, 0.3)]))
+    touching = np.arange(40, 43)
+    demand.level[touching] = np.nan
+    plain = filter_pad_ratio(CAR, b, demand, NOISE, POSTERIOR, PRIORS)
+    b.omega_r[touching] *= 1.002
+    other = filter_pad_ratio(CAR, b, demand, NOISE, POSTERIOR, PRIORS)
+    assert np.all(np.isnan(other.innovation_eta[touching]))
+    assert np.array_equal(other.log_pad_ratio, plain.log_pad_ratio)
+
+
 def test_wheels_past_their_peak_are_not_taken_in():
     """A block in which the front wheels nearly lock says nothing of any curve."""
     blocks, demand = stop(STEADY)

@@ -7,7 +7,7 @@ import pytest
 
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
-from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop
+from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop, with_ratio
 
 SEEDS = range(3)
 TRUE = {"f": 0.31, "r": 0.27}
@@ -64,3 +64,12 @@ def test_the_change_of_the_pads_is_held_and_told_sharper(runs):
         absolute = (np.log(rear.upper / rear.lower))[e.valid]
         assert np.mean(change) < np.mean(absolute)
     assert np.mean(held) >= 0.9
+
+
+def test_pads_and_tyres_that_differ_against_each_other_are_within_the_interval():
+    """They leave the traces of a car as declared, so no log tells them: the interval must."""
+    pads = with_ratio(replace(REAL, rear_stiffness=np.exp(-0.09)), np.exp(0.09))
+    slow = ramp(pads)
+    for seed in SEEDS:
+        ratio = fit(CAR, [noisy(slow, seed)]).calibration.pad_log_ratio
+        assert abs(ratio.value - 0.09) < 2.0 * ratio.sigma

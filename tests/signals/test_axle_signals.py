@@ -57,6 +57,15 @@ def test_lead_in_ends_just_before_the_brake(start, rate):
     assert np.all(s.lead_in[s.time <= last])
 
 
+@pytest.mark.parametrize("slope", [2e5, 6e5, 20e5])
+@pytest.mark.parametrize("zero", [0.0, 0.8e5])
+def test_lead_in_ends_where_a_slow_pedal_begins_to_rise(slope, zero):
+    """At 2 bar/s it takes 0.75 s to the pressure that counts as braking."""
+    run = made_run(lambda t: slope * np.maximum(t - 2.0, 0.0))
+    s = signals(changed(run, p_mc=run["p_mc"] + zero), VEHICLE)
+    assert 1.7 < s.time[s.lead_in][-1] <= 2.0
+
+
 def test_no_lead_in_after_the_brake_is_released():
     s = signals(made_run(stop(start=2.0, end=4.0)), VEHICLE)
     assert not np.any(s.lead_in[s.time > 2.0])
