@@ -13,7 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.parameters import PRIORS, RampParameters
+from calib.fitting.parameters import AT, PRIORS, RampParameters
 from calib.fitting.ramp import RampRun
 from calib.statistics.hypotheses import Mixture
 
@@ -68,10 +68,8 @@ def posterior_parts(
     size = len(along)
     out = {part: np.zeros((size, size)) for part in information}
     for case, weight in enumerate(weighed.weights):
-        now = {part: own.copy() for part, own in information.items()}
-        for i, spread in zip(at, sigma[case], strict=True):
-            now[PART[i]][i, i] += spread**-2.0 - PRIORS[i].sigma ** -2.0
-        covariance = np.linalg.inv(sum(now.values(), np.zeros((size, size))))
+        now = _with_priors(information, at, sigma[case])
+        covariance = _covariance(now)
         for part, own in now.items():
             out[part] += weight * covariance @ own @ covariance
     for one in range(len(free)):
@@ -82,3 +80,42 @@ def posterior_parts(
             for i in differ:
                 out[PART[i]] += spread / len(differ)
     return out
+
+
+def scatter_parts(
+    information: Parts, weights: Array, at: list[int], taken: Array, real: Array
+) -> Parts:
+    """Covariance (k, k), by part, that is added where the parameters ``at`` really scatter more.
+
+    ``taken`` (cases, m) the sigma that the estimate took for them in each case, ``real`` theirs,
+    ``weights`` (cases,) of the cases. Within a case the parameters share what is added by how much
+    less it would be of the pads' ratio if each was as close as it was taken.
+    """
+    ratio = AT.log_pad_ratio
+    out = {PART[i]: np.zeros_like(next(iter(information.values()))) for i in at}
+    for weight, narrow, wide in zip(weights, taken, real, strict=True):
+        added = _covariance(_with_priors(information, at, wide))
+        spared = []
+        for place in range(len(at)):
+            known = np.where(np.arange(len(at)) == place, narrow, wide)
+            less = _covariance(_with_priors(information, at, known))
+            spared.append(max(float(added[ratio, ratio] - less[ratio, ratio]), 0.0))
+        added = added - _covariance(_with_priors(information, at, narrow))
+        if (total := sum(spared)) > 0.0:
+            for i, share in zip(at, spared, strict=True):
+                out[PART[i]] += weight * share / total * added
+    return out
+
+
+def _with_priors(information: Parts, at: list[int], sigma: Array) -> dict[str, Array]:
+    """The information with the priors ``sigma`` (m,) of the parameters ``at`` for their own."""
+    out = {part: own.copy() for part, own in information.items()}
+    for i, spread in zip(at, sigma, strict=True):
+        out[PART[i]][i, i] += spread**-2.0 - PRIORS[i].sigma ** -2.0
+    return out
+
+
+def _covariance(information: Parts) -> Array:
+    """Inverse of all information (k, k)."""
+    total = np.sum(list(information.values()), axis=0)
+    return np.asarray(np.linalg.inv(total))

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.fitting.covariance_parts import Parts, posterior_parts
+from calib.fitting.covariance_parts import Parts, posterior_parts, scatter_parts
 from calib.fitting.parameters import AT, PRIORS
 from calib.fitting.settings import SETTINGS
 from calib.statistics.hypotheses import weigh_hypotheses
@@ -24,25 +24,28 @@ def weigh_ratio(x: Array, information: Parts) -> tuple[Array, Array, float, Part
 
     What cannot be told from the declared is taken as declared: weights and mean are those of a
     narrow tolerance. Real pads and tyres scatter more, and such that differ against each other look
-    like a car as declared: the covariance within each case is that of the scatter.
+    like a car as declared: within each case the covariance is that of the scatter.
     """
     covariance = np.linalg.inv(sum(information.values(), np.zeros((x.size, x.size))))
     at = [AT.log_pad_ratio, AT.log_tyre_ratio, AT.radius_load]
     wide = np.array([PRIORS[i].sigma for i in at])
     s = SETTINGS
-    taken = np.array([s.pad_tolerance, s.tyre_tolerance, s.radius_tolerance])
-    real = np.array([s.pad_scatter, s.tyre_scatter, s.radius_scatter])
+    narrow = np.array([s.pad_tolerance, s.tyre_tolerance, s.radius_tolerance])
+    scatter = np.array([s.pad_scatter, s.tyre_scatter, s.radius_scatter])
     free = np.array(list(product((False, True), repeat=3)))
     chance = np.array([s.pads_differ, s.tyres_differ, s.radii_fall])
+    taken, real = (np.where(free, wide, declared) for declared in (narrow, scatter))
     precision = np.asarray(np.linalg.inv(covariance[np.ix_(at, at)]))
     weighed = weigh_hypotheses(
         precision - np.diag(wide**-2.0),
         precision @ x[at],
-        np.where(free, wide, taken),
+        taken,
         np.where(free, chance, 1.0 - chance).prod(axis=1),
     )
     along = covariance[:, at] @ precision
     moved = x + along @ (weighed.mean - x[at])
-    parts = posterior_parts(information, weighed, along, at, np.where(free, wide, real), free)
+    parts = dict(posterior_parts(information, weighed, along, at, taken, free))
+    for part, more in scatter_parts(information, weighed.weights, at, taken, real).items():
+        parts[part] = parts[part] + more
     sure = float(weighed.weights[~free[:, 0]].sum())
     return moved, sum(parts.values(), np.zeros_like(covariance)), sure, parts

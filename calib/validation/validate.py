@@ -214,8 +214,10 @@ def validate_one(
     )
     if other is not None and other.log_odds > SURE:
         result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
-    if any(w.code == "unexplained_braking_force" and w.measured > FOREIGN for w in warnings):
+    if any(map(_foreign, warnings)):
         result = without_answer(result, "something brakes that the pressure does not explain")
+    if any(map(_foreign, table.warnings)):
+        result = without_answer(result, "on the ramp something braked beside the pressure")
     figures = score(log, car, result)
     compared = baselines and bool(result.valid.any())
     truth = truth_of(log, car, result) if compared else None
@@ -235,7 +237,12 @@ def validate_one(
 
 FOREIGN = 0.1
 """Force without pressure over the usual brake force [1] past which no sample is valid: it would
-stand in the pads of one axle, and a fifth of their friction is no estimate."""
+stand in the pads of one axle, and a fifth of their friction is no estimate. On a ramp it stands in
+the table."""
+
+
+def _foreign(warning: PlausibilityWarning) -> bool:
+    return warning.code == "unexplained_braking_force" and warning.measured > FOREIGN
 
 
 def without_answer(result: Estimate, why: str) -> Estimate:

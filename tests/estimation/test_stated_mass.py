@@ -92,7 +92,7 @@ def test_a_ramp_with_a_stated_mass_gives_the_pads_and_keeps_the_vehicle(weighed_
     low, high = told.calibration.pad_friction_f.ci95
     assert low < true < high
     assert untold.calibration.pad_friction_f.ci95[1] < true
-    assert told.calibration.pad_scale.sigma < 0.015 < untold.calibration.pad_scale.sigma
+    assert told.calibration.pad_scale.sigma < 0.02 < untold.calibration.pad_scale.sigma
     assert told.vehicle == untold.vehicle == KERB
     assert any("2092.8 kg" in remark for remark in told.remarks)
     assert not any("kg" in remark for remark in untold.remarks)

@@ -85,7 +85,7 @@ def test_weak_front_pads_are_estimated(table, plant, share):
     log = weak(plant, share)
     (found,) = validate(table, [log])
     e = found.estimate
-    assert found.figures["valid_share"] > 0.9
+    assert found.figures["valid_share"] > 0.85
     for axle, truth in ((e.front, share), (e.rear, 1.0)):
         held = (axle.change_lower < truth) & (truth < axle.change_upper)
         assert np.mean(held[e.valid]) > 0.9
