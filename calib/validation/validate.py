@@ -20,6 +20,7 @@ from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.plan import as_used
 from calib.logs.log import Log
+from calib.names import G
 from calib.physics.mass import MassUsed, mass_used
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import signals
@@ -214,9 +215,9 @@ def validate_one(
     )
     if other is not None and other.log_odds > SURE:
         result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
-    if any(map(_foreign, warnings)):
+    if _foreign(warnings, result.z[result.braked]):
         result = without_answer(result, "something brakes that the pressure does not explain")
-    if any(map(_foreign, table.warnings)):
+    if _foreign(_of_ramps(table), table.paper.z):
         result = without_answer(result, "on the ramp something braked beside the pressure")
     figures = score(log, car, result)
     compared = baselines and bool(result.valid.any())
@@ -241,8 +242,17 @@ stand in the pads of one axle, and a fifth of their friction is no estimate. On 
 the table."""
 
 
-def _foreign(warning: PlausibilityWarning) -> bool:
-    return warning.code == "unexplained_braking_force" and warning.measured > FOREIGN
+def _foreign(warnings: Iterable[PlausibilityWarning], z: NDArray[np.float64]) -> bool:
+    """Whether more than `FOREIGN` brakes beside the pressure; ``z`` while braking [1] (n,)."""
+    usual = G * float(np.median(z)) if z.size else 0.0
+    most = {"unexplained_braking_force": FOREIGN, "unexplained_drag": FOREIGN * usual}
+    return any(w.measured > most.get(w.code, math.inf) for w in warnings)
+
+
+def _of_ramps(table: Table) -> list[PlausibilityWarning]:
+    """What the fit of a table said of its ramps."""
+    ramps = {log.name for log in table.provenance.logs if log.role == "ramp"}
+    return [warning for warning in table.warnings if warning.log in ramps]
 
 
 def without_answer(result: Estimate, why: str) -> Estimate:

@@ -150,3 +150,17 @@ def test_a_strong_motor_that_is_not_logged_leaves_nothing_valid(fitted):
     (told,) = validate(fitted, [noisy(run, 1)])  # with T_drive
     assert told.figures["valid_share"] > 0.7
     assert not [one for one in told.warnings if one.code == "unexplained_braking_force"]
+
+
+def test_a_table_with_a_motor_on_its_ramp_leaves_nothing_valid(fitted):
+    """What braked beside the pressure on the ramp stands in the table, so in every stop."""
+    motor = PlausibilityWarning("unexplained_braking_force", "ramp", 0.15, (-0.05, 0.045), (), "")
+    drag = replace(motor, code="unexplained_drag", measured=0.6)
+    little = replace(motor, measured=0.08)
+    stopped = noisy(stop(WET), 1)
+    for warning, valid in ((motor, False), (drag, False), (little, True)):
+        of_ramp = replace(warning, log=fitted.provenance.logs[0].name)
+        for warned in (of_ramp, replace(of_ramp, log="coast")):
+            table = replace(fitted, warnings=(warned,))
+            (result,) = validate(table, [stopped])
+            assert result.estimate.valid.any() == (valid or warned.log == "coast")
