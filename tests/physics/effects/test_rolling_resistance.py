@@ -31,16 +31,6 @@ def test_is_its_share_of_the_weight_at_the_road(c_rr, z, R_f, R_r):
     assert front / R_f + rear / R_r == pytest.approx(c_rr * 1744.0 * 9.80665)
 
 
-def test_it_grows_with_the_speed_by_the_share_of_its_parameter():
-    load_f, load_r = axle_loads(VEHICLE, np.zeros(3))
-    grows = {"coefficient": 0.01, "rolling_growth": 0.005}
-    front, rear = EFFECT.axle_moment(
-        VEHICLE, grows, made_motion([10.0, 20.0, 36.0], load_f, load_r)
-    )
-    assert front / front[1] == pytest.approx([0.95, 1.0, 1.08])
-    assert rear / rear[1] == pytest.approx([0.95, 1.0, 1.08])
-
-
 def test_the_heavier_axle_has_more_of_it():
     """Static front load 10 056.7 N, at 1 % and 0.322 m: 32.4 N m."""
     front, rear = moments(VEHICLE, 0.01, 0.0)
