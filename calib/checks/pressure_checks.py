@@ -68,8 +68,9 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
     at = np.flatnonzero(use & (rolling | (since(log.time, active) < AFTER)))
     at = at[:: max(1, round(EVERY / step))]
     time, y = log.time[at], z[at] - float(np.mean(z[at]))
-    axles = np.unique([axle_pressure(log, axle) for axle in AXLES], axis=0)
-    pressures = [centred_mean(p, width) for p in axles]
+    front, rear = (axle_pressure(log, axle) for axle in AXLES)
+    unlike = (front,) if np.array_equal(front, rear) else (front, rear)
+    pressures = [centred_mean(p, width) for p in unlike]
     rest = min(_rest(log.time, pressures, time, y, float(delay)) for delay in DELAYS)
     return 1.0 - rest / float(y @ y)
 

@@ -42,34 +42,18 @@ def require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
 
 def refuse_copies(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
     """Raise LogError for a run that is given twice, also if it was cut, rounded or resampled."""
-    for i, log in enumerate(calibration):
-        first = _same(log, calibration[:i])
-        if first is not None:
-            raise LogError(
-                f"the same run as {first.source}, given twice",
-                where=log.source,
-                do="give each run once",
-            )
-    for i, log in enumerate(holdout):
-        first = _same(log, calibration)
-        if first is not None:
-            raise LogError(
-                f"the same run as {first.source}, which is among the calibration logs: it is no "
-                "hold-out and proves nothing",
-                where=log.source,
-                do="hold out a run of its own",
-            )
-        first = _same(log, holdout[:i])
-        if first is not None:
-            raise LogError(
-                f"the same run as {first.source}, held out twice",
-                where=log.source,
-                do="give each run once",
-            )
-
-
-def _same(log: Log, others: Sequence[Log]) -> Log | None:
-    return next((other for other in others if same_run(other, log)), None)
+    given = [*calibration, *holdout]
+    for i, log in enumerate(given):
+        first = next((k for k, other in enumerate(given[:i]) if same_run(other, log)), None)
+        if first is None:
+            continue
+        told, do = "given twice", "give each run once"
+        if i >= len(calibration):
+            told = "held out twice"
+            if first < len(calibration):
+                told = "which is among the calibration logs: it is no hold-out and proves nothing"
+                do = "hold out a run of its own"
+        raise LogError(f"the same run as {given[first].source}, {told}", where=log.source, do=do)
 
 
 def require_right_channels(vehicle: Vehicle, logs: Sequence[Log]) -> None:

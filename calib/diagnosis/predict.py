@@ -170,24 +170,24 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
         drive = (run.drive_f, run.drive_r)
         forces, loads, z = _balance(car, base, effects, history, torques, drive)
     softer = (np.sqrt(base.tyre_ratio), 1.0 / np.sqrt(base.tyre_ratio))
+    late = wheel_speed_delay(effects)
     slips: list[Array] = []
     for i, force in enumerate(forces):
-        twin = i % 2 == 1 and force is forces[i - 1]
-        slips.append(slips[-1] if twin else _slip(car, base, force, loads[i]) * softer[i // 2])
+        if i % 2 == 1 and force is forces[i - 1]:  # left and right are equal
+            slips.append(slips[-1])
+            continue
+        carrying = _slip(car, base, force, loads[i]) * softer[i // 2]
+        slip = base.tyre.leading(carrying, run.v_smooth, run.time)
+        slips.append(delayed(run.time, slip, late))
     a_true = -G * z
     last = _history(run, z, energy)
     a_read = as_read(car, effects, last, a_true)
     gained = np.concatenate([[0.0], np.cumsum(0.5 * (a_true[1:] + a_true[:-1])) * run.step])
     axles = (car.front, car.front, car.rear, car.rear)
-    leading = [base.tyre.leading(s, run.v_smooth, run.time) for s in slips]
-    late = wheel_speed_delay(effects)
     shown = delayed(run.time, gained, speed_delay(effects))  # by v as it is read
     v = run.v + (delayed(run.time, gained, late) - shown)  # of the time that the wheels show
     omega = np.stack(
-        [
-            v * (1.0 - delayed(run.time, s, late)) / axle.rolling_radius
-            for s, axle in zip(leading, axles, strict=True)
-        ]
+        [v * (1.0 - s) / axle.rolling_radius for s, axle in zip(slips, axles, strict=True)]
     )
     moved = Motion(run.v_smooth, 2.0 * loads[0], 2.0 * loads[2], last)
     for w, factor in wheel_speed_factors(car, effects, moved).items():

@@ -32,7 +32,7 @@ from calib.physics.effects.combined import (
     wheel_speed_delay,
     wheel_speed_factors,
 )
-from calib.physics.effects.effect import Effect, acts_on_brakes, slows
+from calib.physics.effects.effect import Effect, acts_on_brakes, changes_readings, slows
 from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads, deceleration
 from calib.physics.history import Motion, RunHistory, at_rest
@@ -116,15 +116,7 @@ def _refuse_force_over_temperature(effects: Effects, log: Log) -> None:
 
 def _changes_log(effect: Effect) -> bool:
     """Whether an effect changes a pressure or the reading of a sensor; others stay in the car."""
-    return acts_on_brakes(effect) or any(
-        (
-            effect.accelerometer,
-            effect.accelerometer_lag,
-            effect.speed_delay,
-            effect.wheel_speed,
-            effect.wheel_speed_delay,
-        )
-    )
+    return acts_on_brakes(effect) or changes_readings(effect)
 
 
 def _history(model: Model, log: Log) -> RunHistory:

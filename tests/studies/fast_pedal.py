@@ -71,13 +71,18 @@ def run(
     return add_noise(as_log(drive(plant, pressure, v0, **how), f"run {seed}"), seed, levels)
 
 
+def ramp_and_coast(plant: Plant, levels: Levels, top: float) -> list[Log]:
+    """A slow ramp up to a deceleration of ``top`` [g], and a coast log."""
+    end = BITE + top / per_pascal(plant.vehicle) / 6e5
+    how = {"duration": round(20.0 * end) / 20.0, "stop_speed": 8.0}
+    ramp = run(plant, levels, rising(6.0), 32.0, 1, **how)
+    return [ramp, run(plant, levels, rising(0.0), 32.0, 2, duration=12.0)]
+
+
 def table_of(plant: Plant, levels: Levels, keep_v: bool) -> Table:
     """The table of a slow ramp and a coast log."""
-    top = BITE + 0.58 / per_pascal(plant.vehicle) / 6e5
-    how = {"duration": round(20.0 * top) / 20.0, "stop_speed": 8.0}
-    ramp = run(plant, levels, rising(6.0), 32.0, 1, **how)
-    coast = run(plant, levels, rising(0.0), 32.0, 2, duration=12.0)
-    return fit(plant.vehicle, [ramp, coast] if keep_v else [without_v(ramp), without_v(coast)])
+    logs = ramp_and_coast(plant, levels, 0.58)
+    return fit(plant.vehicle, logs if keep_v else [without_v(log) for log in logs])
 
 
 def stop(plant: Plant, levels: Levels, pedal: float, road: str, ratio: float, seed: int) -> Log:

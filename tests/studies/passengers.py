@@ -28,7 +28,7 @@ from calib.validation.validate import validate_one
 from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.coverage import without_v
 from tests.studies.ensemble import per_pascal
-from tests.studies.fast_pedal import BITE, drawn, rising, run
+from tests.studies.fast_pedal import drawn, ramp_and_coast, rising, run
 
 
 def loaded(car: Vehicle, mass: float, behind: float) -> Vehicle:
@@ -56,10 +56,7 @@ def main() -> None:
             "passengers": replace(plant, vehicle=loaded(car, mass, behind)),
             "front pads 0.85": replace(plant, pads=lambda t, f=mu_f, r=mu_r: (0.85 * f, r)),
         }
-        top = BITE + 0.55 / per_pascal(car) / 6e5
-        how = {"duration": round(20.0 * top) / 20.0, "stop_speed": 8.0}
-        ramp = run(plant, levels, rising(6.0), 32.0, 1, **how)
-        coast = run(plant, levels, rising(0.0), 32.0, 2, duration=12.0)
+        of_fit = ramp_and_coast(plant, levels, 0.55)
         stops = [
             (kind, run(of, levels, rising(60.0, z / per_pascal(car)), 27.0, 10 + k, duration=10.0,
                        stop_speed=1.5))
@@ -68,7 +65,9 @@ def main() -> None:
         for told, less in (("with v", lambda log: log), ("without v", without_v)):
             for tolerance in (0.03, WEIGHED):
                 try:
-                    table = fit(replace(car, mass_tolerance=tolerance), [less(ramp), less(coast)])
+                    table = fit(
+                        replace(car, mass_tolerance=tolerance), [less(log) for log in of_fit]
+                    )
                 except BrakeCalError:
                     continue
                 for kind, log in stops:

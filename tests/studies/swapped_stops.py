@@ -31,7 +31,7 @@ from calib.validation.validate import validate_one
 from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.coverage import without_v
 from tests.studies.ensemble import per_pascal
-from tests.studies.fast_pedal import BITE, Levels, drawn, rising, run
+from tests.studies.fast_pedal import Levels, drawn, ramp_and_coast, rising, run
 from tests.support.balanced import balanced
 from tests.support.plant import Plant
 from tests.support.reference_car import swapped
@@ -45,12 +45,7 @@ REFUSED, INVALID, NAMED, WARNED, SILENT = "refused", "invalid", "named", "warned
 
 def logs_of(plant: Plant, levels: Levels) -> tuple[list[Log], Iterator[tuple[str, Log]]]:
     """Ramp and coast; and what is done to each stop, with it."""
-    car = plant.vehicle
-    top = BITE + 0.55 / per_pascal(car) / 6e5
-    how = {"duration": round(20.0 * top) / 20.0, "stop_speed": 8.0}
-    ramp = run(plant, levels, rising(6.0), 32.0, 1, **how)
-    coast = run(plant, levels, rising(0.0), 32.0, 2, duration=12.0)
-    return [ramp, coast], stops(plant, levels)
+    return ramp_and_coast(plant, levels, 0.55), stops(plant, levels)
 
 
 def stops(plant: Plant, levels: Levels) -> Iterator[tuple[str, Log]]:

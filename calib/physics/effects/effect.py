@@ -129,6 +129,17 @@ def acts_on_wheels(effect: Effect) -> bool:
     )
 
 
+def changes_readings(effect: Effect) -> bool:
+    """Whether an effect changes what a sensor reads; the car moves as without it."""
+    return _any(
+        effect.accelerometer,
+        effect.accelerometer_lag,
+        effect.speed_delay,
+        effect.wheel_speed,
+        effect.wheel_speed_delay,
+    )
+
+
 def slows(effect: Effect) -> bool:
     """Whether an effect slows body or wheels besides the brakes, so is in the force balance."""
     return _any(effect.axle_moment, effect.body_force)
