@@ -314,8 +314,16 @@ def widths(problem: Problem, size: int) -> Array:
     return np.concatenate([np.full(BASE, 0.1), radius, np.ones(size - problem.base_size)])
 
 
-MakeTerm = Callable[[Array], EmpiricalTerm]
-"""An empirical term from its values at the knots."""
+@dataclass(frozen=True)
+class FreeTerm:
+    """An empirical term whose values at its knots are fitted.
+
+    ``make`` builds it from its values, of which there are ``size``, each up to ``limit``.
+    """
+
+    make: Callable[[Array], EmpiricalTerm]
+    size: int
+    limit: float
 
 
 def fit(
@@ -323,21 +331,21 @@ def fit(
     names: tuple[str, ...],
     start: Array,
     steps: int = 20,
-    term: tuple[MakeTerm, int] | None = None,
+    term: FreeTerm | None = None,
 ) -> Candidate:
     """Fit base and effects from ``start`` (a vector of `unpack`).
 
     With a ``term``, its values at the knots are the last ones of the vector.
     """
     low, high = bounds(problem, names)
-    knots = term[1] if term else 0
-    low = np.concatenate([low, np.full(knots, -0.9)])
-    high = np.concatenate([high, np.full(knots, 0.9)])
+    knots, limit = (term.size, term.limit) if term else (0, 0.0)
+    low = np.concatenate([low, np.full(knots, -limit)])
+    high = np.concatenate([high, np.full(knots, limit)])
     own = low.size - knots
 
     def objective(x: Array) -> Array:
         base, effects = unpack(problem, names, x[:own])
-        present = replace(effects, terms=(term[0](x[own:]),)) if term else effects
+        present = replace(effects, terms=(term.make(x[own:]),)) if term else effects
         # a prior on the bends of a term: it stays straight where the data do not need a bend
         bent = np.diff(x[own:]) / 0.5
         rows = [problem.flat(base, present), prior_rows(problem, names, x[:own]), bent]

@@ -45,7 +45,8 @@ def confirm(decision: Decision, held: Problem) -> Decision:
     base = decision.base
     left = replace(base, chi2=max(on_hold_outs, base.reduced) * base.count)
     verdict = "unknown" if strange(left) else "no_gap"
-    return replace(decision, verdict=verdict, best=base)
+    withdrawn = (decision.best, *decision.rivals)
+    return replace(decision, verdict=verdict, best=base, rivals=withdrawn)
 
 
 def without_refuted(decision: Decision, held: Problem) -> Decision:

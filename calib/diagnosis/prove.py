@@ -13,6 +13,7 @@ number of effects: each has its price by parameter, and the hold-outs must get b
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, fit_without
 from calib.diagnosis.confirm import chi2_by_run, helps
@@ -26,28 +27,41 @@ from calib.diagnosis.decide import (
     quiet,
     refuted,
     simplest_first,
+    strange,
 )
 from calib.diagnosis.hold_outs import HoldOuts
 from calib.diagnosis.remainder import LEAST, Remainder
 from calib.diagnosis.search import refine
+from calib.diagnosis.together import together
 from calib.errors import ModelError
 from calib.logs.log import Log
+
+Array = NDArray[np.float64]
 
 TRIED = 3
 """Further effects that are fitted in each step, the most promising ones."""
 
-FURTHER = 0.012
-"""Least gain of a further effect in the mean squared innovation. Where the form of a named effect
-differs from the car's, a wrong one gains up to 0.009: a drag of 0.05 m^2 beside a rolling
-resistance that grows with speed gains 0.003 and closes 60 % of the replays' errors."""
+FURTHER, FURTHER_REPLAYED = 0.012, 0.004
+"""Least gain of a further effect in the mean squared innovation, and of one that replays show well.
+Where the form of a named effect differs from the car's, a wrong one gains up to 0.009: a drag of
+0.05 m^2 beside a rolling resistance that grows with speed gains 0.003 and closes 60 % of the
+replays' errors."""
 
-MOST = 0.6
-"""Share of what is left in the replays that a further effect must close. One that is wrong closes
-less: it takes over only what happens to run along with it (tests/studies/naming.py)."""
+FURTHER_OF_ALL = 0.003
+"""Least gain of an effect that replays show well, as a share of that of the effects before. A wheel
+that rolls 0.5 % faster explains so much that a trifle of it, 0.0002, is a wrong drag."""
 
-NEARLY_NOTHING = 0.07
+MOST, MOST_REPLAYED = 0.6, 0.7
+"""Share of what is left in the replays that a further effect must close, and one with a small gain.
+One that is wrong closes less: it takes over only what happens to run along with it
+(tests/studies/naming.py)."""
+
+NEARLY_NOTHING, NEARLY_NOTHING_REPLAYED = 0.07, 0.15
 """Share of the excess of the innovations, and of the lasting errors of the replays, that several
 effects together may leave: what differs in their form. It is told as a remainder."""
+
+NEARLY_ALL = 0.9
+"""Share of what is clearly left in the innovations that no difference in form would close."""
 
 STEP = 0.3
 """Share of the excess of the innovations that each step of a search must close to go on."""
@@ -193,34 +207,73 @@ def _judged(held: HoldOuts, candidate: Candidate) -> tuple[tuple[Log, ...], Rema
 
 
 def _further(problem: Problem, held: HoldOuts, present: Proved) -> Proved | None:
-    """One more effect on top of those that are named, or None if none helps enough."""
+    """More effects on top of those that are named, one or a pair; None if none help enough."""
     at = present.decision.best
-    options = _options(problem, at)
+    return _helping(problem, held, present, _options(problem, at)) or _helping(
+        problem, held, present, _pairs_on(problem, at)
+    )
+
+
+def _helping(
+    problem: Problem, held: HoldOuts, present: Proved, options: list[Candidate]
+) -> Proved | None:
+    """The first of the options that helps enough, or None."""
     for option in options:
         judged = _judged(held, option)
         if judged is None or not _helpful(problem, held, present, option):
             continue
-        if gain(at, option) < FURTHER or not _closes_most(present, option, judged[1]):
+        if not _closes_most(present, option, judged[1]):
             continue
         rivals = tuple(o for o in options if o is not option)
-        return _added(present, option, rivals, judged)
+        return _without_spare(held, _added(present, option, rivals, judged))
     return None
+
+
+def _without_spare(held: HoldOuts, present: Proved) -> Proved:
+    """The explanation without effects that stood for the one that was added last."""
+    at = present.decision.best
+    fewer = _spared(at)
+    judged = None if fewer is at else _judged(held, fewer)
+    if judged is None or at.names[-1] not in fewer.names or _grown(present.left, judged[1]):
+        return present
+    return _added(present, fewer, (), judged)
 
 
 def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:
     """Whether a further effect explains most of what is left, where that is seen.
 
     That is in the replays or in the innovations. Where the replays have something left, a gain in
-    the innovations counts that is no trifle beside that of the effects before: what differs in
-    their form leaves less. An effect that turns with the wheels is not seen in replays at all.
+    the innovations counts only so far as the form of the effects before cannot have left it, or if
+    it leaves next to nothing. An effect that turns with the wheels is not seen in replays at all.
     """
-    base, at = present.decision.base, present.decision.best
-    most = gain(at, option) > MOST * (at.reduced - FLOOR)
-    grown = left.size > present.left.size + CHANCE
-    if not present.left.significant:
-        return most and not grown
-    closed = left.size < (1.0 - MOST) * present.left.size
-    return closed or (most and not grown and gain(at, option) > SECOND_OF_ALL * gain(base, at))
+    at = present.decision.best
+    brought = gain(at, option)
+    faint = max(FURTHER_REPLAYED, FURTHER_OF_ALL * gain(present.decision.base, at))
+    if present.left.significant and brought > faint:
+        share = MOST if brought > FURTHER else MOST_REPLAYED
+        if left.size < (1.0 - share) * present.left.size:
+            return True
+    if _grown(present.left, left) or brought < FURTHER:
+        return False
+    excess = at.reduced - FLOOR
+    if not present.left.significant or (strange(at) and brought > NEARLY_ALL * excess):
+        return brought > MOST * excess
+    return _beyond_form(present, option) > MOST * excess
+
+
+def _beyond_form(present: Proved, option: Candidate) -> float:
+    """Fall of the mean squared innovation less what the form of effects before may have left.
+
+    That is a share of what they explain, run by run and channel by channel.
+    """
+    before, at = (_squares(c) for c in (present.decision.base, present.decision.best))
+    form = SECOND_OF_ALL * np.maximum(before - at, 0.0)
+    return float(np.sum(np.maximum(at - _squares(option) - form, 0.0))) / option.count
+
+
+def _squares(candidate: Candidate) -> Array:
+    """Sums of squared innovations by run and channel."""
+    return np.array([[float(c @ c) for c in run] for run in candidate.whitened])
 
 
 def _options(problem: Problem, at: Candidate) -> list[Candidate]:
@@ -259,13 +312,11 @@ def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
     So many can imitate a cause that is in no catalogue. They are named only if next to nothing is
     left with them, in innovations and replays, and if none of them can be spared.
     """
-    at, rivals = present.decision.best, list[Candidate]()
-    while at.names and at.reduced > quiet(at):
-        options = _options(problem, at)
-        if not options or gain(at, options[0]) < STEP * (at.reduced - FLOOR):
-            break
-        at, rivals = options[0], options[1:]
-    if not at.names or at is present.decision.best:
+    start = next((c for c in (present.decision.best, *present.decision.rivals) if c.names), None)
+    if start is None:
+        return present
+    at, rivals = _with_more(problem, start)
+    if at is start:
         return present
     at = _spared(at)
     judged = _judged(held, at)
@@ -274,9 +325,35 @@ def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
     left, gap = judged[1], present.decision.base.reduced - FLOOR
     if at.reduced > max(quiet(at), FLOOR + NEARLY_NOTHING * gap):
         return present
-    if left.significant and left.size > NEARLY_NOTHING * present.left.size:
+    share = NEARLY_NOTHING_REPLAYED if at.reduced <= quiet(at) else NEARLY_NOTHING
+    if left.significant and left.size > share * present.left.size:
         return present
     return replace(_added(present, at, tuple(rivals), judged), rest=remains(at, left))
+
+
+def _with_more(problem: Problem, start: Candidate) -> tuple[Candidate, list[Candidate]]:
+    """The best explanation with further effects, and its rivals: one by one, else in pairs.
+
+    Pairs are added to what was found, and to each of its effects alone: the other one may stand for
+    such a pair.
+    """
+    at, rivals = start, list[Candidate]()
+    while at.reduced > quiet(at):
+        options = _options(problem, at)
+        if not options or gain(at, options[0]) < STEP * (at.reduced - FLOOR):
+            break
+        at, rivals = options[0], options[1:]
+    if at.reduced <= quiet(at):
+        return at, rivals
+    parents = [start, *(fit_without(start, name) for name in start.names if len(start.names) > 1)]
+    found = [c for parent in parents for c in _pairs_on(problem, parent)]
+    ranked = simplest_first([at, *found])
+    return ranked[0], rivals if ranked[0] is at else ranked[1:]
+
+
+def _pairs_on(problem: Problem, at: Candidate) -> list[Candidate]:
+    """Pairs of further effects that explain most of what is left."""
+    return together(problem, at, TRIED, MOST_REPLAYED * (at.reduced - FLOOR))
 
 
 def _spared(at: Candidate) -> Candidate:

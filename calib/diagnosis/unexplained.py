@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem, fit
+from calib.diagnosis.candidate import Candidate, FreeTerm, Problem, fit
 from calib.diagnosis.channels import CHANNELS, thinned
 from calib.diagnosis.predict import ObservedRun, history_of
 from calib.diagnosis.search import base_directions, free
@@ -28,6 +28,10 @@ KNOTS = 5
 FITTED, FITTED_BESIDE = 4, 1
 """Terms fitted in full after the linear ranking: alone, and beside effects. Beside effects the base
 is right already, and one linear step nearly is."""
+
+OF_FRICTION, OF_WEIGHT = 0.9, 0.1
+"""Largest value of a term: share of a pad's friction, and force over the weight of the car. A
+larger force over the deceleration would make the prediction follow the measured one."""
 
 PLAIN = 0.03
 """Share of the excess that a term must explain beyond a constant one for its driver to be named."""
@@ -45,7 +49,7 @@ HARMONICS = (1, 2)
 class UnexplainedTerm:
     """The empirical term that explains most of what is left.
 
-    ``term`` and the ``axle`` it acts on; ``explained`` share of the excess [1]; ``at`` the
+    ``term`` and the ``axle`` it acts on; ``explained`` share of the excess, at most 1; ``at`` the
     candidate with its base parameters fitted beside the term; ``runners_up`` as (place, driver,
     share); ``driver`` the variable it depends on: the term's, or `WHEEL_ANGLE` where ``turning``,
     the share that goes with the angle of the wheels, is larger; ``wheel`` the one that is slower
@@ -102,7 +106,7 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
         term=EmpiricalTerm(best[1], best[2], tuple(best[3].tolist()), tuple(best[4].tolist())),
         axle=axle if turns else PLACES[best[1]],
         driver=WHEEL_ANGLE if turns else best[2],
-        explained=float(best[0]),
+        explained=min(float(best[0]), 1.0),
         turning=turning,
         wheel=_one_sided(problem, at, excess),
         at=best[5],
@@ -171,7 +175,8 @@ def _fitted(problem: Problem, at: Candidate, item: Found, excess: float) -> Foun
         return _term(place, driver, knots, values)
 
     start = np.concatenate([at.x, np.zeros(knots.size)])
-    with_term = fit(problem, at.names, start, 12, (make, knots.size))
+    limit = OF_FRICTION if make(item[4]).on_brakes else OF_WEIGHT
+    with_term = fit(problem, at.names, start, 12, FreeTerm(make, knots.size, limit))
     share = (at.chi2 - with_term.chi2) / excess
     return share, place, driver, knots, with_term.x[-knots.size :], with_term
 

@@ -1,11 +1,13 @@
 """The prediction against the plant of the tests: what it says, a car does."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from calib.diagnosis.predict import Base, follow, predict, run_of
-from calib.physics.effects.effects import Effects
+from calib.physics.effects.effects import Effects, EmpiricalTerm
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import CAR as SEDAN
 from tests.support.reference_car import without
@@ -70,3 +72,14 @@ def test_follow_is_a_first_order_lag():
 
     expected = solve_ivp(rate, (0.0, 0.99), [0.0], t_eval=t, rtol=1e-9, atol=1e-12).y[0]
     assert follow(x, tau, 0.01) == pytest.approx(expected, abs=2e-4)
+
+
+@pytest.mark.parametrize("place", ["body", "brakes"])
+def test_a_term_over_the_deceleration_does_not_predict_noise_from_itself(run, place):
+    """One sensor's noise more on a_x must not show in what is predicted."""
+    noisy = replace(run, a_x=run.a_x + np.random.default_rng(3).normal(0.0, 0.05, run.a_x.size))
+    base = Base(SEDAN.front.pad_friction, SEDAN.rear.pad_friction, 25.0, 0.95)
+    values = (0.0, -0.1) if place == "body" else (0.0, -0.4)
+    term = EmpiricalTerm(place, "deceleration", (0.0, 0.4), values)
+    told, clean = (predict(SEDAN, base, Effects(terms=(term,)), r).a_x for r in (noisy, run))
+    assert np.std(told - clean) < 0.02 * 0.05

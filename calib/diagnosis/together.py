@@ -1,0 +1,119 @@
+"""Two further effects at once, for causes that another effect imitates as long as one is missing.
+
+A drag and a slope of the road together look like a bias of the accelerometer, and neither of them
+alone is better than that. All pairs of the catalogue are compared in one linear step, as in
+`calib.diagnosis.search`, and the best ones are fitted in full.
+"""
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.candidate import Candidate, Problem, fit
+from calib.diagnosis.search import STARTS, base_directions, free, trials, tried_at
+from calib.physics.own_effects.own_effect import definition, every_effect
+
+Array = NDArray[np.float64]
+
+ALIKE = 0.999
+"""Cosine between the changes of two effects from which they are one direction."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """What an effect at a point of `trials` changes of the innovations: ``own`` (n,), beyond base
+    and present effects.
+    """
+
+    name: str
+    trial: Array
+    own: Array
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Expected gain in chi-square of two effects together, and where a fit of them begins."""
+
+    names: tuple[str, str]
+    gain: float
+    start: Array
+
+
+def together(problem: Problem, at: Candidate, count: int, least: float) -> list[Candidate]:
+    """Fit the most promising pairs of effects on top of ``at``; best first.
+
+    At most ``count``, and those alone that promise a fall of the mean squared innovation by
+    ``least``.
+    """
+    problem.tell("trying effects in pairs", 0, 1)
+    promising = [pair for pair in pairs(problem, at)[:count] if pair.gain > least * at.count]
+    alone = replace(at, problem=problem.alone)
+    fitted = problem.mapped(partial(_fitted, alone), promising)
+    return sorted(
+        (replace(candidate, problem=problem) for candidate in fitted),
+        key=lambda candidate: candidate.chi2,
+    )
+
+
+def pairs(problem: Problem, at: Candidate) -> list[Pair]:
+    """Every pair of effects that are not in ``at`` and help together, best first."""
+    innovations = problem.flat(at.base, at.effects)
+    directions = base_directions(problem, at, innovations)
+    names = [name for name in every_effect(problem.vehicle.effects) if name not in at.names]
+    changes_of = partial(_changes_of, replace(at, problem=problem.alone), innovations, directions)
+    changes = [one for found in problem.mapped(changes_of, names) for one in found]
+    gains, amounts = _gains(
+        np.stack([change.own for change in changes]), free(innovations, directions)
+    )
+    best: dict[tuple[str, str], Pair] = {}
+    for i, j in zip(*np.nonzero(np.triu(gains, 1)), strict=True):
+        one, other = changes[i], changes[j]
+        key = (one.name, other.name)
+        if one.name == other.name or (key in best and best[key].gain >= gains[i, j]):
+            continue
+        start = np.concatenate(
+            [at.x, _begun(one.trial, amounts[i, j]), _begun(other.trial, amounts[j, i])]
+        )
+        best[key] = Pair(key, float(gains[i, j]), start)
+    return sorted(best.values(), key=lambda pair: -pair.gain)
+
+
+def _changes_of(at: Candidate, innovations: Array, directions: Array, name: str) -> list[Change]:
+    problem = at.problem
+    found = []
+    for trial in trials(problem, definition(problem.vehicle.effects, name).card):
+        if abs(trial[0]) < STARTS[-1]:
+            continue  # weaker ones have the same direction
+        effects = at.effects.with_(tried_at(problem, name, trial))
+        whole = problem.flat(at.base, effects) - innovations
+        own = free(whole, directions)
+        if float(own @ own) > 1e-9 * max(float(whole @ whole), 1e-30):
+            found.append(Change(name, trial, own))
+    return found
+
+
+def _gains(changes: Array, rest: Array) -> tuple[Array, Array]:
+    """Gain (k, k) of every two ``changes`` (k, n) together, and how much of the first of them
+    (k, k); no gain where one of them would have to act the other way round.
+    """
+    G = changes @ changes.T
+    g = -changes @ rest
+    length = np.diag(G)
+    apart = np.outer(length, length) - G**2
+    apart = np.where(apart > (1.0 - ALIKE**2) * np.outer(length, length), apart, np.inf)
+    amount = (g[:, None] * length[None, :] - G * g[None, :]) / apart
+    gains = amount * g[:, None] + amount.T * g[None, :]
+    return np.where((amount > 0.0) & (amount.T > 0.0), gains, 0.0), amount
+
+
+def _begun(trial: Array, amount: float) -> Array:
+    """Where a fit begins: the trial with its strength times ``amount``, within sense."""
+    begin = trial.copy()
+    begin[0] *= min(max(amount, 0.3), 4.0)
+    return begin
+
+
+def _fitted(at: Candidate, pair: Pair) -> Candidate:
+    return fit(at.problem, (*at.names, *pair.names), pair.start)
