@@ -12,7 +12,7 @@ from calib.diagnosis.drives import Drive
 from calib.diagnosis.gap import UNITS, ChannelGap, Gap
 from calib.diagnosis.prove import Step
 from calib.diagnosis.remainder import Remainder
-from calib.diagnosis.unexplained import UnexplainedTerm
+from calib.diagnosis.unexplained import UnexplainedTerm, held_from
 from calib.physics.effects.empirical import DRIVERS
 from calib.warning import to_dict as warning_dict
 
@@ -168,6 +168,7 @@ def _structure(found: UnexplainedTerm, whole: Diagnosis) -> dict[str, Any]:
         "axle": found.axle,
         "wheel": found.wheel,
         "driver": found.driver,
+        "held_from": held_from(term),
         "explained": found.explained,
         "turning": found.turning,
         "term": {

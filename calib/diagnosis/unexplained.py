@@ -33,6 +33,9 @@ OF_FRICTION, OF_WEIGHT = 0.9, 0.1
 """Largest value of a term: share of a pad's friction, and force over the weight of the car. A
 larger force over the deceleration would make the prediction follow the measured one."""
 
+HELD = 0.3
+"""Rise of a brake torque with the pressure, over that before, below which something holds it."""
+
 PLAIN = 0.03
 """Share of the excess that a term must explain beyond a constant one for its driver to be named."""
 
@@ -64,6 +67,21 @@ class UnexplainedTerm:
     wheel: str | None
     at: Candidate
     runners_up: tuple[tuple[str, str, float], ...]
+
+
+def held_from(term: EmpiricalTerm) -> float | None:
+    """Pressure [Pa] above which a brake torque hardly rises with it; None where it does rise.
+
+    Brake control that limits the slip, or a valve, holds a torque so.
+    """
+    if not term.on_brakes or term.driver != "pressure":
+        return None
+    p = np.array(term.knots)
+    torque = p * (1.0 + np.array(term.values))
+    for i in range(2, p.size - 1):
+        if np.all(np.diff(torque[i:]) < HELD * torque[i] / p[i] * np.diff(p[i:])):
+            return float(p[i])
+    return None
 
 
 def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) -> UnexplainedTerm:

@@ -6,7 +6,7 @@ from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.drives import Drive
 from calib.diagnosis.groups import LogGroup
 from calib.diagnosis.printed import in_shown, percent, span, with_unit
-from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm
+from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm, held_from
 from calib.names import AXLE_NAMES
 from calib.physics.own_effects.own_effect import definition
 
@@ -228,6 +228,12 @@ def unexplained(found: UnexplainedTerm) -> str:
         text = (
             f"{percent(found.turning)} of the remaining gap goes with the angle of the "
             f"{found.axle} wheels: something turns with them. {text}"
+        )
+    held = held_from(found.term)
+    if held is not None:
+        text += (
+            f" Above {held / 1e5:.0f} bar the brake torque hardly rises with the pressure: brake "
+            "control or a valve may hold it."
         )
     if found.runners_up:
         place, driver, share = found.runners_up[0]

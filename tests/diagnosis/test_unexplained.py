@@ -7,7 +7,8 @@ import pytest
 
 from calib.diagnosis.candidate import BASE, fit, problem_of
 from calib.diagnosis.predict import run_of
-from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm, locate
+from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm, held_from, locate
+from calib.physics.effects.effects import EmpiricalTerm
 from tests.support.hidden.cases import draw
 
 FEW = ("ramp", "release", "coast", "step_high")
@@ -53,3 +54,12 @@ def test_a_temperature_that_a_hold_out_lacks_is_no_driver():
     tried = [(found.term.place, found.term.driver), *(r[:2] for r in found.runners_up)]
     assert tried[0] == ("front_brakes", "temperature")
     assert not {("brakes", "temperature"), ("rear_brakes", "temperature")} & set(tried)
+
+
+@pytest.mark.parametrize(("limit", "told"), [(14e5, 15e5), (30e5, None)])
+def test_a_torque_that_is_held_from_a_pressure_on_is_told(limit, told):
+    p = np.array([0.0, 1.5e5, 8e5, 15e5, 22e5, 29e5])
+    factor = np.minimum(p, limit) / np.maximum(p, 1.0)
+    values = tuple(np.where(p > 0.0, factor - 1.0, 0.0).tolist())
+    assert held_from(EmpiricalTerm("front_brakes", "pressure", tuple(p.tolist()), values)) == told
+    assert held_from(EmpiricalTerm("body", "pressure", tuple(p.tolist()), values)) is None
