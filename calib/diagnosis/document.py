@@ -164,13 +164,17 @@ def _structure(found: UnexplainedTerm, whole: Diagnosis) -> dict[str, Any]:
         "in_model": whole.model_after.effects.terms != (),
         "replays": _left(whole.left),
         "innovation": whole.reduced_after if whole.effects else whole.reduced_before,
-        "place": term.place,
+        "place": found.place,
         "axle": found.axle,
         "wheel": found.wheel,
         "driver": found.driver,
         "held_from": held_from(term),
         "explained": found.explained,
         "turning": found.turning,
+        "oscillation": {
+            "frequency": found.oscillation.frequency,
+            "share": found.oscillation.share,
+        },
         "term": {
             "driver": term.driver,
             "driver_unit": DRIVERS[term.driver],

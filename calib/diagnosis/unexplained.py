@@ -4,7 +4,8 @@ A place (front brakes, rear brakes, body, front wheels, rear wheels) is given an
 piecewise linear function of a driver (pressure, speed, disc temperature, time since the bite,
 deceleration, or none). The pair that explains most tells where to look. The term describes; it is
 not a physical cause. A term cannot follow an effect of the wheel angle, which starts at another
-angle in every run: the share of such an effect is computed from its harmonics.
+angle in every run: the share of such an effect is computed from its harmonics. Nor can it follow
+what swings with a frequency of its own: that share is computed from the spectrum.
 """
 
 from dataclasses import dataclass, replace
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, FreeTerm, Problem, fit
 from calib.diagnosis.channels import CHANNELS, thinned
+from calib.diagnosis.oscillation import Oscillation, oscillation_of
 from calib.diagnosis.predict import ObservedRun, history_of
 from calib.diagnosis.search import base_directions, free
 from calib.physics.braking import BITE
@@ -42,7 +44,11 @@ PLAIN = 0.03
 ONE_SIDED = 0.3
 """Share of the excess in left less right from which one wheel of an axle is named."""
 
-WHEEL_ANGLE = "wheel_angle"
+WHEEL_ANGLE, FREQUENCY = "wheel_angle", "frequency"
+"""Drivers that no term has."""
+
+NO_TERM = 0.1
+"""Share of the excess that must go with the angle of the wheels, or swing, to be told as that."""
 
 HARMONICS = (1, 2)
 """Harmonics of the wheel's turn; run-out and uneven spacing show in the first ones."""
@@ -54,8 +60,9 @@ class UnexplainedTerm:
 
     ``term`` and the ``axle`` it acts on; ``explained`` share of the excess, at most 1; ``at`` the
     candidate with its base parameters fitted beside the term; ``runners_up`` as (place, driver,
-    share); ``driver`` the variable it depends on: the term's, or `WHEEL_ANGLE` where ``turning``,
-    the share that goes with the angle of the wheels, is larger; ``wheel`` the one that is slower
+    share); ``driver`` the variable it depends on: the term's, `WHEEL_ANGLE` where ``turning``, the
+    share that goes with the angle of the wheels, is larger, or `FREQUENCY` where that of
+    ``oscillation`` is; ``wheel`` the one that is slower
     than the other wheel of its axle, where that is most of the excess.
     """
 
@@ -64,9 +71,17 @@ class UnexplainedTerm:
     driver: str
     explained: float
     turning: float
+    oscillation: Oscillation
     wheel: str | None
     at: Candidate
     runners_up: tuple[tuple[str, str, float], ...]
+
+    @property
+    def place(self) -> str:
+        """Where it acts, one of `PLACES`: that of the term, but of what swings."""
+        if self.driver != FREQUENCY:
+            return self.term.place
+        return "body" if self.oscillation.body else "brakes"
 
 
 def held_from(term: EmpiricalTerm) -> float | None:
@@ -119,13 +134,20 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
         (f for f in fitted if f[2] == "constant" and f[0] > fitted[0][0] - PLAIN), fitted[0]
     )
     turning, axle = _turning(problem, at, excess)
-    turns = turning > max(float(best[0]), 0.1)
+    swing = oscillation_of(at, excess)
+    least = max(float(best[0]), NO_TERM)
+    driver, acts_on = best[2], PLACES[best[1]]
+    if turning > max(least, swing.share):
+        driver, acts_on = WHEEL_ANGLE, axle
+    elif swing.share > least:
+        driver, acts_on = FREQUENCY, "body" if swing.body else "both"
     return UnexplainedTerm(
         term=EmpiricalTerm(best[1], best[2], tuple(best[3].tolist()), tuple(best[4].tolist())),
-        axle=axle if turns else PLACES[best[1]],
-        driver=WHEEL_ANGLE if turns else best[2],
+        axle=acts_on,
+        driver=driver,
         explained=min(float(best[0]), 1.0),
         turning=turning,
+        oscillation=swing,
         wheel=_one_sided(problem, at, excess),
         at=best[5],
         runners_up=tuple(

@@ -6,7 +6,7 @@ from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.drives import Drive
 from calib.diagnosis.groups import LogGroup
 from calib.diagnosis.printed import in_shown, percent, span, with_unit
-from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm, held_from
+from calib.diagnosis.unexplained import FREQUENCY, WHEEL_ANGLE, UnexplainedTerm, held_from
 from calib.names import AXLE_NAMES
 from calib.physics.own_effects.own_effect import definition
 
@@ -65,7 +65,7 @@ def verdict(found: Diagnosis) -> str:
     if found.unexplained is None:
         return "The model lacks something that is not in the catalogue."
     left = found.unexplained
-    place = f"{left.axle} wheels" if left.driver == WHEEL_ANGLE else plain(left.term.place)
+    place = f"{left.axle} wheels" if left.driver == WHEEL_ANGLE else plain(left.place)
     text = f"The model lacks something that is not in the catalogue: it acts on the {place}"
     text += (
         " and is always there."
@@ -118,6 +118,7 @@ def _driver(driver: str) -> str:
         "elapsed": "the time since the run began",
         "constant": "nothing",
         WHEEL_ANGLE: "the angle of the wheels, turn by turn",
+        FREQUENCY: "nothing but time: it swings",
     }.get(driver, f"the {driver}")
 
 
@@ -228,6 +229,12 @@ def unexplained(found: UnexplainedTerm) -> str:
         text = (
             f"{percent(found.turning)} of the remaining gap goes with the angle of the "
             f"{found.axle} wheels: something turns with them. {text}"
+        )
+    if found.driver == FREQUENCY:
+        return (
+            f"{percent(found.oscillation.share)} of the remaining gap swings at "
+            f"{found.oscillation.frequency:.1f} Hz, as liquid in a tank, a loose load or a body on "
+            f"its springs does. Empirical terms explain {percent(found.explained)} of it at most."
         )
     held = held_from(found.term)
     if held is not None:

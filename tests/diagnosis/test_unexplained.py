@@ -36,6 +36,17 @@ def test_a_wheel_that_always_drags_is_named_and_depends_on_nothing():
     assert found.turning < 0.05
 
 
+def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
+    case = draw("outside", 35, names=("tank_slosh",), severity=2)
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
+    found = locate(problem, fit(problem, (), np.zeros(BASE)))
+    assert (found.axle, found.driver) == ("body", "frequency")
+    # a mass on a spring, beside a car that it moves with
+    mass, own = case.hidden.slosh_mass, case.hidden.slosh_frequency
+    assert found.oscillation.frequency == pytest.approx(own / np.sqrt(1.0 - mass), rel=0.1)
+    assert found.oscillation.share > 0.5
+
+
 @pytest.mark.parametrize(("name", "axles"), [("weaker_applications", {"both"})])
 def test_brakes_that_weaken_go_with_the_time_of_the_run(name, axles):
     found = placed(name, 33)

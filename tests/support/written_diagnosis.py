@@ -9,6 +9,7 @@ from calib.diagnosis.candidate import Candidate
 from calib.diagnosis.channels import ChannelNoise
 from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate, Where
 from calib.diagnosis.gap import CHANNELS, ChannelGap, Gap
+from calib.diagnosis.oscillation import Oscillation
 from calib.diagnosis.prove import Step
 from calib.diagnosis.remainder import Remainder
 from calib.diagnosis.unexplained import UnexplainedTerm
@@ -58,7 +59,15 @@ def unknown(named):
     model = named.model_after
     base = Candidate(None, (), None, Effects(), None, 0.0, 1, 1.0)
     rest = UnexplainedTerm(
-        term, "rear", "pressure", 0.75, 0.0, None, base, (("body", "speed", 0.5),)
+        term,
+        "rear",
+        "pressure",
+        0.75,
+        0.0,
+        Oscillation(0.0, 0.0, body=False),
+        None,
+        base,
+        (("body", "speed", 0.5),),
     )
     after = replace(model, effects=replace(model.effects, terms=(term,)))
     return replace(
