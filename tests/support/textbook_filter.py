@@ -105,12 +105,15 @@ def gradients(h, x):
 
 
 def first(posterior, p):
-    """Mean and covariance before the first block."""
+    """Mean and covariance before the first block; the covariance less the table's scatter."""
     x, P = np.zeros(COUNT), np.zeros((COUNT, COUNT))
     for name, sigma in OF_A_RAMP.items():
         P[PLACE[name], PLACE[name]] = sigma**2
     at = [PLACE[FROM_TABLE[name]] for name in posterior.names]
     x[at], P[np.ix_(at, at)] = posterior.mean, np.asarray(posterior.covariance)
+    less = P.copy()
+    if posterior.scatter:
+        less[np.ix_(at, at)] -= np.asarray(posterior.scatter)
     x[PLACE["w"]], x[PLACE["kappa"]] = 1.0, p.elastic_share
     x[PLACE["delta"]] = p.delay
     # rho = rho0 + an own part; w - 1 = slope * s + an own part
@@ -123,13 +126,18 @@ def first(posterior, p):
         ("kappa", p.elastic_sigma), ("eta0", p.zero), ("sl0", p.zero),
         ("dtau", p.tyre_change), ("delta", p.delay_sigma),
     ):  # fmt: skip
-        P[PLACE[name], PLACE[name]] = sigma**2
-    return x, T @ P @ T.T
+        for matrix in (P, less):
+            matrix[PLACE[name], PLACE[name]] = sigma**2
+    return x, T @ P @ T.T, T @ less @ T.T
 
 
 def textbook(car, blocks, demand, noise, posterior, p):
-    """Run the filter; the arguments are those of `filter_pad_ratio`."""
-    x, P = first(posterior, p)
+    """Run the filter; the arguments are those of `filter_pad_ratio`.
+
+    P is the covariance that the gains are of, ``whole`` that of the error: with the table's
+    scatter, which no gain counts.
+    """
+    x, whole, P = first(posterior, p)
     T = blocks.length
     decay = math.exp(-T / p.pitch_memory)
     F = np.eye(COUNT)
@@ -152,7 +160,7 @@ def textbook(car, blocks, demand, noise, posterior, p):
         Q[[PLACE["rho"], PLACE["s"], PLACE["w"]]] = p.drift_ratio, p.drift_road, p.drift_road
         Q = np.diag(Q**2 * T)
         Q[PLACE["xi"], PLACE["xi"]] = (1.0 - decay**2) * fed**2
-        x, P = F @ x, F @ P @ F.T + Q
+        x, P, whole = F @ x, F @ P @ F.T + Q, F @ whole @ F.T + Q
         nu = np.full(2, np.nan)
         late = (x[PLACE["xi"]] + x[PLACE["kappa"]] * now["pitch_deficit"]) * block["weight"]
         seen = np.array([blocks.omega_r[k] / blocks.omega_f[k], now["slip"]])
@@ -170,24 +178,24 @@ def textbook(car, blocks, demand, noise, posterior, p):
                 return sensed(x, now, block)
 
             pause = max(pause - 1, 0)
-            new = update(x, P, h, seen, sensors, relative)
-            squares = new[2][np.isfinite(new[2])] ** 2
+            new = update(x, P, whole, h, seen, sensors, relative)
+            squares = new[3][np.isfinite(new[3])] ** 2
             if pause == 0 and held < p.change_calm and np.mean(squares) > p.change_gate:
-                P = P.copy()
                 s, w = PLACE["s"], PLACE["w"]
                 slope = np.array([1.0, p.peak_per_stiffness]) * p.change_stiffness
-                P[np.ix_([s, w], [s, w])] += np.outer(slope, slope)
-                P[w, w] += p.change_peak**2
-                new = update(x, P, h, seen, sensors, relative)
+                opened = np.zeros_like(P)
+                opened[np.ix_([s, w], [s, w])] = np.outer(slope, slope)
+                opened[w, w] += p.change_peak**2
+                new = update(x, P + opened, whole + opened, h, seen, sensors, relative)
                 changes.append(float(blocks.end[k]))
                 pause = p.change_pause
-            x, P, nu = new
-        out.append((x, P, nu))
+            x, P, whole, nu = new
+        out.append((x, whole, nu))
     xs, Ps, nus = (np.array(part) for part in zip(*out, strict=True))
     return Answer(xs, Ps, nus, tuple(changes))
 
 
-def update(x, P, h, seen, sensors, relative):
+def update(x, P, whole, h, seen, sensors, relative):
     """One measurement update in Joseph's form; the innovations whitened one after the other."""
     use = np.isfinite(seen)
     expected = h(x)
@@ -200,4 +208,5 @@ def update(x, P, h, seen, sensors, relative):
     I_KH = np.eye(x.size) - K @ H
     white = np.full(2, np.nan)
     white[use] = np.linalg.solve(np.linalg.cholesky(S), nu)
-    return x + K @ nu, I_KH @ P @ I_KH.T + K @ R @ K.T, white
+    after = [I_KH @ of @ I_KH.T + K @ R @ K.T for of in (P, whole)]
+    return x + K @ nu, *after, white
