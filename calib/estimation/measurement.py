@@ -1,6 +1,6 @@
 """What the sensors show of a block, given the states: the equations of the split filter, once.
 
-    load that pitch delays:  P = (xi + kappa psi) W
+    load that pitch delays:  P = (xi + kappa (psi + nu psi')) W,  psi' = d psi/d ln frequency
     loads                    L_f = F_zf - P,  L_r = F_zr + P
     brakes, (2)              phi = B_f e^(rho/2)/(B_f e^(rho/2) + B_r e^(-rho/2))
     forces, (1)              F_f = (phi B + M_f)/L_f,  F_r = ((1 - phi) B + M_r)/L_r
@@ -36,8 +36,9 @@ class Given(NamedTuple, Generic[T]):
     not braked [1]; ``moment_f``, ``moment_r`` what slows the wheels otherwise, as a force at the
     road [N]; ``load_f``, ``load_r`` [N]; ``coasting_f``, ``coasting_r`` normalised force [1], read
     where not braked; ``weight`` [N]; ``pitch_deficit`` load over W that the pitch mode has not yet
-    moved [1]; ``lag_gain`` g z/V, slip per second of clock offset [1/s]; ``static_f``, ``static_r``
-    axle loads at rest [N]; ``rise`` of the brake force of nominal pads [N/s].
+    moved [1], ``pitch_slope`` its slope by the logarithm of the mode's frequency [1]; ``lag_gain``
+    g z/V, slip per second of clock offset [1/s]; ``static_f``, ``static_r`` axle loads at rest [N];
+    ``rise`` of the brake force of nominal pads [N/s].
     """
 
     brake_f: T
@@ -51,6 +52,7 @@ class Given(NamedTuple, Generic[T]):
     coasting_r: T
     weight: T
     pitch_deficit: T
+    pitch_slope: T
     lag_gain: T
     static_f: T
     static_r: T
@@ -81,7 +83,8 @@ def coasting(x: States[Expression], g: Given[Expression]) -> Pair:
 
 def loads(x: States[Expression], g: Given[Expression]) -> Pair:
     """Axle loads [N] less what the body has not moved yet."""
-    late = (x.load_shift + x.elastic_share * g.pitch_deficit) * g.weight
+    mode = g.pitch_deficit + x.pitch_tempo * g.pitch_slope
+    late = (x.load_shift + x.elastic_share * mode) * g.weight
     return g.load_f - late, g.load_r + late
 
 

@@ -26,6 +26,7 @@ class States(NamedTuple, Generic[T]):
     peak_ratio: T  # the table's peak relative to the surface's
     load_shift: T  # load moved otherwise than by the pitch mode, over the weight
     elastic_share: T  # share of the load transfer that follows the body's pitch mode
+    pitch_tempo: T  # ln of the mode's frequency over the usual one
     eta_zero: T  # zero of eta: radii of this day
     slip_zero: T  # zero of the mean slip, likewise
     clock_offset: T  # clock offset between v and the wheels
@@ -69,6 +70,7 @@ def state_list(p: Priors) -> States[State]:
         peak_ratio          = State("w",     "1", 1.0,             p.peak,          p.drift_road),
         load_shift          = State("xi",    "1", 0.0,             0.0,             0.0),
         elastic_share       = State("kappa", "1", p.elastic_share, p.elastic_sigma, 0.0),
+        pitch_tempo         = State("nu",    "1", 0.0,             p.pitch_tempo,   0.0),
         eta_zero            = State("eta0",  "1", 0.0,             p.zero,          0.0),
         slip_zero           = State("sl0",   "1", 0.0,             p.zero,          0.0),
         clock_offset        = State("lag",   "s", None,            0.0,             0.0),

@@ -15,7 +15,7 @@ L_F, L_R, H = 1.1556, 1.6494, 0.615
 WEIGHT = 1744.0 * G
 STRAIGHT = States(
     log_pad_ratio=0.0, log_stiffness=0.0, peak_ratio=1.0, load_shift=0.0, elastic_share=0.0,
-    eta_zero=0.0, slip_zero=0.0, clock_offset=0.0, load_exponent=0.0,
+    pitch_tempo=0.0, eta_zero=0.0, slip_zero=0.0, clock_offset=0.0, load_exponent=0.0,
     log_compliance=math.log(0.04), curvature_2=0.0, curvature_3=0.0, table_log_pad_ratio=0.0,
     log_tyre_ratio=0.0, radius_load=0.0, tyre_change=0.0,
     slip_delay=0.0,
@@ -23,7 +23,7 @@ STRAIGHT = States(
 """A straight tyre of stiffness 25: every slip has a closed form."""
 
 
-def block(z=0.3, level=0.9, pitch_deficit=0.02, rear=1.0, rise=0.0):
+def block(z=0.3, level=0.9, pitch_deficit=0.02, pitch_slope=0.03, rear=1.0, rise=0.0):
     """One block of a stop of the reference car, with drag-like moments."""
     share = WEIGHT / (L_F + L_R)
     return Given(
@@ -38,6 +38,7 @@ def block(z=0.3, level=0.9, pitch_deficit=0.02, rear=1.0, rise=0.0):
         coasting_r=0.012,
         weight=WEIGHT,
         pitch_deficit=pitch_deficit,
+        pitch_slope=pitch_slope,
         lag_gain=G * z / 20.0,
         static_f=share * L_R,
         static_r=share * L_F,
@@ -52,6 +53,7 @@ STATES = st.builds(
     peak_ratio=st.floats(0.5, 4.0),
     load_shift=st.floats(-0.03, 0.03),
     elastic_share=st.floats(-0.5, 1.2),
+    pitch_tempo=st.floats(-0.5, 0.5),
     eta_zero=st.floats(-0.01, 0.01),
     slip_zero=st.floats(-0.01, 0.01),
     clock_offset=st.floats(-0.02, 0.02),
@@ -70,6 +72,7 @@ BLOCKS = st.builds(
     z=st.floats(0.03, 0.6),
     level=st.sampled_from([0.4, 1.0, 1.3]),
     pitch_deficit=st.floats(-0.05, 0.05),
+    pitch_slope=st.floats(-0.1, 0.1),
     rear=st.sampled_from([0.0, 1.0]),
     rise=st.floats(-3e4, 3e4),
 )
@@ -172,3 +175,7 @@ def test_load_that_pitch_moves_late_lowers_the_front():
     g = block()
     assert front == pytest.approx(g.load_f - 0.02 * WEIGHT)
     assert front + rear == pytest.approx(g.load_f + g.load_r)
+    # a mode that is faster by e^0.1 has moved as much more as the slope says
+    faster = list(STRAIGHT._replace(elastic_share=1.0, pitch_tempo=0.1))
+    ((front, _),) = axle_loads_now()(faster, list(block(pitch_deficit=0.02, pitch_slope=-0.05)))
+    assert front == pytest.approx(g.load_f - (0.02 - 0.005) * WEIGHT)

@@ -70,6 +70,7 @@ def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, l
         nominal_f=total * 2.7 / 3.7,
         nominal_r=total / 3.7,
         level=np.where(braked, 1.0, np.nan),
+        level_error=still,
         moment_f=still,
         moment_r=still,
         drive_f=still,
@@ -79,6 +80,7 @@ def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, l
         tyre_sum=total,
         slip=mean if v else None,
         pitch_deficit=still,
+        pitch_slope=still,
         rise=rise,
     )
     return blocks, demand
@@ -245,11 +247,13 @@ def random_stop(seed, v, older=False):
     demand = replace(
         demand,
         level=np.where(pressed, 0.9 + 0.02 * rng.normal(size=z.size), np.nan),
+        level_error=0.05 * rng.random(z.size),
         moment_f=60.0 + 10.0 * rng.normal(size=z.size),
         moment_r=40.0 + 10.0 * rng.normal(size=z.size),
         drive_f=np.full(z.size, 50.0),
         drive_r=np.full(z.size, -30.0),
         pitch_deficit=0.01 * rng.normal(size=z.size),
+        pitch_slope=0.02 * rng.normal(size=z.size),
         slip=mixed(demand.slip, there.slip, 5e-3) if v else None,
     )
     count = len(NAMES) - 2 * older

@@ -18,7 +18,7 @@ import numpy as np
 from calib.names import G
 
 STATES = (
-    *("rho", "s", "w", "xi", "kappa", "eta0", "sl0", "lag"),
+    *("rho", "s", "w", "xi", "kappa", "nu", "eta0", "sl0", "lag"),
     *("q", "c", "b2", "b3", "rho0", "tau", "r", "dtau", "delta"),
 )
 PLACE = {name: i for i, name in enumerate(STATES)}
@@ -39,7 +39,7 @@ OF_A_RAMP = {"tau": 0.1, "r": 0.003}
 
 @dataclass(frozen=True)
 class Answer:
-    """States (k, 17), covariances (k, 17, 17), normalised innovations (k, 2), times of changes."""
+    """States (k, 18), covariances (k, 18, 18), normalised innovations (k, 2), times of changes."""
 
     x: np.ndarray
     P: np.ndarray
@@ -57,7 +57,8 @@ def sensed(x, demand, block):
     """Eta and the mean slip of one block: what the sensors show without noise."""
     a = dict(zip(STATES, x, strict=True))
     W = block["weight"]
-    late = (a["xi"] + a["kappa"] * demand["pitch_deficit"]) * W
+    deficit = demand["pitch_deficit"] + a["nu"] * demand["pitch_slope"]
+    late = (a["xi"] + a["kappa"] * deficit) * W
     loads = demand["load_f"] - late, demand["load_r"] + late
     if math.isfinite(demand["level"]):
         front = demand["nominal_f"] * math.exp(0.5 * a["rho"])
@@ -123,7 +124,7 @@ def first(posterior, p):
     x[PLACE["rho"]] = x[PLACE["rho0"]]
     for name, sigma in (
         ("rho", p.ratio), ("s", p.stiffness), ("w", p.peak),
-        ("kappa", p.elastic_sigma), ("eta0", p.zero), ("sl0", p.zero),
+        ("kappa", p.elastic_sigma), ("nu", p.pitch_tempo), ("eta0", p.zero), ("sl0", p.zero),
         ("dtau", p.tyre_change), ("delta", p.delay_sigma),
     ):  # fmt: skip
         for matrix in (P, less):
@@ -162,7 +163,8 @@ def textbook(car, blocks, demand, noise, posterior, p):
         Q[PLACE["xi"], PLACE["xi"]] = (1.0 - decay**2) * fed**2
         x, P, whole = F @ x, F @ P @ F.T + Q, F @ whole @ F.T + Q
         nu = np.full(2, np.nan)
-        late = (x[PLACE["xi"]] + x[PLACE["kappa"]] * now["pitch_deficit"]) * block["weight"]
+        deficit = now["pitch_deficit"] + x[PLACE["nu"]] * now["pitch_slope"]
+        late = (x[PLACE["xi"]] + x[PLACE["kappa"]] * deficit) * block["weight"]
         seen = np.array([blocks.omega_r[k] / blocks.omega_f[k], now["slip"]])
         off = np.array([abs(seen[0] - 1.0), abs(seen[1])])
         stands = now["load_f"] > late > -now["load_r"]
@@ -170,7 +172,9 @@ def textbook(car, blocks, demand, noise, posterior, p):
         if told and blocks.speed[k] > 3.0 and not np.any(off >= p.rolling) and stands:
             before = np.diff(pressure, prepend=pressure[0])[k]
             sync = p.sync * abs(before) / T / max(pressure[k], 3e5)
-            relative = p.model + (sync if math.isfinite(now["level"]) else 0.0)
+            relative = p.model
+            if math.isfinite(now["level"]):
+                relative = math.hypot(p.model + sync, now["level_error"])
             wheel = (noise.omega / max(blocks.omega_f[k], 1.0)) ** 2 / T
             sensors = np.array([2.0 * wheel, wheel + (noise.v / speed) ** 2 / T])
 
