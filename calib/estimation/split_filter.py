@@ -34,6 +34,8 @@ from calib.estimation.measurement import (
 from calib.estimation.pad_ratio import KEPT, PadRatio, Step, weigh
 from calib.estimation.priors import Priors
 from calib.estimation.states import AT, COUNT, first_scatter, first_state, open_surface
+from calib.fitting.ramp import form_error
+from calib.fitting.settings import SETTINGS
 from calib.physics.vehicle import Vehicle
 from calib.signals.blocks import Blocks
 from calib.signals.noise import SensorNoise
@@ -134,11 +136,12 @@ def _measure(
     n, P and A become less by white' W P and white' W A, x by white' (-n), which is one product.
     ``predicted`` at ``now``, which is x as plain floats.
     """
-    (eta, slip), gradients = predicted
+    (eta, slip), gradients, near = predicted
     measured_eta, measured_slip, var_eta, var_slip, relative, _, _ = reading
     rows = np.array(gradients).reshape(2, COUNT)
     along = rows.dot(carried)
     (total_eta, both), (_, total_slip) = along[:, :COUNT].dot(rows.T).tolist()
+    relative = math.hypot(relative, min(form_error(max(near)), MOST))
     total_eta += var_eta + (relative * (eta - 1.0 - now[ETA_ZERO])) ** 2
     root = math.sqrt(total_eta)
     first = innovation[0] = (measured_eta - eta) / root
@@ -158,6 +161,10 @@ def _measure(
     density = math.log((scale or 1.0) / root) - 0.5 * square
     return square / (2.0 if scale else 1.0), density, (rows, whitening, white)
 
+
+MOST = SETTINGS.form_error
+"""Most that the form of the tyre's curve is off here, relative to the slip [1]: stiffness and peak
+of the surface are states, and follow it. With more nothing would be learnt once they err."""
 
 LEVEL = Given._fields.index("level")
 ETA_ZERO, SLIP_ZERO = AT.eta_zero, AT.slip_zero

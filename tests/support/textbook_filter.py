@@ -15,6 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from calib.fitting.settings import SETTINGS
 from calib.names import G
 
 STATES = (
@@ -55,6 +56,11 @@ class Answer:
 
 def sensed(x, demand, block):
     """Eta and the mean slip of one block: what the sensors show without noise."""
+    return shown(x, demand, block)[0]
+
+
+def shown(x, demand, block):
+    """The same, and how near to its peak the nearer axle is."""
     a = dict(zip(STATES, x, strict=True))
     W = block["weight"]
     deficit = demand["pitch_deficit"] + a["nu"] * demand["pitch_slope"]
@@ -73,12 +79,13 @@ def sensed(x, demand, block):
         free = (demand["tyre_sum"] - demand["drive_f"] - demand["drive_r"]) / W
         F_f = free + demand["drive_f"] / demand["load_f"]
         F_r = free + demand["drive_r"] / demand["load_r"]
-    slips = []
+    slips, near = [], []
     apart = 0.5 * (a["tau"] + a["dtau"])
     rests = block["rest_f"], block["rest_r"]
     signs = (1.0, -1.0)
     for F, rise, load, rest, sign in zip((F_f, F_r), rises, loads, rests, signs, strict=True):
         u = F * a["w"]
+        near.append(u)
         curve = F + a["b2"] * F * u + a["b3"] * F * u**2
         curve -= a["delta"] * rise * (1.0 + 2.0 * a["b2"] * u + 3.0 * a["b3"] * u**2)
         compliance = math.exp(a["c"] - a["s"] + sign * apart)
@@ -88,7 +95,8 @@ def sensed(x, demand, block):
     eta = (1.0 + a["eta0"]) * (1.0 - slips[1]) / (1.0 - slips[0])
     share = demand["load_f"] / W
     mean = share * slips[0] + (1.0 - share) * slips[1]
-    return np.array([eta, mean + a["sl0"] + G * block["z"] / block["speed"] * a["lag"]])
+    late = G * block["z"] / block["speed"] * a["lag"]
+    return np.array([eta, mean + a["sl0"] + late]), max(near)
 
 
 def gradients(h, x):
@@ -175,6 +183,8 @@ def textbook(car, blocks, demand, noise, posterior, p):
             relative = p.model
             if math.isfinite(now["level"]):
                 relative = math.hypot(p.model + sync, now["level_error"])
+            form = SETTINGS.form_error * (shown(x, now, block)[1] / SETTINGS.form_reach) ** 12
+            relative = math.hypot(relative, min(form, SETTINGS.form_error))
             wheel = (noise.omega / max(blocks.omega_f[k], 1.0)) ** 2 / T
             sensors = np.array([2.0 * wheel, wheel + (noise.v / speed) ** 2 / T])
 
