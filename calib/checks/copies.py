@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from calib.checks.sensors import resolution_of
 from calib.logs.log import Log
 from calib.names import WHEELS
+from calib.statistics.least_squares import explained_square
 
 Array = NDArray[np.float64]
 
@@ -19,12 +20,10 @@ STEPS = 2.0
 
 def made_of_wheels(log: Log) -> bool:
     """Whether ``v`` is a wheel speed times a radius, or a mean of several of them."""
-    v = rough(log["v"])
-    wheels = np.column_stack([rough(log[f"omega_{w}"]) for w in WHEELS])
-    if not v.any() or not is_noise(log["v"]):
+    if not is_noise(log["v"]):
         return False
-    left = v - wheels @ np.linalg.lstsq(wheels, v, rcond=1e-9)[0]
-    return float(left @ left) < 1.0 - SAME**2
+    wheels = np.array([rough(log[f"omega_{w}"]) for w in WHEELS])
+    return float(explained_square(wheels, rough(log["v"]))) > SAME**2
 
 
 def rough(x: Array) -> Array:

@@ -15,6 +15,7 @@ from calib.physics.braking import MOVING
 from calib.signals.axle_signals import axle_pressure
 from calib.signals.driving_record import BITE_Z, STEADY, DrivingRecord
 from calib.signals.filters import centred_mean, since
+from calib.statistics.least_squares import explained_square
 
 Array = NDArray[np.float64]
 
@@ -71,19 +72,15 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
     front, rear = (axle_pressure(log, axle) for axle in AXLES)
     unlike = (front,) if np.array_equal(front, rear) else (front, rear)
     pressures = [centred_mean(p, width) for p in unlike]
-    rest = min(_rest(log.time, pressures, time, y, float(delay)) for delay in DELAYS)
-    return 1.0 - rest / float(y @ y)
+    return float(np.max(_fitted(log.time, pressures, time, y))) / float(y @ y)
 
 
-def _rest(clock: Array, pressures: list[Array], time: Array, y: Array, delay: float) -> float:
-    """Sum of squares of ``y`` at ``time`` that the pressures, so much earlier, do not explain."""
+def _fitted(clock: Array, pressures: list[Array], time: Array, y: Array) -> Array:
+    """Sum of squares of ``y`` at ``time`` that the pressures explain, for each of `DELAYS`."""
+    earlier = time - DELAYS[:, None]
     age = time - float(time.mean())
-    columns = [np.ones_like(time)]
+    columns = [np.ones_like(earlier)]
     for pressure in pressures:
-        p = np.interp(time - delay, clock, pressure)
+        p = np.interp(earlier, clock, pressure)
         columns += [p, p * age]
-    A = np.column_stack(columns)
-    sizes = np.linalg.norm(A, axis=0)
-    A = A / np.where(sizes > 0.0, sizes, 1.0)
-    left = y - A @ np.linalg.lstsq(A, y, rcond=1e-9)[0]
-    return float(left @ left)
+    return explained_square(np.stack(columns, axis=1), y)

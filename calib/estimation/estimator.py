@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from calib.errors import LogError
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.baselines import Run, baselines
+from calib.estimation.block_level import block_level
+from calib.estimation.block_pitch import block_pitch
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import Gates, validity
 from calib.estimation.lookup import smoothed
@@ -34,7 +36,6 @@ from calib.fitting.sensors import judge_accelerometer
 from calib.logs.log import Log
 from calib.physics.balance import brake_forces
 from calib.physics.braking import BITE
-from calib.physics.effects.pitch_coupling import pitch_deficit
 from calib.physics.forces import mean_slip
 from calib.physics.vehicle import Vehicle
 from calib.signals.accelerometer import Accelerometer
@@ -296,18 +297,20 @@ def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:
 
 def demand_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> SplitInput:
     """Input of the split filter: block means, and the level as known at the end of each block."""
-    car = plan.nominal
+    car, p = plan.nominal, plan.priors
     forces = block_balance(car, plan.known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
-    ends = np.searchsorted(s.time, b.end)
-    now = np.where(np.maximum(b.p_f, b.p_r) > BITE, level.value[ends], np.nan)
-    mode = (plan.priors.pitch_frequency, plan.priors.pitch_damping)
-    late = pitch_deficit(car, s.time, s.z, *mode)
+    biting = np.maximum(b.p_f, b.p_r) > BITE
+    known = np.where(biting, level.value[np.searchsorted(s.time, b.end)], np.nan)
+    by_deceleration = forces.demanded / np.where(biting, B_f + B_r, np.nan)
+    now = block_level(known, by_deceleration, b, plan.noise.z, p)
+    pitch = block_pitch(car, b, p)
     total = np.add(*brake_forces(car, s.p_f, s.p_r))
     return SplitInput(
         nominal_f=B_f,
         nominal_r=B_r,
-        level=now,
+        level=now.value,
+        level_error=now.error,
         moment_f=forces.moment_f,
         moment_r=forces.moment_r,
         drive_f=forces.drive_f,
@@ -317,7 +320,8 @@ def demand_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> SplitInput:
         # the lead-in zeroes the slip: its force must not hang on an accelerometer not yet judged
         tyre_sum=np.where(b.lead_in, forces.moment_f + forces.moment_r, forces.tyre_sum),
         slip=None if b.v is None else mean_slip(car, forces.load_f, b.omega_f, b.omega_r, b.v),
-        pitch_deficit=late[ends],
+        pitch_deficit=pitch.deficit,
+        pitch_slope=pitch.slope,
         rise=block_slope(total, b.samples) / s.sample_time,
     )
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.estimation.block_level import pressure_moves
 from calib.estimation.measurement import Given
 from calib.estimation.priors import Priors
 from calib.estimation.states import AT, state_list
@@ -26,16 +27,18 @@ class SplitInput:
     """What the filter is given of each block besides the sensors, shapes (k,).
 
     ``nominal_f``, ``nominal_r`` brake forces of nominal pads [N]; ``level`` common factor on them
-    (NaN: not braked); ``moment_f``, ``moment_r`` other forces at the road [N], of which
-    ``drive_f``, ``drive_r`` are those of engine or motor; ``load_f``, ``load_r`` [N];
-    ``tyre_sum`` all tyre forces [N]; ``slip`` measured mean slip [1] or None;
-    ``pitch_deficit`` load that the pitch mode has not yet moved, over the weight [1]; ``rise`` rate
-    of the brake force of nominal pads [N/s].
+    (NaN: not braked) with its relative ``level_error`` [1]; ``moment_f``, ``moment_r`` other forces
+    at the road [N], of which ``drive_f``, ``drive_r`` are those of engine or motor; ``load_f``,
+    ``load_r`` [N]; ``tyre_sum`` all tyre forces [N]; ``slip`` measured mean slip [1] or None;
+    ``pitch_deficit`` load that the pitch mode has not yet moved, over the weight [1], and
+    ``pitch_slope`` its slope by the logarithm of the mode's frequency; ``rise`` rate of the brake
+    force of nominal pads [N/s].
     """
 
     nominal_f: Array
     nominal_r: Array
     level: Array
+    level_error: Array
     moment_f: Array
     moment_r: Array
     drive_f: Array
@@ -45,6 +48,7 @@ class SplitInput:
     tyre_sum: Array
     slip: Array | None
     pitch_deficit: Array
+    pitch_slope: Array
     rise: Array
 
 
@@ -83,6 +87,7 @@ def given(vehicle: Vehicle, b: Blocks, d: SplitInput) -> list[list[float]]:
         coasting_r=shared + d.drive_r / d.load_r,
         weight=np.full(b.end.size, vehicle.weight),
         pitch_deficit=d.pitch_deficit,
+        pitch_slope=d.pitch_slope,
         lag_gain=G * b.z / np.maximum(b.speed, 1.0),
         static_f=np.full(b.end.size, vehicle.static_loads[0]),
         static_r=np.full(b.end.size, vehicle.static_loads[1]),
@@ -100,7 +105,8 @@ def measured(b: Blocks, d: SplitInput, noise: SensorNoise, priors: Priors) -> li
         variance    of the sensors                        in proportion to the slip
         eta         2 omega^2/(w^2 T)                     (relative (eta - 1 - eta_zero))^2
         slip        omega^2/(w^2 T) + v^2/(V^2 T)         (relative (slip - slip_zero))^2
-        relative    model error + pressure and wheels apart in time while the pressure moves
+        relative    model error + pressure and wheels apart in time while the pressure moves,
+                and the error of the level
 
     Between the lead-in and the bite, and after a release, nobody knows whether the pads touch: such
     a block says nothing.
@@ -108,14 +114,13 @@ def measured(b: Blocks, d: SplitInput, noise: SensorNoise, priors: Priors) -> li
     braked = np.isfinite(d.level)
     omega, speed = np.maximum(b.omega_f, 1.0), np.maximum(b.speed, 1.0)
     axle = noise.omega**2 / omega**2 / b.length
-    p = np.maximum(b.p_f, b.p_r)
-    moving = np.abs(np.diff(p, prepend=p[0])) / b.length / np.maximum(p, 3e5)
+    relative = np.hypot(priors.model + priors.sync * pressure_moves(b), d.level_error)
     columns = {
         "eta": b.eta,
         "slip": np.full(b.end.size, np.nan) if d.slip is None else d.slip,
         "variance_eta": 2.0 * axle,
         "variance_slip": axle + noise.v**2 / speed**2 / b.length,
-        "relative": priors.model + np.where(braked, priors.sync * moving, 0.0),
+        "relative": np.where(braked, relative, priors.model),
         "known": (braked | b.lead_in) & (b.speed > MOVING) & _all_roll(b, d.slip, priors.rolling),
         "calm": _held_back(b, priors) < priors.change_calm,
     }

@@ -16,7 +16,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 LOCKS = "a wheel locks, or ABS works"
-"""Name of that reason for a sample that is not valid."""
+NO_PAD = "no pad has such a friction"
+"""Names of these reasons for a sample that is not valid."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ def validity(
             f"the rear interval is wider than {100 * gates.interval_r:g} %": _narrow(
                 rear, gates.interval_r
             ),
-            "no pad has such a friction": _possible(front, gates) & _possible(rear, gates),
+            NO_PAD: _possible(front, gates) & _possible(rear, gates),
             "the tyres carry more than on the ramp": np.maximum(
                 front.normalised_force, rear.normalised_force
             )

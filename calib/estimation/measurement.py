@@ -1,11 +1,14 @@
 """What the sensors show of a block, given the states: the equations of the split filter, once.
 
-    load that pitch delays:  P = (xi + kappa psi) W
+    load that pitch delays:  P = (xi + kappa (psi + nu psi')) W,  psi' = d psi/d ln frequency
     loads                    L_f = F_zf - P,  L_r = F_zr + P
     brakes, (2)              phi = B_f e^(rho/2)/(B_f e^(rho/2) + B_r e^(-rho/2))
     forces, (1)              F_f = (phi B + M_f)/L_f,  F_r = ((1 - phi) B + M_r)/L_r
     tyre                     lambda_0 = e^(c - s +- T/2) (2 L/W)^q F (1 + b2 F w + b3 (F w)^2),
                              T = tau + dtau, + in front
+    near its peak            no tyre follows a cubic: its slip errs by e (F w/F_e)^12, of the axle
+                             that is nearer to it, and by e at most; e, F_e as for a ramp
+                             (`calib.fitting.ramp`)
     delay                    lambda = lambda_0 - delta d lambda_0/dF dF/dt,  dF_f/dt = phi B'/L_f
     radius under load        1 - lambda' = (1 - lambda) e^(r (L/L_0 - 1)),  L_0 at rest
     sensed, (22)             eta = (1 + eta0) (1 - lambda'_r)/(1 - lambda'_f)
@@ -36,8 +39,9 @@ class Given(NamedTuple, Generic[T]):
     not braked [1]; ``moment_f``, ``moment_r`` what slows the wheels otherwise, as a force at the
     road [N]; ``load_f``, ``load_r`` [N]; ``coasting_f``, ``coasting_r`` normalised force [1], read
     where not braked; ``weight`` [N]; ``pitch_deficit`` load over W that the pitch mode has not yet
-    moved [1]; ``lag_gain`` g z/V, slip per second of clock offset [1/s]; ``static_f``, ``static_r``
-    axle loads at rest [N]; ``rise`` of the brake force of nominal pads [N/s].
+    moved [1], ``pitch_slope`` its slope by the logarithm of the mode's frequency [1]; ``lag_gain``
+    g z/V, slip per second of clock offset [1/s]; ``static_f``, ``static_r`` axle loads at rest [N];
+    ``rise`` of the brake force of nominal pads [N/s].
     """
 
     brake_f: T
@@ -51,6 +55,7 @@ class Given(NamedTuple, Generic[T]):
     coasting_r: T
     weight: T
     pitch_deficit: T
+    pitch_slope: T
     lag_gain: T
     static_f: T
     static_r: T
@@ -58,10 +63,24 @@ class Given(NamedTuple, Generic[T]):
 
 
 Pair = tuple[Expression, Expression]
+Rises = tuple[Expression | float, Expression | float]
 
 
-def braked(x: States[Expression], g: Given[Expression]) -> Pair:
-    """Return eta and the mean slip [1] of a block in which the brakes act."""
+class Shown(NamedTuple):
+    """What a block shows: ``eta`` and the mean ``slip`` [1].
+
+    ``near_f``, ``near_r`` how near the tyres of each axle are to their peak: the normalised force
+    that would be as near on the road of the ramp, F w [1].
+    """
+
+    eta: Expression
+    slip: Expression
+    near_f: Expression
+    near_r: Expression
+
+
+def braked(x: States[Expression], g: Given[Expression]) -> Shown:
+    """What is shown by a block in which the brakes act."""
     load_f, load_r = loads(x, g)
     half = exp(0.5 * x.log_pad_ratio)
     front, rear = g.brake_f * half, g.brake_r / half
@@ -71,17 +90,18 @@ def braked(x: States[Expression], g: Given[Expression]) -> Pair:
     force_r = ((1.0 - share) * total + g.moment_r) / load_r
     rise = g.level * g.rise
     rises = (share * rise / load_f, (1.0 - share) * rise / load_r)
-    return sensed(x, g, *slips(x, g, (force_f, force_r), (load_f, load_r), rises))
+    return sensed(x, g, (force_f, force_r), (load_f, load_r), rises)
 
 
-def coasting(x: States[Expression], g: Given[Expression]) -> Pair:
-    """Return eta and the mean slip [1] of a block in which the brakes do not act."""
-    return sensed(x, g, *slips(x, g, (g.coasting_f, g.coasting_r), loads(x, g)))
+def coasting(x: States[Expression], g: Given[Expression]) -> Shown:
+    """What is shown by a block in which the brakes do not act."""
+    return sensed(x, g, (g.coasting_f, g.coasting_r), loads(x, g))
 
 
 def loads(x: States[Expression], g: Given[Expression]) -> Pair:
     """Axle loads [N] less what the body has not moved yet."""
-    late = (x.load_shift + x.elastic_share * g.pitch_deficit) * g.weight
+    mode = g.pitch_deficit + x.pitch_tempo * g.pitch_slope
+    late = (x.load_shift + x.elastic_share * mode) * g.weight
     return g.load_f - late, g.load_r + late
 
 
@@ -90,7 +110,7 @@ def slips(
     g: Given[Expression],
     forces: Pair,
     load: Pair,
-    rises: tuple[Expression | float, Expression | float] = (0.0, 0.0),
+    rises: Rises,
 ) -> Pair:
     """Slips [1] that the wheel speeds show: `calib.physics.tyre.AxleTyres`.
 
@@ -123,34 +143,43 @@ def slip(
 
 
 def sensed(
-    x: States[Expression], g: Given[Expression], slip_f: Expression, slip_r: Expression
-) -> Pair:
-    """Eta (22) and the load-weighted mean slip (19), (20) [1], with zeros and clock offset."""
+    x: States[Expression],
+    g: Given[Expression],
+    forces: Pair,
+    load: Pair,
+    rises: Rises = (0.0, 0.0),
+) -> Shown:
+    """Eta (22) and the load-weighted mean slip (19), (20) [1], with zeros and clock offset.
+
+    ``rises`` rates of the normalised ``forces`` [1/s].
+    """
+    slip_f, slip_r = slips(x, g, forces, load, rises)
     share = g.load_f / g.weight
     eta = (1.0 + x.eta_zero) * ((1.0 - slip_r) / (1.0 - slip_f))
     mean = share * slip_f + (1.0 - share) * slip_r
-    return eta, mean + x.slip_zero + g.lag_gain * x.clock_offset
+    slip = mean + x.slip_zero + g.lag_gain * x.clock_offset
+    return Shown(eta, slip, forces[0] * x.peak_ratio, forces[1] * x.peak_ratio)
 
 
 Numbers = Sequence[float]
-Sensed = tuple[tuple[float, float], Numbers]
-"""Eta and slip [1], and their gradients over the states."""
+Sensed = tuple[tuple[float, float], Numbers, tuple[float, float]]
+"""Eta and slip [1], their gradients over the states, and how near the peak both axles are [1]."""
 
 Measurement = Callable[[Numbers, Numbers], Sensed]
 Loads = Callable[[Numbers, Numbers], tuple[tuple[float, float]]]
 
 
 @cache
-def measurement(equations: Callable[[States[Expression], Given[Expression]], Pair]) -> Measurement:
-    """Compile `braked` or `coasting`: states and given numbers in; (eta, slip), gradients out.
+def measurement(equations: Callable[[States[Expression], Given[Expression]], Shown]) -> Measurement:
+    """Compile `braked` or `coasting`: states and given numbers in; `Sensed` out.
 
     Arguments and gradients are in the order of `States` and `Given`. The gradients come in one
     tuple, first that of eta.
     """
     trace, x, g = _inputs()
-    eta, mean = equations(x, g)
+    eta, mean, *near = equations(x, g)
     gradients = (*trace.gradient(eta, x), *trace.gradient(mean, x))
-    return compiled(python(trace, ARGUMENTS, [(eta, mean), gradients]))
+    return compiled(python(trace, ARGUMENTS, [(eta, mean), gradients, tuple(near)]))
 
 
 @cache

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.priors import Priors
-from calib.estimation.states import AT, COUNT
+from calib.estimation.states import AT
 from calib.statistics.mixture_posterior import mixture_posterior
 
 Array = NDArray[np.float64]
@@ -63,18 +63,13 @@ class PadRatio:
         return np.asarray(np.cumsum(self.log_density) - np.log1p(-self.nominal_weight))
 
 
-KEPT = np.array(
-    [
-        one * COUNT + other
-        for one, other in (
-            (AT.log_pad_ratio, AT.log_pad_ratio),
-            (AT.table_log_pad_ratio, AT.table_log_pad_ratio),
-            (AT.log_pad_ratio, AT.table_log_pad_ratio),
-            (AT.log_stiffness, AT.log_stiffness),
-        )
-    ]
+KEPT = (
+    (AT.log_pad_ratio, AT.log_pad_ratio),
+    (AT.table_log_pad_ratio, AT.table_log_pad_ratio),
+    (AT.log_pad_ratio, AT.table_log_pad_ratio),
+    (AT.log_stiffness, AT.log_stiffness),
 )
-"""The entries of the covariance that the answer needs, as places in the flat matrix."""
+"""The entries of the covariance that the answer needs."""
 
 
 def weigh(

@@ -67,21 +67,24 @@ def plan_for(
 def with_known_pitch(priors: Priors, car: Vehicle) -> Priors:
     """The priors with the pitch mode that the car's known effects give, if they give one.
 
-    Frequency and damping are taken as given, the share with its own sigma where that is known,
+    The damping is taken as given, share and frequency with their own sigma where that is known,
     else with a small one: the load transfer that pitch delays is then counted, and not looked for.
     """
     name, strength = pitch_coupling.EFFECT.card.name, pitch_coupling.ELASTIC_SHARE.name
+    beat = pitch_coupling.NATURAL_FREQUENCY.name
     if name not in car.effects:
         return priors
     mode = car.effects.parameters[name]
-    share = mode[strength]
+    share, frequency = mode[strength], mode[beat]
     usual = max(priors.known_share * share, priors.known_share_least)
+    own = car.effects.sigma.get(name, {})
     return replace(
         priors,
-        pitch_frequency=mode["natural_frequency"],
+        pitch_frequency=frequency,
+        pitch_tempo=own.get(beat, priors.known_share * frequency) / frequency,
         pitch_damping=mode["damping"],
         elastic_share=share,
-        elastic_sigma=car.effects.sigma.get(name, {}).get(strength, usual),
+        elastic_sigma=own.get(strength, usual),
     )
 
 

@@ -66,6 +66,8 @@ class Priors:
     # Load that moves late.
     pitch_frequency: float = NATURAL_FREQUENCY.typical
     """Natural frequency of the pitch mode [rad/s], as the effect's card has it."""
+    pitch_tempo: float = NATURAL_FREQUENCY.spread / NATURAL_FREQUENCY.typical
+    """Sigma of the logarithm of the frequency [1], there."""
     pitch_damping: float = DAMPING.typical
     """Its damping ratio [1], there."""
     elastic_share: float = ELASTIC_SHARE.typical
@@ -73,7 +75,8 @@ class Priors:
     elastic_sigma: float = ELASTIC_SHARE.spread
     """Sigma of it, there."""
     known_share: float = 0.1
-    """Relative sigma of the share where the car's effects give it: a diagnosis from a few stops."""
+    """Relative sigma of share and frequency where the car's effects give them: a diagnosis from a
+    few stops."""
     known_share_least: float = 0.05
     """Least sigma of a given share [1]: it is not the same over load and spring travel."""
     pitch: float = 0.25

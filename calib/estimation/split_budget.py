@@ -46,6 +46,7 @@ PART = States[str](
     peak_ratio="tyres",
     load_shift="load_geometry",
     elastic_share="load_geometry",
+    pitch_tempo="load_geometry",
     eta_zero="zeros",
     slip_zero="zeros",
     table_log_pad_ratio="ramp",

@@ -9,6 +9,10 @@
 Measured every block: eta always, the mean slip where v is known. In front of the first braking the
 same equations zero eta and the slip.
 
+The table's scatter is considered, not estimated: no gain counts it, so that no stop learns from it,
+and every interval does (a Schmidt-Kalman filter: Simon, Optimal State Estimation, section 10.3.2).
+Its root A stands beside the covariance and moves as an error does, A <- (I - K H) F A.
+
 Causal; one step a block, of the same length for every block. Not for ABS, for a turn, or beyond the
 tyre's peak.
 """
@@ -29,7 +33,9 @@ from calib.estimation.measurement import (
 )
 from calib.estimation.pad_ratio import KEPT, PadRatio, Step, weigh
 from calib.estimation.priors import Priors
-from calib.estimation.states import AT, COUNT, first_state, open_surface
+from calib.estimation.states import AT, COUNT, first_scatter, first_state, open_surface
+from calib.fitting.ramp import form_error
+from calib.fitting.settings import SETTINGS
 from calib.physics.vehicle import Vehicle
 from calib.signals.blocks import Blocks
 from calib.signals.noise import SensorNoise
@@ -51,24 +57,26 @@ def filter_pad_ratio(
 
     ``steps`` is a list to fill with what each block did, None for a block that was not measured.
     """
-    x, P = first_state(posterior, priors)
+    start, P_0 = first_state(posterior, priors)
+    carried = np.column_stack([P_0, first_scatter(posterior), start])
+    P, x = carried[:, :COUNT], carried[:, -1]
     x[ETA_ZERO] = vehicle.front.rolling_radius / vehicle.rear.rolling_radius - 1.0
     inputs, readings = given(vehicle, b, demand), measured(b, demand, noise, priors)
     grown = process_noise(vehicle, b, priors)
     decay = math.exp(-b.length / priors.pitch_memory)
     count = b.end.size
-    states, variances = np.empty((count, COUNT)), np.empty((count, len(KEPT)))
+    kept = _kept(carried.shape[1])
+    states, variances = np.empty((count, COUNT)), np.empty((count, kept.size))
     innovation, density = np.full((count, 2), np.nan), np.zeros(count)
     changes: list[float] = []
-    # views of P, taken once: the loop changes P in place and never replaces it
+    # views of what is carried, taken once: the loop changes it in place and never replaces it
     shift = AT.load_shift
-    row_shift, column_shift, flat = P[shift], P[:, shift], P.reshape(-1)
-    diagonal = flat[:: COUNT + 1]
-    before_x, before_P = np.empty_like(x), np.empty_like(P)
+    row_shift, column_shift, flat = carried[shift], P[:, shift], carried.reshape(-1)
+    diagonal = flat[:: carried.shape[1] + 1]
+    before = np.empty_like(carried)
     loads, programs = axle_loads_now(), (measurement(coasting), measurement(braked))
     pause = 0
     for k, (g, reading) in enumerate(zip(inputs, readings, strict=True)):
-        x[shift] *= decay
         row_shift *= decay
         column_shift *= decay
         diagonal += grown[k]
@@ -78,15 +86,15 @@ def filter_pad_ratio(
             braking = g[LEVEL] > 0.0
             alert = braking and reading.calm and pause == 0
             if alert:
-                before_x[:], before_P[:] = x, P
+                before[:] = carried
             predicted = programs[braking](now, g)
-            surprise, density[k], step = _measure(x, P, predicted, now, reading, innovation[k])
+            surprise, density[k], step = _measure(carried, predicted, now, reading, innovation[k])
             opened = bool(alert and surprise > priors.change_gate)
             if opened:
                 # the road has changed: what was learnt of the pads must not take the blame
-                x[:], P[:] = before_x, before_P
+                carried[:] = before
                 open_surface(P, priors)
-                _, density[k], step = _measure(x, P, predicted, now, reading, innovation[k])
+                _, density[k], step = _measure(carried, predicted, now, reading, innovation[k])
                 density[k] -= priors.change_gate
                 changes.append(float(b.end[k]))
                 pause = priors.change_pause
@@ -95,30 +103,45 @@ def filter_pad_ratio(
         elif steps is not None:
             steps.append(None)
         states[k] = x
-        variances[k] = flat[KEPT]
-    return weigh(states, variances, innovation, density, tuple(changes), priors)
+        flat.take(kept, out=variances[k], mode="clip")
+    return weigh(states, _with_scatter(variances), innovation, density, tuple(changes), priors)
+
+
+def _kept(width: int) -> NDArray[np.int64]:
+    """Places of the entries `KEPT` of P, and of what A has of the two states of each.
+
+    In the flat matrix that has P, A and x beside each other, ``width`` columns.
+    """
+    A = range(COUNT, width - 1)
+    of_A = [row * width + column for pair in KEPT for row in pair for column in A]
+    return np.array([one * width + other for one, other in KEPT] + of_A)
+
+
+def _with_scatter(kept: Array) -> Array:
+    """The entries `KEPT` of P + A A' (k, 4), from what `_kept` has placed (k, 4 + 8 m)."""
+    n = len(KEPT)
+    one, other = np.moveaxis(kept[:, n:].reshape(len(kept), n, 2, -1), 2, 0)
+    return np.asarray(kept[:, :n] + np.sum(one * other, axis=2))
 
 
 def _measure(
-    x: Array,
-    P: Array,
-    predicted: Sensed,
-    now: list[float],
-    reading: Measured,
-    innovation: Array,
+    carried: Array, predicted: Sensed, now: list[float], reading: Measured, innovation: Array
 ) -> tuple[float, float, tuple[Array, Array, Array]]:
     """Take in eta and, where there is one, the slip; return the mean squared innovation.
 
     Beside it the logarithm of the probability density of what was measured, less a constant, and
     rows, whitening and white of a `Step`.
 
-    ``predicted`` eta, slip and their gradients at ``now``, which is x as plain floats.
+    ``carried`` P, A and x beside each other: with W = whitening H, white = W P and the innovations
+    n, P and A become less by white' W P and white' W A, x by white' (-n), which is one product.
+    ``predicted`` at ``now``, which is x as plain floats.
     """
-    (eta, slip), gradients = predicted
+    (eta, slip), gradients, near = predicted
     measured_eta, measured_slip, var_eta, var_slip, relative, _, _ = reading
     rows = np.array(gradients).reshape(2, COUNT)
-    along = rows.dot(P)
-    (total_eta, both), (_, total_slip) = along.dot(rows.T).tolist()
+    along = rows.dot(carried)
+    (total_eta, both), (_, total_slip) = along[:, :COUNT].dot(rows.T).tolist()
+    relative = math.hypot(relative, min(form_error(max(near)), MOST))
     total_eta += var_eta + (relative * (eta - 1.0 - now[ETA_ZERO])) ** 2
     root = math.sqrt(total_eta)
     first = innovation[0] = (measured_eta - eta) / root
@@ -130,13 +153,18 @@ def _measure(
         scale = 1.0 / math.sqrt(total_slip)
         second = innovation[1] = (measured_slip - slip - turn * root * first) * scale
     whitening = np.array(((1.0 / root, 0.0), (-turn * scale, scale)))
-    white = whitening.dot(along)
-    x += np.array((first, second)).dot(white)
-    P -= white.T.dot(white)
+    moved = whitening.dot(along)
+    white = moved[:, :COUNT]
+    moved[0, -1], moved[1, -1] = -first, -second
+    carried -= white.T.dot(moved)
     square = first * first + second * second
     density = math.log((scale or 1.0) / root) - 0.5 * square
     return square / (2.0 if scale else 1.0), density, (rows, whitening, white)
 
+
+MOST = SETTINGS.form_error
+"""Most that the form of the tyre's curve is off here, relative to the slip [1]: stiffness and peak
+of the surface are states, and follow it. With more nothing would be learnt once they err."""
 
 LEVEL = Given._fields.index("level")
 ETA_ZERO, SLIP_ZERO = AT.eta_zero, AT.slip_zero

@@ -26,6 +26,7 @@ class States(NamedTuple, Generic[T]):
     peak_ratio: T  # the table's peak relative to the surface's
     load_shift: T  # load moved otherwise than by the pitch mode, over the weight
     elastic_share: T  # share of the load transfer that follows the body's pitch mode
+    pitch_tempo: T  # ln of the mode's frequency over the usual one
     eta_zero: T  # zero of eta: radii of this day
     slip_zero: T  # zero of the mean slip, likewise
     clock_offset: T  # clock offset between v and the wheels
@@ -69,6 +70,7 @@ def state_list(p: Priors) -> States[State]:
         peak_ratio          = State("w",     "1", 1.0,             p.peak,          p.drift_road),
         load_shift          = State("xi",    "1", 0.0,             0.0,             0.0),
         elastic_share       = State("kappa", "1", p.elastic_share, p.elastic_sigma, 0.0),
+        pitch_tempo         = State("nu",    "1", 0.0,             p.pitch_tempo,   0.0),
         eta_zero            = State("eta0",  "1", 0.0,             p.zero,          0.0),
         slip_zero           = State("sl0",   "1", 0.0,             p.zero,          0.0),
         clock_offset        = State("lag",   "s", None,            0.0,             0.0),
@@ -101,12 +103,17 @@ def places(names: Sequence[str]) -> list[int]:
 
 
 def first_state(posterior: TyrePosterior, priors: Priors) -> tuple[Array, Array]:
-    """State (COUNT,) and covariance (COUNT, COUNT) before the stop, from the table's posterior."""
+    """State (COUNT,) and covariance (COUNT, COUNT) before the stop, from the table's posterior.
+
+    Without its scatter, from which no stop learns: `first_scatter`.
+    """
     rows = state_list(priors)
     x = np.array([row.start or 0.0 for row in rows])
     P = np.zeros((COUNT, COUNT))
     table = places(posterior.names)
     x[table], P[np.ix_(table, table)] = posterior.mean, posterior.covariance
+    if posterior.scatter:
+        P[np.ix_(table, table)] -= np.asarray(posterior.scatter)
     for name, prior in PRIORS._asdict().items():  # of an older table, as a ramp begins with it
         if name not in posterior.names:
             place = States._fields.index(name)
@@ -117,6 +124,25 @@ def first_state(posterior: TyrePosterior, priors: Priors) -> tuple[Array, Array]
     P[np.diag_indices(COUNT)] += np.array([row.sigma for row in rows]) ** 2
     couple_surface(P, priors.peak_per_stiffness, priors.stiffness)
     return x, P
+
+
+def first_scatter(posterior: TyrePosterior) -> Array:
+    """A root A (COUNT, m) of the table's scatter before the stop, A A' its covariance.
+
+    One column for each of the m directions in which the table has a scatter.
+    """
+    at = places(posterior.names)
+    scatter = np.reshape(posterior.scatter, (len(at), len(at))) if posterior.scatter else None
+    if scatter is None:
+        return np.zeros((COUNT, 0))
+    sigma = np.sqrt(np.diag(scatter))
+    unit = np.where(sigma > 0.0, sigma, 1.0)
+    size, direction = np.linalg.eigh(scatter / np.outer(unit, unit))
+    counted = size > 1e-9 * size[-1]
+    A = np.zeros((COUNT, np.count_nonzero(counted)))
+    A[at] = unit[:, None] * direction[:, counted] * np.sqrt(size[counted])
+    A[AT.log_pad_ratio] = A[AT.table_log_pad_ratio]
+    return A
 
 
 def today_as_then(P: Array) -> None:

@@ -93,15 +93,17 @@ def identify_once(
     against such that are not (`weigh_ratio`).
     """
     best, jacobian = _least_squares(vehicle, runs, level_spread(vehicle, runs, known))
-    x, covariance, weight, parts = weigh_ratio(best, information_parts(runs, jacobian))
-    parameters, zeros, _ = _parts(runs, x)
-    rest = _residuals(vehicle, runs, x)
+    weighed = weigh_ratio(best, information_parts(runs, jacobian))
+    parameters, zeros, _ = _parts(runs, weighed.mean)
+    rest = _residuals(vehicle, runs, weighed.mean)
+    parts = {part: share[:COUNT, :COUNT] for part, share in weighed.parts.items()}
     flat = np.concatenate([part for pair in rest for part in pair])
     return Identified(
         posterior=TyrePosterior(
             names=RampParameters._fields,
             mean=tuple(float(v) for v in parameters),
-            covariance=tuple(tuple(float(v) for v in row) for row in covariance[:COUNT, :COUNT]),
+            covariance=_rows(sum(parts.values(), np.zeros((COUNT, COUNT)))),
+            scatter=_rows(weighed.scatter[:COUNT, :COUNT]),
         ),
         eta_zero=tuple(float(eta) for eta, _ in zeros),
         slip_zero=tuple(float(slip) for _, slip in zeros),
@@ -112,9 +114,13 @@ def identify_once(
         ),
         residuals=tuple(rest),
         chi2=float(np.mean(flat**2)),
-        nominal_weight=weight,
-        parts={part: share[:COUNT, :COUNT] for part, share in parts.items()},
+        nominal_weight=weighed.declared_weight,
+        parts=parts,
     )
+
+
+def _rows(matrix: Array) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(float(v) for v in row) for row in matrix)
 
 
 def _parts(runs: list[RampRun], x: Array) -> tuple[RampParameters[float], Array, Array]:

@@ -9,6 +9,7 @@ scale follows from the sum of forces. The forces give the slips through the comp
 """
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ from calib.signals.noise import SensorNoise
 from calib.signals.one_axle import Axle, braked_alone
 
 Array = NDArray[np.float64]
+A = TypeVar("A", float, Array)
 
 
 @dataclass(frozen=True)
@@ -100,8 +102,15 @@ def _model_error(vehicle: Vehicle, run: RampRun) -> Array:
     ratio of the pads. Where one axle brakes alone its force is known, and no such thing happens.
     """
     F_f, F_r, _ = normalised_forces(vehicle, run, 0.0)
-    near_peak = np.maximum(F_f, F_r) / SETTINGS.form_reach
-    return np.hypot(SETTINGS.model_error, SETTINGS.form_error * near_peak**12)
+    return np.hypot(SETTINGS.model_error, form_error(np.maximum(F_f, F_r)))
+
+
+def form_error(force: A) -> A:
+    """What the cubic of the tyre is off near its peak, relative to the slip [1].
+
+    ``force`` normalised force of the axle that is nearer to the peak [1].
+    """
+    return SETTINGS.form_error * (force / SETTINGS.form_reach) ** 12
 
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:

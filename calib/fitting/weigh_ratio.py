@@ -1,6 +1,7 @@
 """Pads, tyres and radii of the axles: as declared, or not."""
 
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +14,26 @@ from calib.statistics.hypotheses import weigh_hypotheses
 Array = NDArray[np.float64]
 
 
-def weigh_ratio(x: Array, information: Parts) -> tuple[Array, Array, float, Parts]:
+class WeighedRatio(NamedTuple):
+    """What comes of weighing: all parameters and zeros of a fit, (k,).
+
+    ``mean``; ``parts`` of the covariance (k, k), and ``scatter`` (k, k) which is in them, see
+    `calib.table.table.TyrePosterior`; ``declared_weight`` that the pads are as declared.
+    """
+
+    mean: Array
+    parts: Parts
+    scatter: Array
+    declared_weight: float
+
+
+def weigh_ratio(x: Array, information: Parts) -> WeighedRatio:
     """Weigh pads, tyres and radii that are as declared against such that are not.
 
     The fit sees the force share of each axle over its tyres' stiffness only: pads 10 % apart,
     tyres 10 % apart and radii that fall under load leave much the same traces. The eight cases in
     which each of the three departs or does not are weighed; the other parameters follow along their
-    correlation with the three. Returns mean, covariance, weight of the declared pads, and the parts
-    of the covariance.
+    correlation with the three.
 
     What cannot be told from the declared is taken as declared: weights and mean are those of a
     narrow tolerance. Real pads and tyres scatter more, and such that differ against each other look
@@ -43,9 +56,13 @@ def weigh_ratio(x: Array, information: Parts) -> tuple[Array, Array, float, Part
         np.where(free, chance, 1.0 - chance).prod(axis=1),
     )
     along = covariance[:, at] @ precision
-    moved = x + along @ (weighed.mean - x[at])
     parts = dict(posterior_parts(information, weighed, along, at, taken, free))
-    for part, more in scatter_parts(information, weighed.weights, at, taken, real).items():
-        parts[part] = parts[part] + more
-    sure = float(weighed.weights[~free[:, 0]].sum())
-    return moved, sum(parts.values(), np.zeros_like(covariance)), sure, parts
+    more = scatter_parts(information, weighed.weights, at, taken, real)
+    for part, share in more.items():
+        parts[part] = parts[part] + share
+    return WeighedRatio(
+        mean=x + along @ (weighed.mean - x[at]),
+        parts=parts,
+        scatter=sum(more.values(), np.zeros_like(covariance)),
+        declared_weight=float(weighed.weights[~free[:, 0]].sum()),
+    )

@@ -57,7 +57,9 @@ def mean_pads(tables: Sequence[Table], weights: Array) -> MeanPads:
     pads = calibration_of(vehicle, pad_scale(vehicle, middle), log_ratio, level)
     front, rear = axle_budgets(vehicle, pads, level, ratio)
     return MeanPads(
-        posterior=TyrePosterior(names, tuple(mean.tolist()), _rows(covariance)),
+        posterior=TyrePosterior(
+            names, tuple(mean.tolist()), _rows(covariance), _shared_scatter(tables, weights)
+        ),
         calibration=pads,
         budget=TableBudget(
             front=front.relative,
@@ -127,6 +129,16 @@ def _shared_parts(tables: Sequence[Table], weights: Array) -> dict[str, Array]:
             if part not in OWN:
                 out[part] = out.get(part, np.zeros(1)) + weight * np.asarray(share)
     return out
+
+
+def _shared_scatter(tables: Sequence[Table], weights: Array) -> tuple[tuple[float, ...], ...]:
+    """The part of the covariance that no stop learns from: no mean makes it smaller."""
+    own = [
+        weight * np.asarray(table.posterior.scatter)
+        for weight, table in zip(weights.tolist(), tables, strict=True)
+        if table.posterior.scatter
+    ]
+    return _rows(np.sum(own, axis=0)) if own else ()
 
 
 def _rows(matrix: Array) -> tuple[tuple[float, ...], ...]:

@@ -120,16 +120,27 @@ def _covariance(table: Table) -> Iterator[str]:
     if {n} != {len(posterior.mean), len(posterior.covariance), *map(len, posterior.covariance)}:
         yield f"posterior: {n} names, mean and covariance of other sizes"
         return
+    if posterior.scatter and {n} != {len(posterior.scatter), *map(len, posterior.scatter)}:
+        yield f"posterior: {n} names, scatter of another size"
+        return
     covariance = np.asarray(posterior.covariance, dtype=np.float64)
-    if n and np.all(np.isfinite(covariance)):  # values that are not finite are reported above
+    scatter = np.asarray(posterior.scatter or np.zeros_like(covariance), dtype=np.float64)
+    if n and np.all(np.isfinite(covariance + scatter)):  # not finite: reported above
         sigma = np.sqrt(np.abs(np.diag(covariance)))
         scale = np.where(sigma > 0.0, sigma, 1.0)
         # Compared as correlations: a stiffness and an exponent differ by orders of magnitude.
-        correlation = covariance / np.outer(scale, scale)
-        if not np.allclose(correlation, correlation.T, rtol=0.0, atol=1e-9):
-            yield "posterior.covariance: not symmetric"
-        elif np.min(np.linalg.eigvalsh(correlation)) < -1e-9:
-            yield "posterior.covariance: not positive semidefinite"
+        unit = np.outer(scale, scale)
+        yield from _psd("posterior.covariance", covariance / unit)
+        yield from _psd("posterior.scatter", scatter / unit)
+        if np.min(np.linalg.eigvalsh((covariance - scatter) / unit)) < -1e-9 and scatter.any():
+            yield "posterior.scatter: more than the covariance"
+
+
+def _psd(name: str, matrix: Array) -> Iterator[str]:
+    if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9):
+        yield f"{name}: not symmetric"
+    elif np.min(np.linalg.eigvalsh(matrix)) < -1e-9:
+        yield f"{name}: not positive semidefinite"
 
 
 def _parents(table: Table) -> Iterator[str]:

@@ -148,12 +148,15 @@ class TyrePosterior:
     """Posterior of tyre and pads from the ramps, as a Gaussian over named parameters.
 
     ``names`` those of `calib.fitting.parameters.RampParameters`; ``mean`` (k,), ``covariance``
-    (k, k).
+    (k, k). ``scatter`` (k, k) is the part of it by which real pads, tyres and radii are less alike
+    than the mean takes them: no ramp can tell, and a stop that seems to tells of its own road. The
+    record of an older table does not have it.
     """
 
     names: tuple[str, ...]
     mean: tuple[float, ...]
     covariance: tuple[tuple[float, ...], ...]
+    scatter: tuple[tuple[float, ...], ...] = ()
 
     def value(self, name: str) -> float:
         """Mean of a parameter. Raises ValueError if there is none of this name."""
@@ -275,6 +278,8 @@ class Table:
         for key in ("warnings", "budget", "spread", "by_hand"):
             if not getattr(self, key):  # the format of older tables
                 del record[key]
+        if not self.posterior.scatter:
+            del record["posterior"]["scatter"]
         for key in ("identity", "parents"):
             if not getattr(self.provenance, key):
                 del record["provenance"][key]

@@ -25,10 +25,9 @@ from calib.checks.swapped import what_to_check
 from calib.errors import LogError
 from calib.estimation.estimator import Estimate
 from calib.estimation.exchanged import Exchanged, exchanged
-from calib.estimation.gates import LOCKS
+from calib.estimation.gates import LOCKS, NO_PAD
 from calib.logs.log import Log
-from calib.signals.axle_signals import signals
-from calib.signals.blocks import blocks
+from calib.signals.blocks import Blocks
 from calib.signals.one_axle import braked_alone
 from calib.statistics.intervals import Z95
 from calib.table.table import Table
@@ -55,6 +54,9 @@ SURE = 20.0
 without v, one stop of 60 25; swapped wheel speeds 21 to 500 (`tests/studies/weak_pads.py`, seeds
 57 and 58, `tests/studies/swapped_stops.py`)."""
 
+MOSTLY = 0.5
+"""Share of the braked samples with a friction that no pad has, past which weak pads are not why."""
+
 LIMIT = 0.1
 """Share of the braked samples with a wheel at its limit past which nothing is weighed: the filter
 knows no wheel that locks."""
@@ -76,7 +78,7 @@ def judge_axles(table: Table, log: Log, e: Estimate) -> Exchanged | None:
     ``e`` is the estimate of the log. Raises LogError if the log clearly has its axles swapped, or a
     motor brakes the rear wheels.
     """
-    r = _rise(table, log)
+    r = _rise(table, e.blocks)
     right = r is not None and r.expected > RISES and r.eta - 4.0 * r.error > REVERSED * r.expected
     if right or e.basis is None:
         return None
@@ -89,15 +91,15 @@ def judge_axles(table: Table, log: Log, e: Estimate) -> Exchanged | None:
 def _require_weak_pads(table: Table, log: Log, e: Estimate, r: Rise, other: Exchanged) -> None:
     """Raise LogError unless weak front pads may be why eta falls: the rear ones keep theirs.
 
-    Where all pads are weak and the axles are swapped as well, it cannot be told.
+    Where all pads are weak and the axles are swapped as well, it cannot be told. Where no sample is
+    valid the log has no answer, but still says what the rear pads would need.
     """
     said = f"the front wheels slip less than the rear while braking: eta {100 * r.eta:+.2f} %"
-    if e.valid.any():
-        gain = float(np.median(e.rear.change[e.valid]))
-        if float(np.median(e.rear.change_lower[e.valid])) < GAIN:
-            return
+    told = e.valid if e.valid.any() else e.braked
+    if float(np.median(e.rear.change_lower[told])) >= GAIN:
+        gain = float(np.median(e.rear.change[told]))
         said += f", as if the rear pads had {gain:.2g} times their friction on the ramp"
-    elif other.log_odds < SURE:
+    elif e.valid.any() or (other.log_odds < SURE and not _no_pads(e)):
         return
     raise LogError(
         said,
@@ -105,6 +107,11 @@ def _require_weak_pads(table: Table, log: Log, e: Estimate, r: Rise, other: Exch
         expected=f"about {100 * r.expected:+.2f} % by the table of {table.name}",
         do=what_to_check("rear", mirrored=-1.5 < r.eta / r.expected < -0.5),
     )
+
+
+def _no_pads(e: Estimate) -> bool:
+    """Whether the answer is none because no pads have it, as where an axle does not brake."""
+    return float(np.mean(e.refused[NO_PAD][e.braked])) > MOSTLY
 
 
 def axles_warnings(log: str, e: Estimate, other: Exchanged | None) -> Iterator[PlausibilityWarning]:
@@ -134,9 +141,8 @@ def _holds(e: Estimate, other: Exchanged) -> bool:
     return abs(swapped - as_given) < Z95 * float(e.split.sigma[other.block])
 
 
-def _rise(table: Table, log: Log) -> Rise | None:
-    """Rise of eta under braking, None where the log does not tell it or the rear brakes alone."""
-    b = blocks(signals(log, table.vehicle))
+def _rise(table: Table, b: Blocks) -> Rise | None:
+    """Rise of eta under braking, None where the run does not tell it or the rear brakes alone."""
     if braked_alone(b.p_f, b.p_r) == "r":
         return None  # eta falls, as it must
     known = (b.z > 0.05) & (b.z < table.paper.z[-1])

@@ -85,7 +85,12 @@ def test_a_weighed_car_has_no_part_of_the_mass(logs):
 def test_a_rigid_car_with_rigid_radii_has_no_part_of_the_load_geometry(table, logs):
     shares = {part: x for part, x in table.budget.posterior.items() if part != "load_geometry"}
     rigid = replace(table, budget=replace(table.budget, posterior=shares))
-    e = estimate(rigid, logs["wet"], priors=Priors(elastic_sigma=0.0, pitch=0.0), with_laws=False)
+    e = estimate(
+        rigid,
+        logs["wet"],
+        priors=Priors(elastic_sigma=0.0, pitch_tempo=0.0, pitch=0.0),
+        with_laws=False,
+    )
     assert all("load_geometry" not in axle.parts for axle in budget(e))
 
 

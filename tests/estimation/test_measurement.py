@@ -15,7 +15,7 @@ L_F, L_R, H = 1.1556, 1.6494, 0.615
 WEIGHT = 1744.0 * G
 STRAIGHT = States(
     log_pad_ratio=0.0, log_stiffness=0.0, peak_ratio=1.0, load_shift=0.0, elastic_share=0.0,
-    eta_zero=0.0, slip_zero=0.0, clock_offset=0.0, load_exponent=0.0,
+    pitch_tempo=0.0, eta_zero=0.0, slip_zero=0.0, clock_offset=0.0, load_exponent=0.0,
     log_compliance=math.log(0.04), curvature_2=0.0, curvature_3=0.0, table_log_pad_ratio=0.0,
     log_tyre_ratio=0.0, radius_load=0.0, tyre_change=0.0,
     slip_delay=0.0,
@@ -23,7 +23,7 @@ STRAIGHT = States(
 """A straight tyre of stiffness 25: every slip has a closed form."""
 
 
-def block(z=0.3, level=0.9, pitch_deficit=0.02, rear=1.0, rise=0.0):
+def block(z=0.3, level=0.9, pitch_deficit=0.02, pitch_slope=0.03, rear=1.0, rise=0.0):
     """One block of a stop of the reference car, with drag-like moments."""
     share = WEIGHT / (L_F + L_R)
     return Given(
@@ -38,6 +38,7 @@ def block(z=0.3, level=0.9, pitch_deficit=0.02, rear=1.0, rise=0.0):
         coasting_r=0.012,
         weight=WEIGHT,
         pitch_deficit=pitch_deficit,
+        pitch_slope=pitch_slope,
         lag_gain=G * z / 20.0,
         static_f=share * L_R,
         static_r=share * L_F,
@@ -52,6 +53,7 @@ STATES = st.builds(
     peak_ratio=st.floats(0.5, 4.0),
     load_shift=st.floats(-0.03, 0.03),
     elastic_share=st.floats(-0.5, 1.2),
+    pitch_tempo=st.floats(-0.5, 0.5),
     eta_zero=st.floats(-0.01, 0.01),
     slip_zero=st.floats(-0.01, 0.01),
     clock_offset=st.floats(-0.02, 0.02),
@@ -70,6 +72,7 @@ BLOCKS = st.builds(
     z=st.floats(0.03, 0.6),
     level=st.sampled_from([0.4, 1.0, 1.3]),
     pitch_deficit=st.floats(-0.05, 0.05),
+    pitch_slope=st.floats(-0.1, 0.1),
     rear=st.sampled_from([0.0, 1.0]),
     rise=st.floats(-3e4, 3e4),
 )
@@ -92,7 +95,7 @@ def test_values_are_the_closed_form_of_a_straight_tyre(z, level, rho):
     """F = (brake + moment)/load, slip = F/25, eta = (1 - slip_r)/(1 - slip_f), written out."""
     x = STRAIGHT._replace(log_pad_ratio=rho, eta_zero=0.002, slip_zero=-0.001, clock_offset=0.005)
     g = block(z, level, 0.0)
-    (eta, slip), _ = measurement(braked)(list(x), list(g))
+    (eta, slip), *_ = measurement(braked)(list(x), list(g))
     total = level * (g.brake_f + g.brake_r)
     odds = g.brake_f / g.brake_r * math.exp(rho)
     slip_f = 0.04 * (total * odds / (1.0 + odds) + 60.0) / g.load_f
@@ -116,7 +119,7 @@ def test_unlike_tyres_and_radii_under_load_are_the_closed_form(z, ratio, change,
     """
     x = STRAIGHT._replace(log_tyre_ratio=ratio, tyre_change=change, radius_load=fall)
     g = block(z, 1.0, 0.0)
-    (eta, slip), _ = measurement(braked)(list(x), list(g))
+    (eta, slip), *_ = measurement(braked)(list(x), list(g))
     stiff_f, stiff_r = (25.0 * math.exp(sign * 0.5 * (ratio + change)) for sign in (-1.0, 1.0))
     turned_f = 1.0 - (g.brake_f + 60.0) / g.load_f / stiff_f
     turned_r = 1.0 - (g.brake_r + 40.0) / g.load_r / stiff_r
@@ -139,7 +142,7 @@ def test_slip_that_is_late_is_the_closed_form(z, level, rho, late, rise):
     """The force of a straight tyre is that of the pressure a while before, by axle."""
     x = STRAIGHT._replace(log_pad_ratio=rho, slip_delay=late)
     g = block(z, level, 0.0, rise=rise)._replace(moment_f=0.0, moment_r=0.0)
-    (eta, slip), _ = measurement(braked)(list(x), list(g))
+    (eta, slip), *_ = measurement(braked)(list(x), list(g))
     odds = g.brake_f / g.brake_r * math.exp(rho)
     built = level * (g.brake_f + g.brake_r - late * rise)
     slip_f = 0.04 * built * odds / (1.0 + odds) / g.load_f
@@ -150,14 +153,14 @@ def test_slip_that_is_late_is_the_closed_form(z, level, rho, late, rise):
 
 
 def test_a_coasting_car_has_one_force_on_both_axles():
-    (eta, slip), _ = measurement(coasting)(list(STRAIGHT), list(block(pitch_deficit=0.0)))
+    (eta, slip), *_ = measurement(coasting)(list(STRAIGHT), list(block(pitch_deficit=0.0)))
     assert eta == pytest.approx(1.0, abs=1e-12)
     assert slip == pytest.approx(0.04 * 0.012)
 
 
 def test_a_motor_slips_its_own_axle_of_a_coasting_car():
     g = block(pitch_deficit=0.0)._replace(coasting_f=0.05)
-    (eta, slip), _ = measurement(coasting)(list(STRAIGHT), list(g))
+    (eta, slip), *_ = measurement(coasting)(list(STRAIGHT), list(g))
     assert eta == pytest.approx((1.0 - 0.04 * 0.012) / (1.0 - 0.04 * 0.05))
     share = g.load_f / WEIGHT
     assert slip == pytest.approx(0.04 * (0.05 * share + 0.012 * (1.0 - share)))
@@ -172,3 +175,15 @@ def test_load_that_pitch_moves_late_lowers_the_front():
     g = block()
     assert front == pytest.approx(g.load_f - 0.02 * WEIGHT)
     assert front + rear == pytest.approx(g.load_f + g.load_r)
+    # a mode that is faster by e^0.1 has moved as much more as the slope says
+    faster = list(STRAIGHT._replace(elastic_share=1.0, pitch_tempo=0.1))
+    ((front, _),) = axle_loads_now()(faster, list(block(pitch_deficit=0.02, pitch_slope=-0.05)))
+    assert front == pytest.approx(g.load_f - (0.02 - 0.005) * WEIGHT)
+
+
+def test_how_near_the_peak_is_the_force_by_the_road_s_own_peak():
+    """On a road with half the peak, the force of either axle is as near as twice of it."""
+    g = block(pitch_deficit=0.0, z=0.2, level=1.0)._replace(moment_f=0.0, moment_r=0.0)
+    _, _, near = measurement(braked)(list(STRAIGHT._replace(peak_ratio=2.0)), list(g))
+    forces = (0.73 * WEIGHT * 0.2 / g.load_f, 0.27 * WEIGHT * 0.2 / g.load_r)
+    assert near == pytest.approx([2.0 * force for force in forces])

@@ -56,9 +56,9 @@ def run(rng=None, **moved):
     still, total = np.zeros(COUNT), weight * Z
     demand = SplitInput(
         0.73 * total, 0.27 * total, np.where(Z > 0.0, 1.0, np.nan), still, still, still, still,
-        front, weight - front, total, still, still, still,
+        still, front, weight - front, total, still, still, still, still,
     )  # fmt: skip
-    x, _ = first(table_with().posterior, STILL)
+    x, *_ = first(table_with().posterior, STILL)
     for name, by in moved.items():
         x[PLACE[name]] += by
     rest = {
@@ -95,11 +95,18 @@ def answer_of(table, blocks, demand, priors=STILL):
     return filter_pad_ratio(CAR, blocks, demand, NOISE, table.posterior, priors, steps), steps
 
 
+@pytest.mark.parametrize("scattered", [False, True])
 @pytest.mark.parametrize("block", [10, 60, 129])
-def test_parts_are_the_filter_s_own_covariance(block):
-    """Of all states, against the variance that the filter reports; ratio and its change."""
+def test_parts_are_the_filter_s_own_covariance(block, scattered):
+    """Of all states, against the variance that the filter reports; ratio and its change.
+
+    With a scatter that no gain counts, too: half of what the table leaves open.
+    """
     sigma = dict.fromkeys(FROM_TABLE, 0.02) | {"radius_load": 2e-3, "clock_offset": 5e-3}
     table, priors = table_with(**sigma), replace(Priors(), ratio_odds=1e-9)
+    if scattered:
+        half = tuple(tuple(0.5 * x for x in row) for row in table.posterior.covariance)
+        table = replace(table, posterior=replace(table.posterior, scatter=half))
     blocks, demand = run(np.random.default_rng(0))
     answer, steps = answer_of(table, blocks, demand, priors)
     parts = ratio_parts(plan_of(table, priors), blocks, steps, block)

@@ -70,6 +70,7 @@ def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, l
         nominal_f=total * 2.7 / 3.7,
         nominal_r=total / 3.7,
         level=np.where(braked, 1.0, np.nan),
+        level_error=still,
         moment_f=still,
         moment_r=still,
         drive_f=still,
@@ -79,6 +80,7 @@ def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, l
         tyre_sum=total,
         slip=mean if v else None,
         pitch_deficit=still,
+        pitch_slope=still,
         rise=rise,
     )
     return blocks, demand
@@ -133,6 +135,27 @@ def test_without_v_road_and_pads_stay_entangled():
     answer = followed(STEADY, ratio=0.2, v=False)
     assert answer.sigma[-1] > 1.5 * followed(STEADY, ratio=0.2).sigma[-1]
     assert abs(answer.log_pad_ratio[-1] - 0.2) < Z95 * answer.sigma[-1]
+
+
+@pytest.mark.parametrize("v", [True, False])
+def test_no_stop_learns_from_the_scatter_of_a_table(v):
+    """The estimate is that of a table without it; the interval of free pads is wider by it."""
+    apart = np.zeros((len(NAMES), len(NAMES)))
+    pads, tyres = NAMES.index("log_pad_ratio"), NAMES.index("log_tyre_ratio")
+    apart[np.ix_([pads, tyres], [pads, tyres])] = 0.06**2 * np.array([[1.0, -0.9], [-0.9, 1.0]])
+    wider = replace(
+        POSTERIOR,
+        covariance=tuple(map(tuple, (np.asarray(POSTERIOR.covariance) + apart).tolist())),
+        scatter=tuple(map(tuple, apart.tolist())),
+    )
+    blocks, demand = stop(STEADY, stiffness=21.0, ratio=0.1, v=v)
+    free = replace(PRIORS, ratio_odds=1e-9)
+    plain, doubted = (
+        filter_pad_ratio(CAR, blocks, demand, NOISE, known, free) for known in (POSTERIOR, wider)
+    )
+    for name in ("innovation_eta", "log_stiffness", "elastic_share"):
+        np.testing.assert_allclose(getattr(doubted, name), getattr(plain, name), atol=1e-6)
+    assert np.all(doubted.sigma > plain.sigma)
 
 
 def test_past_does_not_know_the_future():
@@ -203,7 +226,7 @@ def test_wheels_past_their_peak_are_not_taken_in():
 def random_stop(seed, v, older=False):
     """A stop of random size on a curved tyre, over a change of the road, with noise in all.
 
-    ``older`` has a table of six parameters.
+    ``older`` has a table of six parameters, and without scatter.
     """
     rng = np.random.default_rng(seed)
     z = np.concatenate([np.zeros(30), rng.uniform(0.15, 0.5) * np.clip(np.arange(90) / 8, 0, 1)])
@@ -224,11 +247,13 @@ def random_stop(seed, v, older=False):
     demand = replace(
         demand,
         level=np.where(pressed, 0.9 + 0.02 * rng.normal(size=z.size), np.nan),
+        level_error=0.05 * rng.random(z.size),
         moment_f=60.0 + 10.0 * rng.normal(size=z.size),
         moment_r=40.0 + 10.0 * rng.normal(size=z.size),
         drive_f=np.full(z.size, 50.0),
         drive_r=np.full(z.size, -30.0),
         pitch_deficit=0.01 * rng.normal(size=z.size),
+        pitch_slope=0.02 * rng.normal(size=z.size),
         slip=mixed(demand.slip, there.slip, 5e-3) if v else None,
     )
     count = len(NAMES) - 2 * older
@@ -237,7 +262,12 @@ def random_stop(seed, v, older=False):
     covariance = root @ root.T * np.outer(scale, scale)
     centre = (0.05, 0.3, 0.03, 0.0, 0.0, 0.0, 0.002)
     mean = rng.normal(centre, (0.05, 0.1, 0.02, 1e-3, 0.05, 0.08, 0.002))
-    return blocks, demand, posterior((math.log(0.04), *mean)[:count], covariance)
+    known = posterior((math.log(0.04), *mean)[:count], covariance)
+    if older:
+        return blocks, demand, known
+    # of the eight directions that are open, half of three is scatter
+    share = 0.7 * root[:, -3:] * scale[:, None]
+    return blocks, demand, replace(known, scatter=tuple(map(tuple, (share @ share.T).tolist())))
 
 
 def close(one, two, what):

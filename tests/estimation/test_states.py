@@ -1,6 +1,7 @@
 """The states before a stop: what the table gives, and what is opened around it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.estimation.priors import Priors
-from calib.estimation.states import AT, States, first_state, open_surface, places, state_list
+from calib.estimation.states import (
+    AT,
+    States,
+    first_scatter,
+    first_state,
+    open_surface,
+    places,
+    state_list,
+)
 from calib.table.table import TyrePosterior
 
 PRIORS = Priors()
@@ -64,6 +73,22 @@ def test_parameters_of_the_table_go_to_the_states_of_their_names():
     assert x[AT.clock_offset] == 0.001
     assert P[AT.load_exponent, AT.clock_offset] == covariance[3, 4]
     assert places(("log_pad_ratio",)) == [States._fields.index("table_log_pad_ratio")]
+
+
+def test_scatter_is_taken_out_of_the_covariance_and_kept_as_a_root():
+    """Two directions of six; what pads scatter they do today as on the ramp."""
+    root = np.random.default_rng(2).normal(size=(6, 6)) * np.array([[1e-2, 1, 1, 1, 1e-3, 1]]).T
+    less, scatter = root[:, :4] @ root[:, :4].T, root[:, 4:] @ root[:, 4:].T
+    known = posterior(less + scatter)
+    with_it = replace(known, scatter=tuple(map(tuple, scatter.tolist())))
+    _, P = first_state(with_it, PRIORS)
+    np.testing.assert_allclose(P, first_state(posterior(less), PRIORS)[1], atol=1e-12)
+    A = first_scatter(with_it)
+    assert A.shape[1] == 2
+    at = places(NAMES)
+    np.testing.assert_allclose((A @ A.T)[np.ix_(at, at)], scatter, atol=1e-12)
+    assert np.array_equal(A[AT.log_pad_ratio], A[AT.table_log_pad_ratio])
+    assert first_scatter(known).shape == (len(A), 0)
 
 
 def test_what_an_older_table_does_not_name_starts_as_before_a_ramp():

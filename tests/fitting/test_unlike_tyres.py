@@ -7,6 +7,7 @@ import pytest
 
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
+from calib.table.invariants import violations
 from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop, with_ratio
 
 SEEDS = range(3)
@@ -71,5 +72,10 @@ def test_pads_and_tyres_that_differ_against_each_other_are_within_the_interval()
     pads = with_ratio(replace(REAL, rear_stiffness=np.exp(-0.09)), np.exp(0.09))
     slow = ramp(pads)
     for seed in SEEDS:
-        ratio = fit(CAR, [noisy(slow, seed)]).calibration.pad_log_ratio
+        table = fit(CAR, [noisy(slow, seed)])
+        ratio, known = table.calibration.pad_log_ratio, table.posterior
         assert abs(ratio.value - 0.09) < 2.0 * ratio.sigma
+        # most of it is told apart as what no stop learns from; the rest is a covariance, too
+        at = known.names.index("log_pad_ratio")
+        assert 0.5 < known.scatter[at][at] / ratio.sigma**2 < 1.0
+        assert violations(table) == ()

@@ -140,6 +140,15 @@ def test_the_posterior_and_the_curves_of_the_mean_tell_the_same_tyre(copies):
     np.testing.assert_allclose(slip, mean.tyre.slip, rtol=0.005, atol=1e-6)
 
 
+def test_what_no_stop_learns_from_is_the_same_in_the_mean(copies):
+    """Pads and tyres of a line may all differ from the file alike."""
+    mean = merge(copies, "golden").posterior
+    own = np.mean([np.asarray(car.table.posterior.scatter) for car in copies], axis=0)
+    at = mean.names.index("log_pad_ratio")
+    assert mean.scatter[at][at] == pytest.approx(own[at, at], rel=0.05)
+    assert violations(merge(copies, "golden")) == ()
+
+
 def test_the_parts_of_the_budget_add_up_to_what_the_mean_leaves_open(copies):
     mean = merge(copies, "golden")
     parts = np.sum([np.asarray(part) for part in mean.budget.posterior.values()], axis=0)

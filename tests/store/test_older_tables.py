@@ -37,6 +37,7 @@ def test_it_comes_back_with_its_six_parameters_and_its_digest(older, store):
     read = Store(store).load(saved.id)
     assert read.digest == older.digest
     assert read.table.posterior == older.posterior
+    assert "scatter" not in older.content()[0]["posterior"]
     assert all(verdict.sound for verdict in Store(store).verify())
 
 

@@ -78,8 +78,9 @@ def main() -> None:
                     found[kind, told].append((named, bool(result.warnings), min(held)))
     print(f"{asked.cars} cars, seed {asked.seed}")
     for (kind, told), rows in found.items():
-        silent = [share for _, warned, share in rows if not warned and np.isfinite(share)]
-        lowest = f"lowest coverage {min(silent):.2f}" if silent else ""
+        silent = [share for _, warned, share in rows if not warned]
+        valid = [share for share in silent if np.isfinite(share)]
+        lowest = f"lowest coverage {min(valid):.2f}" if valid else ""
         print(f"{kind:16} {told:10} {len(rows):3} stops, load named {sum(r[0] for r in rows):3}, "
               f"no warning {len(silent):3} {lowest}")  # fmt: skip
 

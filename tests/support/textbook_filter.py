@@ -15,10 +15,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from calib.fitting.settings import SETTINGS
 from calib.names import G
 
 STATES = (
-    *("rho", "s", "w", "xi", "kappa", "eta0", "sl0", "lag"),
+    *("rho", "s", "w", "xi", "kappa", "nu", "eta0", "sl0", "lag"),
     *("q", "c", "b2", "b3", "rho0", "tau", "r", "dtau", "delta"),
 )
 PLACE = {name: i for i, name in enumerate(STATES)}
@@ -39,7 +40,7 @@ OF_A_RAMP = {"tau": 0.1, "r": 0.003}
 
 @dataclass(frozen=True)
 class Answer:
-    """States (k, 17), covariances (k, 17, 17), normalised innovations (k, 2), times of changes."""
+    """States (k, 18), covariances (k, 18, 18), normalised innovations (k, 2), times of changes."""
 
     x: np.ndarray
     P: np.ndarray
@@ -55,9 +56,15 @@ class Answer:
 
 def sensed(x, demand, block):
     """Eta and the mean slip of one block: what the sensors show without noise."""
+    return shown(x, demand, block)[0]
+
+
+def shown(x, demand, block):
+    """The same, and how near to its peak the nearer axle is."""
     a = dict(zip(STATES, x, strict=True))
     W = block["weight"]
-    late = (a["xi"] + a["kappa"] * demand["pitch_deficit"]) * W
+    deficit = demand["pitch_deficit"] + a["nu"] * demand["pitch_slope"]
+    late = (a["xi"] + a["kappa"] * deficit) * W
     loads = demand["load_f"] - late, demand["load_r"] + late
     if math.isfinite(demand["level"]):
         front = demand["nominal_f"] * math.exp(0.5 * a["rho"])
@@ -72,12 +79,13 @@ def sensed(x, demand, block):
         free = (demand["tyre_sum"] - demand["drive_f"] - demand["drive_r"]) / W
         F_f = free + demand["drive_f"] / demand["load_f"]
         F_r = free + demand["drive_r"] / demand["load_r"]
-    slips = []
+    slips, near = [], []
     apart = 0.5 * (a["tau"] + a["dtau"])
     rests = block["rest_f"], block["rest_r"]
     signs = (1.0, -1.0)
     for F, rise, load, rest, sign in zip((F_f, F_r), rises, loads, rests, signs, strict=True):
         u = F * a["w"]
+        near.append(u)
         curve = F + a["b2"] * F * u + a["b3"] * F * u**2
         curve -= a["delta"] * rise * (1.0 + 2.0 * a["b2"] * u + 3.0 * a["b3"] * u**2)
         compliance = math.exp(a["c"] - a["s"] + sign * apart)
@@ -87,7 +95,8 @@ def sensed(x, demand, block):
     eta = (1.0 + a["eta0"]) * (1.0 - slips[1]) / (1.0 - slips[0])
     share = demand["load_f"] / W
     mean = share * slips[0] + (1.0 - share) * slips[1]
-    return np.array([eta, mean + a["sl0"] + G * block["z"] / block["speed"] * a["lag"]])
+    late = G * block["z"] / block["speed"] * a["lag"]
+    return np.array([eta, mean + a["sl0"] + late]), max(near)
 
 
 def gradients(h, x):
@@ -105,12 +114,15 @@ def gradients(h, x):
 
 
 def first(posterior, p):
-    """Mean and covariance before the first block."""
+    """Mean and covariance before the first block; the covariance less the table's scatter."""
     x, P = np.zeros(COUNT), np.zeros((COUNT, COUNT))
     for name, sigma in OF_A_RAMP.items():
         P[PLACE[name], PLACE[name]] = sigma**2
     at = [PLACE[FROM_TABLE[name]] for name in posterior.names]
     x[at], P[np.ix_(at, at)] = posterior.mean, np.asarray(posterior.covariance)
+    less = P.copy()
+    if posterior.scatter:
+        less[np.ix_(at, at)] -= np.asarray(posterior.scatter)
     x[PLACE["w"]], x[PLACE["kappa"]] = 1.0, p.elastic_share
     x[PLACE["delta"]] = p.delay
     # rho = rho0 + an own part; w - 1 = slope * s + an own part
@@ -120,16 +132,21 @@ def first(posterior, p):
     x[PLACE["rho"]] = x[PLACE["rho0"]]
     for name, sigma in (
         ("rho", p.ratio), ("s", p.stiffness), ("w", p.peak),
-        ("kappa", p.elastic_sigma), ("eta0", p.zero), ("sl0", p.zero),
+        ("kappa", p.elastic_sigma), ("nu", p.pitch_tempo), ("eta0", p.zero), ("sl0", p.zero),
         ("dtau", p.tyre_change), ("delta", p.delay_sigma),
     ):  # fmt: skip
-        P[PLACE[name], PLACE[name]] = sigma**2
-    return x, T @ P @ T.T
+        for matrix in (P, less):
+            matrix[PLACE[name], PLACE[name]] = sigma**2
+    return x, T @ P @ T.T, T @ less @ T.T
 
 
 def textbook(car, blocks, demand, noise, posterior, p):
-    """Run the filter; the arguments are those of `filter_pad_ratio`."""
-    x, P = first(posterior, p)
+    """Run the filter; the arguments are those of `filter_pad_ratio`.
+
+    P is the covariance that the gains are of, ``whole`` that of the error: with the table's
+    scatter, which no gain counts.
+    """
+    x, whole, P = first(posterior, p)
     T = blocks.length
     decay = math.exp(-T / p.pitch_memory)
     F = np.eye(COUNT)
@@ -152,9 +169,10 @@ def textbook(car, blocks, demand, noise, posterior, p):
         Q[[PLACE["rho"], PLACE["s"], PLACE["w"]]] = p.drift_ratio, p.drift_road, p.drift_road
         Q = np.diag(Q**2 * T)
         Q[PLACE["xi"], PLACE["xi"]] = (1.0 - decay**2) * fed**2
-        x, P = F @ x, F @ P @ F.T + Q
+        x, P, whole = F @ x, F @ P @ F.T + Q, F @ whole @ F.T + Q
         nu = np.full(2, np.nan)
-        late = (x[PLACE["xi"]] + x[PLACE["kappa"]] * now["pitch_deficit"]) * block["weight"]
+        deficit = now["pitch_deficit"] + x[PLACE["nu"]] * now["pitch_slope"]
+        late = (x[PLACE["xi"]] + x[PLACE["kappa"]] * deficit) * block["weight"]
         seen = np.array([blocks.omega_r[k] / blocks.omega_f[k], now["slip"]])
         off = np.array([abs(seen[0] - 1.0), abs(seen[1])])
         stands = now["load_f"] > late > -now["load_r"]
@@ -162,7 +180,11 @@ def textbook(car, blocks, demand, noise, posterior, p):
         if told and blocks.speed[k] > 3.0 and not np.any(off >= p.rolling) and stands:
             before = np.diff(pressure, prepend=pressure[0])[k]
             sync = p.sync * abs(before) / T / max(pressure[k], 3e5)
-            relative = p.model + (sync if math.isfinite(now["level"]) else 0.0)
+            relative = p.model
+            if math.isfinite(now["level"]):
+                relative = math.hypot(p.model + sync, now["level_error"])
+            form = SETTINGS.form_error * (shown(x, now, block)[1] / SETTINGS.form_reach) ** 12
+            relative = math.hypot(relative, min(form, SETTINGS.form_error))
             wheel = (noise.omega / max(blocks.omega_f[k], 1.0)) ** 2 / T
             sensors = np.array([2.0 * wheel, wheel + (noise.v / speed) ** 2 / T])
 
@@ -170,24 +192,24 @@ def textbook(car, blocks, demand, noise, posterior, p):
                 return sensed(x, now, block)
 
             pause = max(pause - 1, 0)
-            new = update(x, P, h, seen, sensors, relative)
-            squares = new[2][np.isfinite(new[2])] ** 2
+            new = update(x, P, whole, h, seen, sensors, relative)
+            squares = new[3][np.isfinite(new[3])] ** 2
             if pause == 0 and held < p.change_calm and np.mean(squares) > p.change_gate:
-                P = P.copy()
                 s, w = PLACE["s"], PLACE["w"]
                 slope = np.array([1.0, p.peak_per_stiffness]) * p.change_stiffness
-                P[np.ix_([s, w], [s, w])] += np.outer(slope, slope)
-                P[w, w] += p.change_peak**2
-                new = update(x, P, h, seen, sensors, relative)
+                opened = np.zeros_like(P)
+                opened[np.ix_([s, w], [s, w])] = np.outer(slope, slope)
+                opened[w, w] += p.change_peak**2
+                new = update(x, P + opened, whole + opened, h, seen, sensors, relative)
                 changes.append(float(blocks.end[k]))
                 pause = p.change_pause
-            x, P, nu = new
-        out.append((x, P, nu))
+            x, P, whole, nu = new
+        out.append((x, whole, nu))
     xs, Ps, nus = (np.array(part) for part in zip(*out, strict=True))
     return Answer(xs, Ps, nus, tuple(changes))
 
 
-def update(x, P, h, seen, sensors, relative):
+def update(x, P, whole, h, seen, sensors, relative):
     """One measurement update in Joseph's form; the innovations whitened one after the other."""
     use = np.isfinite(seen)
     expected = h(x)
@@ -200,4 +222,5 @@ def update(x, P, h, seen, sensors, relative):
     I_KH = np.eye(x.size) - K @ H
     white = np.full(2, np.nan)
     white[use] = np.linalg.solve(np.linalg.cholesky(S), nu)
-    return x + K @ nu, I_KH @ P @ I_KH.T + K @ R @ K.T, white
+    after = [I_KH @ of @ I_KH.T + K @ R @ K.T for of in (P, whole)]
+    return x + K @ nu, *after, white

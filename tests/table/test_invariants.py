@@ -82,6 +82,21 @@ def test_a_covariance_that_is_none_is_named(table, covariance, says):
     assert says in found[0]
 
 
+@pytest.mark.parametrize(
+    ("scatter", "says"),
+    [
+        (((5e-5, 2e-5), (1e-5, 2e-4)), "posterior.scatter: not symmetric"),
+        (((5e-5, 0.0), (0.0, -2e-4)), "posterior.scatter: not positive semidefinite"),
+        (((2e-4, 0.0), (0.0, 2e-4)), "posterior.scatter: more than the covariance"),
+        (((5e-5,),), "scatter of another size"),
+    ],
+)
+def test_a_scatter_that_is_none_is_named(table, scatter, says):
+    found = violations(replace(table, posterior=replace(table.posterior, scatter=scatter)))
+    assert len(found) == 1
+    assert says in found[0]
+
+
 def test_a_singular_covariance_is_sound(table):
     # A parameter that is held fixed, and two that move together.
     names, mean = ("a", "b", "c"), (1.0, 2.0, 3.0)

@@ -1,0 +1,56 @@
+"""The pads' level that the split of a block rests on: by pressure, or by deceleration.
+
+    level by pressure       `calib.estimation.pad_level`, of the last half second
+    level by deceleration   demanded/nominal brake force of the block itself
+
+The first one is smooth, but it takes pressure and force for simultaneous. Brakes that follow late
+while the pressure moves put an error into it, which lasts as long as its memory. The second one has
+all noise of the accelerometer. They are weighed by these two errors, relative to the level:
+
+    late    delay_sigma |p'|/p, kept for level_memory
+    noisy   density of z over sqrt(T) z
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.estimation.priors import Priors
+from calib.signals.blocks import Blocks
+from calib.signals.filters import low_pass
+
+Array = NDArray[np.float64]
+
+LEAST_Z = 0.01
+"""Deceleration [1] below which its relative noise is that of this one: nothing brakes there."""
+
+
+class BlockLevel(NamedTuple):
+    """``value`` of the level of each block, and its relative ``error``, (k,) [1]."""
+
+    value: Array
+    error: Array
+
+
+def block_level(
+    by_pressure: Array, by_deceleration: Array, b: Blocks, density: float, priors: Priors
+) -> BlockLevel:
+    """Weigh the two levels of each block, (k,) [1]; ``density`` of the noise of z [s^0.5]."""
+    late = priors.delay_sigma * low_pass(pressure_moves(b), b.length, priors.level_memory)
+    noisy = density / np.sqrt(b.length) / np.maximum(b.z, LEAST_Z)
+    share = late**2 / (late**2 + noisy**2)
+    return BlockLevel(
+        by_pressure + share * (by_deceleration - by_pressure),
+        np.hypot((1.0 - share) * late, share * noisy),
+    )
+
+
+def pressure_moves(b: Blocks) -> Array:
+    """Share of itself by which the pressure moves, (k,) [1/s]."""
+    p = np.maximum(b.p_f, b.p_r)
+    return np.asarray(np.abs(np.diff(p, prepend=p[0])) / b.length / np.maximum(p, LEAST_PRESSURE))
+
+
+LEAST_PRESSURE = 3e5
+"""Pressure [Pa] below which a change is counted as one of this pressure."""
