@@ -95,10 +95,15 @@ def _hint_of(at: Candidate, innovations: Array, directions: Array, name: str) ->
         change = problem.flat(at.base, effects) - innovations
         gain, amount = along(innovations, directions, change)
         if amount > 0.0 and gain > best.gain:
-            begin = trial.copy()
-            begin[0] *= min(max(amount, 0.3), 4.0)
-            best = Hint(name, gain, np.concatenate([at.x, begin]))
+            best = Hint(name, gain, np.concatenate([at.x, begun(trial, amount)]))
     return best
+
+
+def begun(trial: Array, amount: float) -> Array:
+    """Where a fit begins: a point of `trials`, its strength times ``amount`` within sense."""
+    begin = trial.copy()
+    begin[0] *= min(max(amount, 0.3), 4.0)
+    return begin
 
 
 def unresolved(problem: Problem, at: Candidate, least: Mapping[str, float]) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, fit
-from calib.diagnosis.search import STARTS, base_directions, free, trials, tried_at
+from calib.diagnosis.search import STARTS, base_directions, begun, free, trials, tried_at
 from calib.physics.own_effects.own_effect import definition, every_effect
 
 Array = NDArray[np.float64]
@@ -22,9 +22,10 @@ ALIKE = 0.999
 
 
 @dataclass(frozen=True)
-class Change:
-    """What an effect at a point of `trials` changes of the innovations: ``own`` (n,), beyond base
-    and present effects.
+class EffectChange:
+    """What an effect does to the innovations at a point of `trials`.
+
+    ``own`` (n,) is the change that base and present effects cannot make.
     """
 
     name: str
@@ -33,7 +34,7 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Pair:
+class EffectPair:
     """Expected gain in chi-square of two effects together, and where a fit of them begins."""
 
     names: tuple[str, str]
@@ -57,7 +58,7 @@ def together(problem: Problem, at: Candidate, count: int, least: float) -> list[
     )
 
 
-def pairs(problem: Problem, at: Candidate) -> list[Pair]:
+def pairs(problem: Problem, at: Candidate) -> list[EffectPair]:
     """Every pair of effects that are not in ``at`` and help together, best first."""
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
@@ -67,20 +68,22 @@ def pairs(problem: Problem, at: Candidate) -> list[Pair]:
     gains, amounts = _gains(
         np.stack([change.own for change in changes]), free(innovations, directions)
     )
-    best: dict[tuple[str, str], Pair] = {}
+    best: dict[tuple[str, str], EffectPair] = {}
     for i, j in zip(*np.nonzero(np.triu(gains, 1)), strict=True):
         one, other = changes[i], changes[j]
         key = (one.name, other.name)
         if one.name == other.name or (key in best and best[key].gain >= gains[i, j]):
             continue
         start = np.concatenate(
-            [at.x, _begun(one.trial, amounts[i, j]), _begun(other.trial, amounts[j, i])]
+            [at.x, begun(one.trial, amounts[i, j]), begun(other.trial, amounts[j, i])]
         )
-        best[key] = Pair(key, float(gains[i, j]), start)
+        best[key] = EffectPair(key, float(gains[i, j]), start)
     return sorted(best.values(), key=lambda pair: -pair.gain)
 
 
-def _changes_of(at: Candidate, innovations: Array, directions: Array, name: str) -> list[Change]:
+def _changes_of(
+    at: Candidate, innovations: Array, directions: Array, name: str
+) -> list[EffectChange]:
     problem = at.problem
     found = []
     for trial in trials(problem, definition(problem.vehicle.effects, name).card):
@@ -90,7 +93,7 @@ def _changes_of(at: Candidate, innovations: Array, directions: Array, name: str)
         whole = problem.flat(at.base, effects) - innovations
         own = free(whole, directions)
         if float(own @ own) > 1e-9 * max(float(whole @ whole), 1e-30):
-            found.append(Change(name, trial, own))
+            found.append(EffectChange(name, trial, own))
     return found
 
 
@@ -108,12 +111,5 @@ def _gains(changes: Array, rest: Array) -> tuple[Array, Array]:
     return np.where((amount > 0.0) & (amount.T > 0.0), gains, 0.0), amount
 
 
-def _begun(trial: Array, amount: float) -> Array:
-    """Where a fit begins: the trial with its strength times ``amount``, within sense."""
-    begin = trial.copy()
-    begin[0] *= min(max(amount, 0.3), 4.0)
-    return begin
-
-
-def _fitted(at: Candidate, pair: Pair) -> Candidate:
+def _fitted(at: Candidate, pair: EffectPair) -> Candidate:
     return fit(at.problem, (*at.names, *pair.names), pair.start)
