@@ -58,7 +58,8 @@ One that is wrong closes less: it takes over only what happens to run along with
 
 NEARLY_NOTHING, NEARLY_NOTHING_REPLAYED = 0.07, 0.15
 """Share of the excess of the innovations, and of the lasting errors of the replays, that several
-effects together may leave: what differs in their form. It is told as a remainder."""
+effects together may leave: what differs in their form. Of the replays it is the second one where
+nothing is left in the innovations. It is told as a remainder."""
 
 NEARLY_ALL = 0.9
 """Share of what is clearly left in the innovations that no difference in form would close."""
