@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, joined
-from calib.diagnosis.search import STARTS, base_directions, free, trials, tried_at
+from calib.diagnosis.search import base_directions, change_by, free, full_trials, trials, tried_at
 from calib.physics.effects.effect import Card
 from calib.physics.own_effects.own_effect import every_effect
 
@@ -98,9 +98,7 @@ class _Draws:
         """Gain in chi-square of an effect in every replica (`REPLICAS`,), the best of its forms."""
         largest = np.zeros(REPLICAS)
         turned = _quarter_turned(self.problem) if self._turns(name, card) else None
-        for trial in trials(self.problem, card):
-            if abs(trial[0]) < STARTS[-1]:
-                continue  # weaker ones have the same direction
+        for trial in full_trials(self.problem, card):
             change = self._free(self.problem, name, trial)
             length = float(change @ change)
             if length < LEAST:
@@ -117,8 +115,8 @@ class _Draws:
 
     def _free(self, problem: Problem, name: str, trial: Array) -> Array:
         """Change of the innovations by an effect that base and present effects cannot make (n,)."""
-        effects = self.at.effects.with_(tried_at(problem, name, trial))
-        return free(problem.flat(self.at.base, effects) - self.innovations, self.directions)
+        change = change_by(problem, self.at, self.innovations, name, trial)
+        return free(change, self.directions)
 
     def _turns(self, name: str, card: Card) -> bool:
         """Whether an effect goes with the angle of the wheels."""

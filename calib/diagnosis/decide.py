@@ -137,14 +137,14 @@ def _decided(
         return Decision(verdict, base, base, tuple(singles))
     first = singles[0]
     pairs = seconds(problem, singles)
-    faint = _faint(problem, base, first, pairs)
+    faint = _faint(base, first, pairs)
     if pairs and gain(first, pairs[0]) > max(SECOND, SECOND_OF_ALL * gain(base, first)):
         # something the first does not explain lies along another effect
-        verdict = standing(problem, base, pairs[0], pairs[1:])
+        verdict = standing(base, pairs[0], pairs[1:])
         if second_earns(first, pairs[0]):
             return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
         return Decision("unknown", base, pairs[0], tuple(pairs[1:]), faint=faint)
-    verdict = standing(problem, base, first, singles[1:])
+    verdict = standing(base, first, singles[1:])
     if verdict == "unknown" and not strange(base) and gain(base, first) < SECOND:
         # too weak here for an excess; the hold-outs may excite it more
         shown = "ambiguous" if confusable(first, singles[1:]) else "named"
@@ -152,13 +152,11 @@ def _decided(
     return Decision(verdict, base, first, tuple(singles[1:]), faint=faint)
 
 
-def _faint(
-    problem: Problem, base: Candidate, first: Candidate, pairs: list[Candidate]
-) -> Decision | None:
+def _faint(base: Candidate, first: Candidate, pairs: list[Candidate]) -> Decision | None:
     """A decision for the best pair, None if the pair cannot be accepted."""
     if not pairs or gain(first, pairs[0]) < FAINT_SECOND:
         return None
-    verdict = standing(problem, base, pairs[0], pairs[1:])
+    verdict = standing(base, pairs[0], pairs[1:])
     if verdict == "unknown":
         return None
     return Decision(verdict, base, pairs[0], tuple(pairs[1:]), first=first)
@@ -212,29 +210,29 @@ def second_earns(first: Candidate, pair: Candidate) -> bool:
     return gain(first, pair) / left > SECOND_SHARE
 
 
-def standing(problem: Problem, base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
+def standing(base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
     """The verdict on the best explanation: named, ambiguous or unknown."""
     closed = gain(base, best) / max(base.reduced - quiet(best), 1e-9)
-    if (best.reduced > quiet(best) and closed < ENOUGH) or refuted(problem, base, best):
+    if (best.reduced > quiet(best) and closed < ENOUGH) or refuted(base, best):
         return "unknown"
     return "ambiguous" if confusable(best, rivals) else "named"
 
 
-def refuted(problem: Problem, base: Candidate, best: Candidate) -> bool:
+def refuted(base: Candidate, best: Candidate) -> bool:
     """Whether a channel of a run is explained worse with the effects than without them."""
-    worse = float(np.max(cells(problem, best) - cells(problem, base)))
-    return worse > HURTS or contradicted(problem, best)
+    worse = float(np.max(_mean_squares(best) - _mean_squares(base)))
+    return worse > HURTS or contradicted(best)
 
 
-def contradicted(problem: Problem, best: Candidate) -> bool:
+def contradicted(best: Candidate) -> bool:
     """Whether a channel refutes an effect that fits the other channels.
 
     The effect must reduce the residual of every channel that it changes. Example: unevenly spaced
     teeth ripple in the wheel speeds as a disc of uneven thickness does, but not in a_x.
     """
-    after = problem.whitened(best.base, best.effects)
+    after = best.whitened
     for name in best.names:
-        before = problem.whitened(best.base, best.without(name))
+        before = best.problem.whitened(best.base, best.without(name))
         for channel in range(len(CHANNELS)):
             x = np.concatenate([run[channel] for run in before])
             y = np.concatenate([run[channel] for run in after])
@@ -244,10 +242,9 @@ def contradicted(problem: Problem, best: Candidate) -> bool:
     return False
 
 
-def cells(problem: Problem, candidate: Candidate) -> Array:
+def _mean_squares(candidate: Candidate) -> Array:
     """Mean squared innovation by run and channel."""
-    parts = problem.whitened(candidate.base, candidate.effects)
-    return np.array([[float(np.mean(c**2)) for c in run] for run in parts])
+    return np.array([[float(np.mean(c**2)) for c in run] for run in candidate.whitened])
 
 
 def confusable(best: Candidate, rivals: list[Candidate] | tuple[Candidate, ...]) -> list[Candidate]:

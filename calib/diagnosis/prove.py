@@ -210,18 +210,16 @@ def _judged(held: HoldOuts, candidate: Candidate) -> tuple[tuple[Log, ...], Rema
 def _further(problem: Problem, held: HoldOuts, present: Proved) -> Proved | None:
     """More effects on top of those that are named, one or a pair; None if none help enough."""
     at = present.decision.best
-    return _helping(problem, held, present, _options(problem, at)) or _helping(
-        problem, held, present, _pairs_on(problem, at)
+    return _helping(held, present, _options(problem, at)) or _helping(
+        held, present, _pairs_on(problem, at)
     )
 
 
-def _helping(
-    problem: Problem, held: HoldOuts, present: Proved, options: list[Candidate]
-) -> Proved | None:
+def _helping(held: HoldOuts, present: Proved, options: list[Candidate]) -> Proved | None:
     """The first of the options that helps enough, or None."""
     for option in options:
         judged = _judged(held, option)
-        if judged is None or not _helpful(problem, held, present, option):
+        if judged is None or not _helpful(held, present, option):
             continue
         if not _closes_most(present, option, judged[1]):
             continue
@@ -283,15 +281,11 @@ def _options(problem: Problem, at: Candidate) -> list[Candidate]:
     return [c for c in fitted if gain(at, c) > FAINT_SECOND * (c.x.size - at.x.size)]
 
 
-def _helpful(problem: Problem, held: HoldOuts, present: Proved, option: Candidate) -> bool:
+def _helpful(held: HoldOuts, present: Proved, option: Candidate) -> bool:
     """Whether the hold-outs get better step by step, and no channel speaks against it."""
     at = present.decision.best
     fall = chi2_by_run(held.problem, at) - chi2_by_run(held.problem, option)
-    return (
-        float(np.sum(fall)) > 0.0
-        and helps(fall)
-        and not refuted(problem, present.decision.base, option)
-    )
+    return float(np.sum(fall)) > 0.0 and helps(fall) and not refuted(present.decision.base, option)
 
 
 def _added(
@@ -321,7 +315,7 @@ def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
         return present
     at = _spared(at)
     judged = _judged(held, at)
-    if judged is None or not _helpful(problem, held, present, at):
+    if judged is None or not _helpful(held, present, at):
         return present
     left, gap = judged[1], present.decision.base.reduced - FLOOR
     if at.reduced > max(quiet(at), FLOOR + NEARLY_NOTHING * gap):

@@ -57,6 +57,14 @@ def tried_at(problem: Problem, name: str, trial: Array) -> Effects:
     return unpack(problem, (name,), x)[1].only(name)
 
 
+def change_by(
+    problem: Problem, at: Candidate, innovations: Array, name: str, trial: Array
+) -> Array:
+    """Change of the ``innovations`` (n,) of a candidate by an effect at a point of `trials`."""
+    effects = at.effects.with_(tried_at(problem, name, trial))
+    return problem.flat(at.base, effects) - innovations
+
+
 def along(innovations: Array, directions: Array, change: Array) -> tuple[float, float]:
     """Gain in chi-square along a change of the innovations, and the best factor on that change."""
     own = free(change, directions)
@@ -91,8 +99,7 @@ def _hint_of(at: Candidate, innovations: Array, directions: Array, name: str) ->
     card = definition(problem.vehicle.effects, name).card
     best = Hint(name, 0.0, np.concatenate([at.x, np.zeros(len(card.parameters))]))
     for trial in trials(problem, card):
-        effects = at.effects.with_(tried_at(problem, name, trial))
-        change = problem.flat(at.base, effects) - innovations
+        change = change_by(problem, at, innovations, name, trial)
         gain, amount = along(innovations, directions, change)
         if amount > 0.0 and gain > best.gain:
             best = Hint(name, gain, np.concatenate([at.x, begun(trial, amount)]))
@@ -150,6 +157,11 @@ def trials(problem: Problem, card: Card) -> list[Array]:
                             seconds.append(other)
             points += [np.concatenate([[sign * size], second]) for second in seconds]
     return points
+
+
+def full_trials(problem: Problem, card: Card) -> list[Array]:
+    """The `trials` of full strength; weaker ones change the innovations in the same direction."""
+    return [trial for trial in trials(problem, card) if abs(trial[0]) >= STARTS[-1]]
 
 
 def refine(problem: Problem, at: Candidate, count: int = REFINED) -> list[Candidate]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, fit
-from calib.diagnosis.search import STARTS, base_directions, begun, free, trials, tried_at
+from calib.diagnosis.search import base_directions, begun, change_by, free, full_trials
 from calib.physics.own_effects.own_effect import definition, every_effect
 
 Array = NDArray[np.float64]
@@ -86,11 +86,8 @@ def _changes_of(
 ) -> list[EffectChange]:
     problem = at.problem
     found = []
-    for trial in trials(problem, definition(problem.vehicle.effects, name).card):
-        if abs(trial[0]) < STARTS[-1]:
-            continue  # weaker ones have the same direction
-        effects = at.effects.with_(tried_at(problem, name, trial))
-        whole = problem.flat(at.base, effects) - innovations
+    for trial in full_trials(problem, definition(problem.vehicle.effects, name).card):
+        whole = change_by(problem, at, innovations, name, trial)
         own = free(whole, directions)
         if float(own @ own) > 1e-9 * max(float(whole @ whole), 1e-30):
             found.append(EffectChange(name, trial, own))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, FreeTerm, Problem, fit
+from calib.diagnosis.candidate import Candidate, FreeTerm, Problem, fit, joined
 from calib.diagnosis.channels import CHANNELS, thinned
 from calib.diagnosis.oscillation import Oscillation, oscillation_of
 from calib.diagnosis.predict import ObservedRun, history_of
@@ -62,8 +62,8 @@ class UnexplainedTerm:
     candidate with its base parameters fitted beside the term; ``runners_up`` as (place, driver,
     share); ``driver`` the variable it depends on: the term's, `WHEEL_ANGLE` where ``turning``, the
     share that goes with the angle of the wheels, is larger, or `FREQUENCY` where that of
-    ``oscillation`` is; ``wheel`` the one that is slower
-    than the other wheel of its axle, where that is most of the excess.
+    ``oscillation`` is; ``wheel`` the one that is slower than the other wheel of its axle, where
+    that is most of the excess.
     """
 
     term: EmpiricalTerm
@@ -104,7 +104,7 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
 
     A temperature is tried only where every run has it, the hold-outs ``held`` among them.
     """
-    innovations = problem.flat(at.base, at.effects)
+    innovations = joined(at.whitened)
     directions = base_directions(problem, at, innovations)
     rest = free(innovations, directions)
     excess = max(at.chi2 - at.count, 1e-9)
@@ -148,7 +148,7 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
         explained=min(float(best[0]), 1.0),
         turning=turning,
         oscillation=swing,
-        wheel=_one_sided(problem, at, excess),
+        wheel=_one_sided(at, excess),
         at=best[5],
         runners_up=tuple(
             (place, driver, float(s))
@@ -175,10 +175,9 @@ def _constant_beside(best: "Found", found: "list[Found]") -> "list[Found]":
 def _turning(problem: Problem, at: Candidate, excess: float) -> tuple[float, str]:
     """Share of the excess that goes with the angle of the front or rear wheels, and which [1]."""
     shares = {}
-    whitened = problem.whitened(at.base, at.effects)
     for axle, own in (("front", "front_sides"), ("rear", "rear_sides")):
         gain = 0.0
-        for run, channels in zip(problem.runs, whitened, strict=True):
+        for run, channels in zip(problem.runs, at.whitened, strict=True):
             angle = thinned(run, run.angle_f if axle == "front" else run.angle_r)
             for name in ("rim", "front_rear", own):
                 x = channels[CHANNELS.index(name)]
@@ -190,12 +189,11 @@ def _turning(problem: Problem, at: Candidate, excess: float) -> tuple[float, str
     return min(shares[best], 1.0), best
 
 
-def _one_sided(problem: Problem, at: Candidate, excess: float) -> str | None:
+def _one_sided(at: Candidate, excess: float) -> str | None:
     """The slower wheel of an axle, where left less right holds most of the excess; else None."""
-    whitened = problem.whitened(at.base, at.effects)
     sides = {}
     for axle in ("front", "rear"):
-        x = np.concatenate([run[CHANNELS.index(f"{axle}_sides")] for run in whitened])
+        x = np.concatenate([run[CHANNELS.index(f"{axle}_sides")] for run in at.whitened])
         sides[axle] = (float(x @ x) - x.size, float(np.mean(x)))
     axle = max(sides, key=lambda a: sides[a][0])
     beyond, mean = sides[axle]

@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 LEAST_Z = 0.01
 """Deceleration [1] below which its relative noise is that of this one: nothing brakes there."""
 
+LEAST_PRESSURE = 3e5
+"""Pressure [Pa] below which a change is counted as one of this pressure."""
+
 
 class BlockLevel(NamedTuple):
     """``value`` of the level of each block, and its relative ``error``, (k,) [1]."""
@@ -50,7 +53,3 @@ def pressure_moves(b: Blocks) -> Array:
     """Share of itself by which the pressure moves, (k,) [1/s]."""
     p = np.maximum(b.p_f, b.p_r)
     return np.asarray(np.abs(np.diff(p, prepend=p[0])) / b.length / np.maximum(p, LEAST_PRESSURE))
-
-
-LEAST_PRESSURE = 3e5
-"""Pressure [Pa] below which a change is counted as one of this pressure."""

@@ -131,10 +131,9 @@ def first_scatter(posterior: TyrePosterior) -> Array:
 
     One column for each of the m directions in which the table has a scatter.
     """
-    at = places(posterior.names)
-    scatter = np.reshape(posterior.scatter, (len(at), len(at))) if posterior.scatter else None
-    if scatter is None:
+    if not posterior.scatter:
         return np.zeros((COUNT, 0))
+    at, scatter = places(posterior.names), np.asarray(posterior.scatter)
     sigma = np.sqrt(np.diag(scatter))
     unit = np.where(sigma > 0.0, sigma, 1.0)
     size, direction = np.linalg.eigh(scatter / np.outer(unit, unit))
