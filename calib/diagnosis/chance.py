@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, joined
-from calib.diagnosis.search import base_directions, change_by, free, full_trials, trials, tried_at
+from calib.diagnosis.search import base_directions, change_by, free, trials, tried_at
 from calib.physics.effects.effect import Card
 from calib.physics.own_effects.own_effect import every_effect
 
@@ -98,7 +98,7 @@ class _Draws:
         """Gain in chi-square of an effect in every replica (`REPLICAS`,), the best of its forms."""
         largest = np.zeros(REPLICAS)
         turned = _quarter_turned(self.problem) if self._turns(name, card) else None
-        for trial in full_trials(self.problem, card):
+        for trial in trials(self.problem, card):
             change = self._free(self.problem, name, trial)
             length = float(change @ change)
             if length < LEAST:

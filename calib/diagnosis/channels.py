@@ -75,7 +75,7 @@ def residuals(run: ObservedRun, predicted: Prediction) -> Array:
         [
             run.a_x - predicted.a_x,
             drift,
-            w.mean(axis=0),
+            0.25 * (w[0] + w[1] + w[2] + w[3]),
             0.5 * (w[0] + w[1] - w[2] - w[3]),
             w[0] - w[1],
             w[2] - w[3],

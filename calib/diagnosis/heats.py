@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, fit
-from calib.diagnosis.decide import FLOOR, Decision, decided_anew, explains
-from calib.diagnosis.jointly import LogStates, fit_jointly
+from calib.diagnosis.decide import FLOOR, Decision, explains
+from calib.diagnosis.jointly import LogStates, fit_jointly, searched_beside
 from calib.diagnosis.predict import ObservedRun
 from calib.physics.braking import BITE
 from calib.physics.disc_temperature import START
@@ -45,8 +45,7 @@ def with_start_heats(decision: Decision) -> Decision:
     at = _jointly(problem, unknown, fit(problem, (FADE,), _start(decision)))
     if at.reduced - FLOOR > (1.0 - SHARE) * (decision.best.reduced - FLOOR):
         return decision
-    other = decided_anew(at)
-    return other if explains(other) else decision
+    return searched_beside(decision, at)
 
 
 def placed(problem: Problem, runs: Sequence[ObservedRun], at: Candidate) -> tuple[ObservedRun, ...]:

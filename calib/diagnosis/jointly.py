@@ -1,6 +1,8 @@
 """A fit of parameters together with states of single logs: their ground, the heat of their discs.
 
-A state that is found beside parameters held still leans on them, so both are fitted at once.
+A state that is found beside parameters held still leans on them, so both are fitted at once. States
+count only if nothing significant is left with them: they are many parameters, and a cause that is
+in no catalogue must stay an unknown one.
 """
 
 from collections.abc import Callable
@@ -10,12 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, bounds, fit, prior_rows, unpack, widths
+from calib.diagnosis.decide import Decision, decided_anew, explains, quiet
 from calib.diagnosis.secant import least_squares
+from calib.diagnosis.together import left_by_all
 
 Array = NDArray[np.float64]
 
 STEPS = 25
 """Most steps of a fit of parameters and states together."""
+
+BEYOND_REACH = 1.0 / 3.0
+"""Share of what is unexplained that all effects together leave in one linear step, from which no
+search can explain it."""
 
 
 @dataclass(frozen=True)
@@ -50,3 +58,21 @@ def fit_jointly(
     scale = np.concatenate([widths(problem, known), states.scale])
     x, _ = least_squares(rows, first, low, high, scale, STEPS)
     return fit(states.driven(x[known:]), names, x[:known])
+
+
+def searched_beside(decision: Decision, at: Candidate) -> Decision:
+    """The decision of a new search with the logs in the states of ``at`` if that explains them.
+
+    Else the given one. Nothing is searched where the effects cannot explain what is left.
+    """
+    if not _within_reach(at):
+        return decision
+    other = decided_anew(at)
+    return other if explains(other) else decision
+
+
+def _within_reach(at: Candidate) -> bool:
+    unexplained = at.reduced - quiet(at)
+    if unexplained <= 0.0:
+        return True
+    return left_by_all(at.problem, at) - quiet(at) <= BEYOND_REACH * unexplained

@@ -156,8 +156,9 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     """Predict a run.
 
     Loads and what depends on them are computed in `PASSES`. The deceleration acts on the tyre
-    forces through the inertia of the wheels alone, so each pass leaves 3 % of its error; where no
-    torque depends on deceleration or heat, the last pass changes nothing and is left out.
+    forces through the inertia of the wheels alone, so each pass leaves 3 % of its error. Where the
+    second pass finds the torques of the first, they depend on neither deceleration nor heat, and it
+    is the last one.
     """
     car = as_driven(vehicle, effects).with_radii(base.radius)
     base = run.ground.applied(base)
@@ -165,16 +166,16 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     energy = (np.zeros_like(z), np.zeros_like(z))
     arrives = line_pressure(effects, history_of(run))
     clamps = caliper_pressure(effects, history_of(run), *arrives)
+    drive = (run.drive_f, run.drive_r)
     torques: list[Array] = []
     leans = any(term.driver == "deceleration" for term in effects.terms)
     for turn in range(PASSES_OF_TERM if leans else PASSES):
         history = _history(run, z, energy)
         before, torques = torques, _torques(car, base, effects, history, clamps)
-        if turn == PASSES - 1 and not leans and all(map(np.array_equal, before, torques)):
-            break
         energy = _energy(run, torques)
-        drive = (run.drive_f, run.drive_r)
         forces, loads, z = _balance(car, base, effects, history, torques, drive)
+        if turn == 1 and not leans and all(map(np.array_equal, before, torques)):
+            break
     softer = (np.sqrt(base.tyre_ratio), 1.0 / np.sqrt(base.tyre_ratio))
     late = wheel_speed_delay(effects)
     slips: list[Array] = []
@@ -183,7 +184,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
             slips.append(slips[-1])
             continue
         carrying = _slip(car, base, force, loads[i]) * softer[i // 2]
-        slip = base.tyre.leading(carrying, run.v_smooth, run.time)
+        slip = base.tyre.leading(carrying, run.v_smooth, run.step)
         slips.append(delayed(run.time, slip, late))
     a_true = -G * z
     last = _history(run, z, energy)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.base import REFERENCE, Ground
 from calib.diagnosis.candidate import BASE, Candidate, Problem
-from calib.diagnosis.decide import FLOOR, Decision, decided_anew, explains
+from calib.diagnosis.decide import FLOOR, Decision, explains
 from calib.diagnosis.groups import HIGH, LOW, PARAMETERS, SPREAD, grouped
-from calib.diagnosis.jointly import LogStates, fit_jointly
+from calib.diagnosis.jointly import LogStates, fit_jointly, searched_beside
 
 Array = NDArray[np.float64]
 
@@ -30,11 +30,7 @@ SHARE = 0.3
 
 
 def regrouped(decision: Decision) -> Decision:
-    """The decision with logs in groups where that explains them and this one does not.
-
-    Groups count only if nothing significant is left with them: they have many parameters, and a
-    cause that is in no catalogue must stay an unknown one.
-    """
+    """The decision with logs in groups where that explains them and this one does not."""
     if explains(decision):
         return decision
     found = {c.names: c for c in reversed((decision.best, *decision.rivals)) if c.names}
@@ -43,8 +39,7 @@ def regrouped(decision: Decision) -> Decision:
     best = min(map(_in_groups, starts), key=lambda candidate: candidate.reduced)
     if not _has_groups(best) or _excess(best) > (1.0 - SHARE) * min(map(_excess, starts)):
         return decision
-    other = decided_anew(best)
-    return other if explains(other) else decision
+    return searched_beside(decision, best)
 
 
 def _in_groups(at: Candidate) -> Candidate:

@@ -27,9 +27,6 @@ R = TypeVar("R")
 REFINED = 6
 """Effects that are fitted in full after the first ranking."""
 
-STARTS = (0.3, 1.0)
-"""Strengths that are tried, in units of the spread; both signs where the card allows."""
-
 
 @dataclass(frozen=True)
 class Hint:
@@ -136,32 +133,25 @@ def unresolved(problem: Problem, at: Candidate, least: Mapping[str, float]) -> t
 def trials(problem: Problem, card: Card) -> list[Array]:
     """Points at which an effect is tried, in spreads from where its parameters count.
 
-    Strength first, then the further parameters, with both signs where the card allows.
+    Full strength first, then the further parameters, with both signs where the card allows.
     """
     origin = origins(problem.vehicle.effects, card)
     strength = card.parameters[0]
     low = (strength.low - origin[0]) / strength.spread
     high = (strength.high - origin[0]) / strength.spread
     points = []
-    for size in STARTS:
-        for sign in (1.0, -1.0):
-            if not low <= sign * size <= high:
-                continue
-            seconds = [np.zeros(len(card.parameters) - 1)]
-            if size == STARTS[-1]:
-                for j, p in enumerate(card.parameters[1:]):
-                    for shift in (-1.0, 1.0):
-                        if p.low <= origin[j + 1] + shift * p.spread <= p.high:
-                            other = np.zeros(len(card.parameters) - 1)
-                            other[j] = shift
-                            seconds.append(other)
-            points += [np.concatenate([[sign * size], second]) for second in seconds]
+    for sign in (1.0, -1.0):
+        if not low <= sign <= high:
+            continue
+        seconds = [np.zeros(len(card.parameters) - 1)]
+        for j, p in enumerate(card.parameters[1:]):
+            for shift in (-1.0, 1.0):
+                if p.low <= origin[j + 1] + shift * p.spread <= p.high:
+                    other = np.zeros(len(card.parameters) - 1)
+                    other[j] = shift
+                    seconds.append(other)
+        points += [np.concatenate([[sign], second]) for second in seconds]
     return points
-
-
-def full_trials(problem: Problem, card: Card) -> list[Array]:
-    """The `trials` of full strength; weaker ones change the innovations in the same direction."""
-    return [trial for trial in trials(problem, card) if abs(trial[0]) >= STARTS[-1]]
 
 
 def refine(problem: Problem, at: Candidate, count: int = REFINED) -> list[Candidate]:

@@ -12,13 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, Problem, fit
-from calib.diagnosis.search import base_directions, begun, change_by, free, full_trials
+from calib.diagnosis.search import base_directions, begun, change_by, free, trials
 from calib.physics.own_effects.own_effect import definition, every_effect
 
 Array = NDArray[np.float64]
 
 ALIKE = 0.999
 """Cosine between the changes of two effects from which they are one direction."""
+
+SAME = 1e-4
+"""Singular value, over the largest, below which directions of all effects are one another's."""
 
 
 @dataclass(frozen=True)
@@ -58,13 +61,27 @@ def together(problem: Problem, at: Candidate, count: int, least: float) -> list[
     )
 
 
+def left_by_all(problem: Problem, at: Candidate) -> float:
+    """Mean squared innovation that all further effects together would leave, in one linear step.
+
+    Each has any size and sign there: no two or three of them leave less. Where an effect is large
+    and acts on the innovations in a bent way, the fitted one can.
+    """
+    innovations = problem.flat(at.base, at.effects)
+    directions = base_directions(problem, at, innovations)
+    rest = free(innovations, directions)
+    changes = np.stack([change.own for change in _changes(problem, at, innovations, directions)])
+    lengths = np.linalg.norm(changes, axis=1)
+    span, weights, _ = np.linalg.svd((changes / lengths[:, None]).T, full_matrices=False)
+    kept = span[:, weights > SAME * weights[0]]
+    return float(rest @ rest - np.sum((kept.T @ rest) ** 2)) / at.count
+
+
 def pairs(problem: Problem, at: Candidate) -> list[EffectPair]:
     """Every pair of effects that are not in ``at`` and help together, best first."""
     innovations = problem.flat(at.base, at.effects)
     directions = base_directions(problem, at, innovations)
-    names = [name for name in every_effect(problem.vehicle.effects) if name not in at.names]
-    changes_of = partial(_changes_of, replace(at, problem=problem.alone), innovations, directions)
-    changes = [one for found in problem.mapped(changes_of, names) for one in found]
+    changes = _changes(problem, at, innovations, directions)
     gains, amounts = _gains(
         np.stack([change.own for change in changes]), free(innovations, directions)
     )
@@ -81,12 +98,21 @@ def pairs(problem: Problem, at: Candidate) -> list[EffectPair]:
     return sorted(best.values(), key=lambda pair: -pair.gain)
 
 
+def _changes(
+    problem: Problem, at: Candidate, innovations: Array, directions: Array
+) -> list[EffectChange]:
+    """Changes by every effect that is not in ``at``."""
+    names = [name for name in every_effect(problem.vehicle.effects) if name not in at.names]
+    changes_of = partial(_changes_of, replace(at, problem=problem.alone), innovations, directions)
+    return [change for found in problem.mapped(changes_of, names) for change in found]
+
+
 def _changes_of(
     at: Candidate, innovations: Array, directions: Array, name: str
 ) -> list[EffectChange]:
     problem = at.problem
     found = []
-    for trial in full_trials(problem, definition(problem.vehicle.effects, name).card):
+    for trial in trials(problem, definition(problem.vehicle.effects, name).card):
         whole = change_by(problem, at, innovations, name, trial)
         own = free(whole, directions)
         if float(own @ own) > 1e-9 * max(float(whole @ whole), 1e-30):

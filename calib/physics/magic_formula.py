@@ -74,11 +74,12 @@ class MagicFormula:
         held = np.where(np.abs(ratio) <= 1.0, ratio, np.nan)
         return self._bent(np.tan(np.arcsin(held) / self.shape), relative_load)
 
-    def leading(self, slip: Array, v: Array, time: Array) -> Array:
+    def leading(self, slip: Array, v: Array, time: Array | float) -> Array:
         """Slip [1] (n,) that the wheel has while ``slip`` (n,) carries the force.
 
-        ``v`` [m/s] (n,) counts as `MOVING` below it; ``time`` [s] (n,). Not valid for a lag that is
-        not short beside what the slip does, nor near the peak, where the way grows shorter.
+        ``v`` [m/s] (n,) counts as `MOVING` below it; ``time`` [s] (n,), or its step [s]. Not valid
+        for a lag that is not short beside what the slip does, nor near the peak, where the way
+        grows shorter.
         """
         if self.relaxation == 0.0:
             return slip
