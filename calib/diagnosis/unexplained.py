@@ -5,7 +5,8 @@ piecewise linear function of a driver (pressure, speed, disc temperature, time s
 deceleration, or none). The pair that explains most tells where to look. The term describes; it is
 not a physical cause. A term cannot follow an effect of the wheel angle, which starts at another
 angle in every run: the share of such an effect is computed from its harmonics. Nor can it follow
-what swings with a frequency of its own: that share is computed from the spectrum.
+what swings with a frequency of its own: that share is computed from the spectrum. A term shows a
+brake torque that something holds, though not what does.
 """
 
 from dataclasses import dataclass, replace
@@ -35,16 +36,18 @@ OF_FRICTION, OF_WEIGHT = 0.9, 0.1
 """Largest value of a term: share of a pad's friction, and force over the weight of the car. A
 larger force over the deceleration would make the prediction follow the measured one."""
 
-HELD = 0.3
-"""Rise of a brake torque with the pressure, over that before, below which something holds it."""
+HELD = 0.5
+"""Rise of a brake torque with the pressure, over that before, below which something holds it. From
+knot to knot: it may be held from the middle on."""
 
 PLAIN = 0.03
-"""Share of the excess that a term must explain beyond a constant one for its driver to be named."""
+"""Share of the excess that a term must explain beyond a plainer one to be preferred to it: beyond a
+constant one, and beyond one that holds a brake torque, which is a single number."""
 
 ONE_SIDED = 0.3
 """Share of the excess in left less right from which one wheel of an axle is named."""
 
-WHEEL_ANGLE, FREQUENCY = "wheel_angle", "frequency"
+WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"
 """Drivers that no term has."""
 
 NO_TERM = 0.1
@@ -61,9 +64,10 @@ class UnexplainedTerm:
     ``term`` and the ``axle`` it acts on; ``explained`` share of the excess, at most 1; ``at`` the
     candidate with its base parameters fitted beside the term; ``runners_up`` as (place, driver,
     share); ``driver`` the variable it depends on: the term's, `WHEEL_ANGLE` where ``turning``, the
-    share that goes with the angle of the wheels, is larger, or `FREQUENCY` where that of
-    ``oscillation`` is; ``wheel`` the one that is slower than the other wheel of its axle, where
-    that is most of the excess.
+    share that goes with the angle of the wheels, is larger, `FREQUENCY` where that of
+    ``oscillation`` is, or `SLIP` where the torque of front brakes is held: no valve does that;
+    ``wheel`` the one that is slower than the other wheel of its axle, where that is most of the
+    excess.
     """
 
     term: EmpiricalTerm
@@ -87,7 +91,7 @@ class UnexplainedTerm:
 def held_from(term: EmpiricalTerm) -> float | None:
     """Pressure [Pa] above which a brake torque hardly rises with it; None where it does rise.
 
-    Brake control that limits the slip, or a valve, holds a torque so.
+    Brake control that limits the slip holds a torque so; at the rear, a valve does, too.
     """
     if not term.on_brakes or term.driver != "pressure":
         return None
@@ -130,19 +134,21 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
         fitted.append(_fitted(problem, at, item, excess))
     fitted.sort(key=lambda item: -item[0])
     others = fitted if len(fitted) > FITTED_BESIDE + 1 else fitted + found[len(tried) :]
-    best = next(
-        (f for f in fitted if f[2] == "constant" and f[0] > fitted[0][0] - PLAIN), fitted[0]
-    )
+    nearly = [f for f in fitted if f[0] > fitted[0][0] - PLAIN]
+    plain = (f for f in nearly if f[2] == "constant" or held_from(_term(*f[1:5])) is not None)
+    best = next(plain, fitted[0])
     turning, axle = _turning(problem, at, excess)
     swing = oscillation_of(at, excess)
     least = max(float(best[0]), NO_TERM)
     driver, acts_on = best[2], PLACES[best[1]]
+    if held_from(_term(*best[1:5])) is not None and acts_on != "rear":
+        driver = SLIP
     if turning > max(least, swing.share):
         driver, acts_on = WHEEL_ANGLE, axle
     elif swing.share > least:
         driver, acts_on = FREQUENCY, "body" if swing.body else "both"
     return UnexplainedTerm(
-        term=EmpiricalTerm(best[1], best[2], tuple(best[3].tolist()), tuple(best[4].tolist())),
+        term=_term(*best[1:5]),
         axle=acts_on,
         driver=driver,
         explained=min(float(best[0]), 1.0),

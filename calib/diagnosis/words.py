@@ -6,7 +6,7 @@ from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.drives import Drive
 from calib.diagnosis.groups import LogGroup
 from calib.diagnosis.printed import in_shown, percent, span, with_unit
-from calib.diagnosis.unexplained import FREQUENCY, WHEEL_ANGLE, UnexplainedTerm, held_from
+from calib.diagnosis.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE, UnexplainedTerm, held_from
 from calib.names import AXLE_NAMES
 from calib.physics.own_effects.own_effect import definition
 
@@ -119,6 +119,7 @@ def _driver(driver: str) -> str:
         "constant": "nothing",
         WHEEL_ANGLE: "the angle of the wheels, turn by turn",
         FREQUENCY: "nothing but time: it swings",
+        SLIP: "the slip, as brake control does",
     }.get(driver, f"the {driver}")
 
 
@@ -238,9 +239,10 @@ def unexplained(found: UnexplainedTerm) -> str:
         )
     held = held_from(found.term)
     if held is not None:
-        text += (
-            f" Above {held / 1e5:.0f} bar the brake torque hardly rises with the pressure: brake "
-            "control or a valve may hold it."
+        text += f" Above {held / 1e5:.0f} bar the brake torque hardly rises with the pressure: " + (
+            "brake control holds it."
+            if found.driver == SLIP
+            else "brake control or a valve may hold it."
         )
     if found.runners_up:
         place, driver, share = found.runners_up[0]

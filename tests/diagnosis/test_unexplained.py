@@ -47,6 +47,14 @@ def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
     assert found.oscillation.share > 0.5
 
 
+@pytest.mark.parametrize("seed", [36, 37])
+def test_brakes_that_a_control_releases_go_with_the_slip(seed):
+    case = draw("outside", seed, names=("abs_modulation",), severity=1)
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
+    found = locate(problem, fit(problem, (), np.zeros(BASE)))
+    assert (found.axle, found.driver) == ("front", "slip")
+
+
 @pytest.mark.parametrize(("name", "axles"), [("weaker_applications", {"both"})])
 def test_brakes_that_weaken_go_with_the_time_of_the_run(name, axles):
     found = placed(name, 33)
