@@ -4,9 +4,9 @@
     loads                    L_f = F_zf - P,  L_r = F_zr + P
     brakes, (2)              phi = B_f e^(rho/2)/(B_f e^(rho/2) + B_r e^(-rho/2))
     forces, (1)              F_f = (phi B + M_f)/L_f,  F_r = ((1 - phi) B + M_r)/L_r
-    tyre                     lambda_0 = e^(c - s +- T/2) (2 L/W)^q F (1 + b2 F w + b3 (F w)^2),
-                             T = tau + dtau, + in front
-    near its peak            no tyre follows a cubic: its slip errs by e (F w/F_e)^12, of the axle
+    tyre                     lambda_0 = e^(c - s +- T/2) (2 L/W)^q F (1 + b2 u + b3 u^2),
+                             u = F e^w, T = tau + dtau, + in front
+    near its peak            no tyre follows a cubic: its slip errs by e (u/F_e)^12, of the axle
                              that is nearer to it, and by e at most; e, F_e as for a ramp
                              (`calib.fitting.ramp`)
     delay                    lambda = lambda_0 - delta d lambda_0/dF dF/dt,  dF_f/dt = phi B'/L_f
@@ -70,7 +70,7 @@ class Shown(NamedTuple):
     """What a block shows: ``eta`` and the mean ``slip`` [1].
 
     ``near_f``, ``near_r`` how near the tyres of each axle are to their peak: the normalised force
-    that would be as near on the road of the ramp, F w [1].
+    that would be as near on the road of the ramp, F e^w [1].
     """
 
     eta: Expression
@@ -136,7 +136,7 @@ def slip(
     As late as ``slip_delay`` says where the force rises by ``rise`` [1/s].
     """
     gain = exp(x.log_compliance - x.log_stiffness) * (2.0 * load / g.weight) ** x.load_exponent
-    u = force * x.peak_ratio
+    u = force * exp(x.log_peak_ratio)
     still = gain * force * (1.0 + x.curvature_2 * u + x.curvature_3 * u * u)
     slope = gain * (1.0 + 2.0 * x.curvature_2 * u + 3.0 * x.curvature_3 * u * u)
     return still - x.slip_delay * slope * rise
@@ -158,7 +158,8 @@ def sensed(
     eta = (1.0 + x.eta_zero) * ((1.0 - slip_r) / (1.0 - slip_f))
     mean = share * slip_f + (1.0 - share) * slip_r
     slip = mean + x.slip_zero + g.lag_gain * x.clock_offset
-    return Shown(eta, slip, forces[0] * x.peak_ratio, forces[1] * x.peak_ratio)
+    w = exp(x.log_peak_ratio)
+    return Shown(eta, slip, forces[0] * w, forces[1] * w)
 
 
 Numbers = Sequence[float]

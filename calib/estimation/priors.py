@@ -43,20 +43,21 @@ class Priors:
     # The surface.
     stiffness: float = 0.35
     """Sigma of log_stiffness: tile to dry asphalt spans factors of 0.6 to 1.1."""
-    peak_per_stiffness: float = -5.0
-    """Mean of peak_ratio - 1 per unit of log_stiffness: a softer surface also peaks earlier."""
-    peak: float = 1.0
-    """Sigma of peak_ratio around that mean."""
+    peak_per_stiffness: float = -2.0
+    """Mean of log_peak_ratio per unit of log_stiffness: tile has 0.7 of the stiffness of dry asphalt and
+    a quarter of its peak, basalt its stiffness and half of its peak."""
+    peak: float = 0.6
+    """Sigma of log_peak_ratio around that mean: both lie about one sigma above it."""
     drift_road: float = 0.02
-    """Random walk of log_stiffness and of peak_ratio [1/sqrt(s)]: no road is the same all along."""
+    """Random walk of log_stiffness and of log_peak_ratio [1/sqrt(s)]: no road is the same all along."""
 
     # A sudden change of the surface.
     change_gate: float = 12.0
     """Mean squared innovation that says the road has changed: 3.5 sigma of both sensors at once."""
     change_stiffness: float = 0.15
     """What log_stiffness is opened by then: a patch differs less than a surface does."""
-    change_peak: float = 0.5
-    """What peak_ratio is opened by then, likewise."""
+    change_peak: float = 0.4
+    """What log_peak_ratio is opened by then, likewise."""
     change_calm: float = 0.03
     """Deceleration [1] still on its way (see ``pitch_time``) below which a change is looked for: a
     surprise while the body moves is the body's."""

@@ -43,7 +43,7 @@ Array = NDArray[np.float64]
 PART = States[str](
     **OF_RAMP._asdict(),
     log_stiffness="tyres",
-    peak_ratio="tyres",
+    log_peak_ratio="tyres",
     load_shift="load_geometry",
     elastic_share="load_geometry",
     pitch_tempo="load_geometry",

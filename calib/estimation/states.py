@@ -23,7 +23,7 @@ class States(NamedTuple, Generic[T]):
 
     log_pad_ratio: T  # ln of the pads' ratio front over rear, relative to nominal
     log_stiffness: T  # ln of the surface's stiffness relative to the table's
-    peak_ratio: T  # the table's peak relative to the surface's
+    log_peak_ratio: T  # ln of the table's peak over the surface's
     load_shift: T  # load moved otherwise than by the pitch mode, over the weight
     elastic_share: T  # share of the load transfer that follows the body's pitch mode
     pitch_tempo: T  # ln of the mode's frequency over the usual one
@@ -58,7 +58,7 @@ class State(NamedTuple):
 def state_list(p: Priors) -> States[State]:
     """Every state with its numbers.
 
-    Two states hang on others. ``peak_ratio`` also moves with the stiffness, by
+    Two states hang on others. ``log_peak_ratio`` also moves with the stiffness, by
     ``peak_per_stiffness``. ``load_shift`` is a Gauss-Markov process: it decays with
     ``pitch_memory`` and is fed by what `calib.estimation.filter_input` says of each block.
     """
@@ -67,7 +67,7 @@ def state_list(p: Priors) -> States[State]:
         #                           symbol   unit start            sigma            drift/sqrt(s)
         log_pad_ratio       = State("rho",   "1", None,            p.ratio,         p.drift_ratio),
         log_stiffness       = State("s",     "1", 0.0,             p.stiffness,     p.drift_road),
-        peak_ratio          = State("w",     "1", 1.0,             p.peak,          p.drift_road),
+        log_peak_ratio      = State("w",     "1", 0.0,             p.peak,          p.drift_road),
         load_shift          = State("xi",    "1", 0.0,             0.0,             0.0),
         elastic_share       = State("kappa", "1", p.elastic_share, p.elastic_sigma, 0.0),
         pitch_tempo         = State("nu",    "1", 0.0,             p.pitch_tempo,   0.0),
@@ -155,17 +155,17 @@ def today_as_then(P: Array) -> None:
 def open_surface(P: Array, priors: Priors) -> None:
     """Add to a covariance, in place, what a sudden change of the road leaves open."""
     P[AT.log_stiffness, AT.log_stiffness] += priors.change_stiffness**2
-    P[AT.peak_ratio, AT.peak_ratio] += priors.change_peak**2
+    P[AT.log_peak_ratio, AT.log_peak_ratio] += priors.change_peak**2
     couple_surface(P, priors.peak_per_stiffness, priors.change_stiffness)
 
 
 def couple_surface(P: Array, slope: float, stiffness: float) -> None:
     """Add to a covariance, in place, that the peak moves with the stiffness.
 
-    ``slope`` d peak_ratio/d log_stiffness; ``stiffness`` the part of the sigma of log_stiffness
+    ``slope`` d log_peak_ratio/d log_stiffness; ``stiffness`` the part of the sigma of log_stiffness
     that it moves with, which P already holds.
     """
-    s, w, variance = AT.log_stiffness, AT.peak_ratio, stiffness**2
+    s, w, variance = AT.log_stiffness, AT.log_peak_ratio, stiffness**2
     P[s, w] += slope * variance
     P[w, s] += slope * variance
     P[w, w] += slope**2 * variance

@@ -14,7 +14,7 @@ from calib.names import G
 L_F, L_R, H = 1.1556, 1.6494, 0.615
 WEIGHT = 1744.0 * G
 STRAIGHT = States(
-    log_pad_ratio=0.0, log_stiffness=0.0, peak_ratio=1.0, load_shift=0.0, elastic_share=0.0,
+    log_pad_ratio=0.0, log_stiffness=0.0, log_peak_ratio=0.0, load_shift=0.0, elastic_share=0.0,
     pitch_tempo=0.0, eta_zero=0.0, slip_zero=0.0, clock_offset=0.0, load_exponent=0.0,
     log_compliance=math.log(0.04), curvature_2=0.0, curvature_3=0.0, table_log_pad_ratio=0.0,
     log_tyre_ratio=0.0, radius_load=0.0, tyre_change=0.0,
@@ -50,7 +50,7 @@ STATES = st.builds(
     States,
     log_pad_ratio=st.floats(-0.5, 0.5),
     log_stiffness=st.floats(-0.6, 0.3),
-    peak_ratio=st.floats(0.5, 4.0),
+    log_peak_ratio=st.floats(-0.7, 1.4),
     load_shift=st.floats(-0.03, 0.03),
     elastic_share=st.floats(-0.5, 1.2),
     pitch_tempo=st.floats(-0.5, 0.5),
@@ -184,6 +184,6 @@ def test_load_that_pitch_moves_late_lowers_the_front():
 def test_how_near_the_peak_is_the_force_by_the_road_s_own_peak():
     """On a road with half the peak, the force of either axle is as near as twice of it."""
     g = block(pitch_deficit=0.0, z=0.2, level=1.0)._replace(moment_f=0.0, moment_r=0.0)
-    _, _, near = measurement(braked)(list(STRAIGHT._replace(peak_ratio=2.0)), list(g))
+    _, _, near = measurement(braked)(list(STRAIGHT._replace(log_peak_ratio=math.log(2.0))), list(g))
     forces = (0.73 * WEIGHT * 0.2 / g.load_f, 0.27 * WEIGHT * 0.2 / g.load_r)
     assert near == pytest.approx([2.0 * force for force in forces])

@@ -116,7 +116,7 @@ def test_tyres_that_the_table_names_are_taken_from_it():
 def test_the_peak_moves_with_the_stiffness():
     """Var of w = slope s + own; s and own independent."""
     _, P = first_state(posterior(np.eye(6)), PRIORS)
-    s, w = AT.log_stiffness, AT.peak_ratio
+    s, w = AT.log_stiffness, AT.log_peak_ratio
     slope = PRIORS.peak_per_stiffness
     assert P[s, s] == pytest.approx(PRIORS.stiffness**2)
     assert P[s, w] == pytest.approx(slope * PRIORS.stiffness**2)

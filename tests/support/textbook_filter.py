@@ -84,7 +84,7 @@ def shown(x, demand, block):
     rests = block["rest_f"], block["rest_r"]
     signs = (1.0, -1.0)
     for F, rise, load, rest, sign in zip((F_f, F_r), rises, loads, rests, signs, strict=True):
-        u = F * a["w"]
+        u = F * math.exp(a["w"])
         near.append(u)
         curve = F + a["b2"] * F * u + a["b3"] * F * u**2
         curve -= a["delta"] * rise * (1.0 + 2.0 * a["b2"] * u + 3.0 * a["b3"] * u**2)
@@ -123,9 +123,9 @@ def first(posterior, p):
     less = P.copy()
     if posterior.scatter:
         less[np.ix_(at, at)] -= np.asarray(posterior.scatter)
-    x[PLACE["w"]], x[PLACE["kappa"]] = 1.0, p.elastic_share
+    x[PLACE["kappa"]] = p.elastic_share
     x[PLACE["delta"]] = p.delay
-    # rho = rho0 + an own part; w - 1 = slope * s + an own part
+    # rho = rho0 + an own part; w = slope * s + an own part
     T = np.eye(COUNT)
     T[PLACE["rho"], PLACE["rho0"]] = 1.0
     T[PLACE["w"], PLACE["s"]] = p.peak_per_stiffness
