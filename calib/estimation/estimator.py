@@ -23,6 +23,7 @@ from calib.estimation.block_pitch import block_pitch
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import Gates, validity
 from calib.estimation.lookup import smoothed
+from calib.estimation.odds_by_level import odds_by_level
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
 from calib.estimation.pad_ratio import PadRatio, Step
 from calib.estimation.pads import estimate_axles
@@ -44,6 +45,7 @@ from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks, blocks
 from calib.signals.brake_balance import BrakeBalance, brake_balance
 from calib.signals.filters import block_mean, block_slope
+from calib.table.pads_budget import front_share
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -234,9 +236,9 @@ def estimate(
     b = replace(as_read, z=block_mean(s.z, as_read.samples))
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = level_of(plan, s, forces)
-    demand = demand_of(plan, s, b, level)
-    answer = split_of(plan, b, demand)
     weighed = weigh_level(plan, s.speed, smoothed(s, s.z, plan.priors), sigma_z, level)
+    demand = demand_of(plan, s, b, level, weighed)
+    answer = split_of(plan, b, demand)
     front, rear = estimate_axles(plan, s, forces, weighed, answer, b)
     driven = drive_slips(used, forces.balance)
     zero = zero_of_eta(s, driven)
@@ -295,13 +297,16 @@ def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:
     return estimate_pad_level(s.sample_time, demanded, nominal, forces.active, density, plan.priors)
 
 
-def demand_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> SplitInput:
+def demand_of(
+    plan: Plan, s: Signals, b: Blocks, level: PadLevel, weighed: WeighedLevel
+) -> SplitInput:
     """Input of the split filter: block means, and the level as known at the end of each block."""
     car, p = plan.nominal, plan.priors
     forces = block_balance(car, plan.known.effects, b)
     B_f, B_r = brake_forces(car, b.p_f, b.p_r)
     biting = np.maximum(b.p_f, b.p_r) > BITE
-    known = np.where(biting, level.value[np.searchsorted(s.time, b.end)], np.nan)
+    at = np.searchsorted(s.time, b.end)
+    known = np.where(biting, level.value[at], np.nan)
     by_deceleration = forces.demanded / np.where(biting, B_f + B_r, np.nan)
     now = block_level(known, by_deceleration, b, plan.noise.z, p)
     pitch = block_pitch(car, b, p)
@@ -323,6 +328,9 @@ def demand_of(plan: Plan, s: Signals, b: Blocks, level: PadLevel) -> SplitInput:
         pitch_deficit=pitch.deficit,
         pitch_slope=pitch.slope,
         rise=block_slope(total, b.samples) / s.sample_time,
+        odds_by_level=odds_by_level(
+            weighed.free[at], weighed.measured[at], front_share(car, 0.0), p
+        ),
     )
 
 

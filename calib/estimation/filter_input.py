@@ -32,7 +32,8 @@ class SplitInput:
     ``load_r`` [N]; ``tyre_sum`` all tyre forces [N]; ``slip`` measured mean slip [1] or None;
     ``pitch_deficit`` load that the pitch mode has not yet moved, over the weight [1], and
     ``pitch_slope`` its slope by the logarithm of the mode's frequency; ``rise`` rate of the brake
-    force of nominal pads [N/s].
+    force of nominal pads [N/s]; ``odds_by_level`` factor on the odds that the pads have the ratio
+    of the ramp, `calib.estimation.odds_by_level` [1].
     """
 
     nominal_f: Array
@@ -50,6 +51,7 @@ class SplitInput:
     pitch_deficit: Array
     pitch_slope: Array
     rise: Array
+    odds_by_level: Array
 
 
 class Measured(NamedTuple):
@@ -106,7 +108,7 @@ def measured(b: Blocks, d: SplitInput, noise: SensorNoise, priors: Priors) -> li
         eta         2 omega^2/(w^2 T)                     (relative (eta - 1 - eta_zero))^2
         slip        omega^2/(w^2 T) + v^2/(V^2 T)         (relative (slip - slip_zero))^2
         relative    model error + pressure and wheels apart in time while the pressure moves,
-                and the error of the level
+                and the error of the level; all of it lasts, `lasting_error`
 
     Between the lead-in and the bite, and after a release, nobody knows whether the pads touch: such
     a block says nothing.
@@ -126,6 +128,17 @@ def measured(b: Blocks, d: SplitInput, noise: SensorNoise, priors: Priors) -> li
     }
     rows = np.column_stack([columns[name] for name in Measured._fields])
     return [Measured(*row) for row in rows.tolist()]
+
+
+def lasting_error(length: float, priors: Priors) -> float:
+    """Factor [1] on an error that lasts for ``model_memory``, for blocks that count it as noise.
+
+    White noise with this factor has, over a long time, the mean of a first-order process with rho
+    of one block to the next: sqrt((1 + rho)/(1 - rho)) (Priestley, Spectral Analysis and Time
+    Series, section 5.3).
+    """
+    rho = math.exp(-length / priors.model_memory)
+    return math.sqrt((1.0 + rho) / (1.0 - rho))
 
 
 def process_noise(vehicle: Vehicle, b: Blocks, priors: Priors) -> Array:

@@ -78,12 +78,14 @@ def weigh(
     innovation: Array,
     log_density: Array,
     changes: tuple[float, ...],
+    odds_by_level: Array,
     priors: Priors,
 ) -> PadRatio:
     """Weigh the ratio against the table's and add what a strange surface leaves open.
 
     ``x`` states (k, COUNT); ``kept`` the entries `KEPT` of their covariance (k, 4); ``innovation``
-    (k, 2) of eta and slip; ``log_density`` (k,) and ``changes`` are handed on. A ratio that cannot
+    (k, 2) of eta and slip; ``log_density`` (k,) and ``changes`` are handed on;
+    ``odds_by_level`` (k,) factor on the odds that the ratio is the table's [1]. A ratio that cannot
     be told from the table's is given back as the table's (`calib.statistics.mixture_posterior`).
     """
     today, then, between, stiffness = kept.T
@@ -91,8 +93,9 @@ def weigh(
     foreign = (priors.foreign * log_stiffness) ** 2
     deviation = log_ratio - x[:, AT.table_log_pad_ratio]
     variance = np.maximum(today + then - 2.0 * between, 1e-12) + foreign
+    odds = priors.ratio_odds * odds_by_level
     posterior = mixture_posterior(
-        deviation, np.sqrt(variance), priors.ratio, priors.ratio_odds, priors.ratio_alike
+        deviation, np.sqrt(variance), priors.ratio, odds, priors.ratio_alike
     )
     # the ratio given the deviation: the rest moves along its correlation with the deviation
     along = (today - between + foreign) / variance

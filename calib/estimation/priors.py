@@ -19,7 +19,8 @@ class Priors:
     """Sigma of log_pad_ratio when the pads do not change alike: a wet front and a dry rear pad
     differ by a quarter."""
     ratio_odds: float = 1.0
-    """Odds that the pads do change alike."""
+    """Odds that the pads do change alike, before their level is known
+    (`calib.estimation.odds_by_level`)."""
     ratio_alike: float = 0.02
     """How exactly pads that change alike keep the table's ratio (standard deviation)."""
     drift_ratio: float = 0.01
@@ -44,12 +45,13 @@ class Priors:
     stiffness: float = 0.35
     """Sigma of log_stiffness: tile to dry asphalt spans factors of 0.6 to 1.1."""
     peak_per_stiffness: float = -2.0
-    """Mean of log_peak_ratio per unit of log_stiffness: tile has 0.7 of the stiffness of dry asphalt and
-    a quarter of its peak, basalt its stiffness and half of its peak."""
+    """Mean of log_peak_ratio per unit of log_stiffness: tile has 0.7 of the stiffness of dry
+    asphalt and a quarter of its peak, basalt its stiffness and half of its peak."""
     peak: float = 0.6
     """Sigma of log_peak_ratio around that mean: both lie about one sigma above it."""
     drift_road: float = 0.02
-    """Random walk of log_stiffness and of log_peak_ratio [1/sqrt(s)]: no road is the same all along."""
+    """Random walk of log_stiffness and of log_peak_ratio [1/sqrt(s)]: no road is the same all
+    along."""
 
     # A sudden change of the surface.
     change_gate: float = 12.0
@@ -95,6 +97,9 @@ class Priors:
     """Misalignment of pressure and wheels [s] while the pressure moves: one frame of a slow bus."""
     model: float = 0.02
     """Relative error of a predicted slip: no tyre curve is exact."""
+    model_memory: float = 0.1
+    """How long an error in proportion to the slip lasts [s]: that of a curve as long as the force
+    is the same, that of the level half a second, that of a road 0.1 s."""
     rolling: float = 0.08
     """Slip or eta - 1 [1] past which a tyre is beyond its peak or a wheel locks: no curve holds."""
 

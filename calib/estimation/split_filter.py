@@ -22,7 +22,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.estimation.filter_input import Measured, SplitInput, given, measured, process_noise
+from calib.estimation.filter_input import (
+    Measured,
+    SplitInput,
+    given,
+    lasting_error,
+    measured,
+    process_noise,
+)
 from calib.estimation.measurement import (
     Given,
     Sensed,
@@ -63,7 +70,7 @@ def filter_pad_ratio(
     x[ETA_ZERO] = vehicle.front.rolling_radius / vehicle.rear.rolling_radius - 1.0
     inputs, readings = given(vehicle, b, demand), measured(b, demand, noise, priors)
     grown = process_noise(vehicle, b, priors)
-    decay = math.exp(-b.length / priors.pitch_memory)
+    decay, lasting = math.exp(-b.length / priors.pitch_memory), lasting_error(b.length, priors)
     count = b.end.size
     kept = _kept(carried.shape[1])
     states, variances = np.empty((count, COUNT)), np.empty((count, kept.size))
@@ -88,13 +95,17 @@ def filter_pad_ratio(
             if alert:
                 before[:] = carried
             predicted = programs[braking](now, g)
-            surprise, density[k], step = _measure(carried, predicted, now, reading, innovation[k])
+            surprise, density[k], step = _measure(
+                carried, predicted, now, reading, lasting, innovation[k]
+            )
             opened = bool(alert and surprise > priors.change_gate)
             if opened:
                 # the road has changed: what was learnt of the pads must not take the blame
                 carried[:] = before
                 open_surface(P, priors)
-                _, density[k], step = _measure(carried, predicted, now, reading, innovation[k])
+                _, density[k], step = _measure(
+                    carried, predicted, now, reading, lasting, innovation[k]
+                )
                 density[k] -= priors.change_gate
                 changes.append(float(b.end[k]))
                 pause = priors.change_pause
@@ -104,7 +115,15 @@ def filter_pad_ratio(
             steps.append(None)
         states[k] = x
         flat.take(kept, out=variances[k], mode="clip")
-    return weigh(states, _with_scatter(variances), innovation, density, tuple(changes), priors)
+    return weigh(
+        states,
+        _with_scatter(variances),
+        innovation,
+        density,
+        tuple(changes),
+        demand.odds_by_level,
+        priors,
+    )
 
 
 def _kept(width: int) -> NDArray[np.int64]:
@@ -125,7 +144,12 @@ def _with_scatter(kept: Array) -> Array:
 
 
 def _measure(
-    carried: Array, predicted: Sensed, now: list[float], reading: Measured, innovation: Array
+    carried: Array,
+    predicted: Sensed,
+    now: list[float],
+    reading: Measured,
+    lasting: float,
+    innovation: Array,
 ) -> tuple[float, float, tuple[Array, Array, Array]]:
     """Take in eta and, where there is one, the slip; return the mean squared innovation.
 
@@ -134,14 +158,14 @@ def _measure(
 
     ``carried`` P, A and x beside each other: with W = whitening H, white = W P and the innovations
     n, P and A become less by white' W P and white' W A, x by white' (-n), which is one product.
-    ``predicted`` at ``now``, which is x as plain floats.
+    ``predicted`` at ``now``, which is x as plain floats; ``lasting`` as `lasting_error` has it.
     """
     (eta, slip), gradients, near = predicted
     measured_eta, measured_slip, var_eta, var_slip, relative, _, _ = reading
     rows = np.array(gradients).reshape(2, COUNT)
     along = rows.dot(carried)
     (total_eta, both), (_, total_slip) = along[:, :COUNT].dot(rows.T).tolist()
-    relative = math.hypot(relative, min(form_error(max(near)), MOST))
+    relative = lasting * math.hypot(relative, min(form_error(max(near)), MOST))
     total_eta += var_eta + (relative * (eta - 1.0 - now[ETA_ZERO])) ** 2
     root = math.sqrt(total_eta)
     first = innovation[0] = (measured_eta - eta) / root

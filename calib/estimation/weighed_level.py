@@ -18,9 +18,9 @@ class WeighedLevel:
 
     ``value`` of the factor; ``sigma`` of its logarithm against the nominal pads; ``absolute`` the
     same with what is open of the nominal pads themselves; ``nominal_weight`` that the pads have the
-    nominal level, 0 where nothing is known; ``free`` logarithm of the level as measured. Its error
-    is made of ``noise``, ``resistance``, ``accelerometer`` and the mass, each a standard deviation
-    relative to the level.
+    nominal level, 0 where nothing is known; ``free`` logarithm of the level as measured, with its
+    error ``measured``. That is made of ``noise``, ``resistance``, ``accelerometer`` and the mass,
+    each a standard deviation relative to the level.
     """
 
     value: Array
@@ -28,6 +28,7 @@ class WeighedLevel:
     absolute: Array
     nominal_weight: Array
     free: Array
+    measured: Array
     noise: Array
     resistance: Array
     accelerometer: Array
@@ -66,6 +67,7 @@ def weigh_level(
         absolute=np.sqrt(against_nominal**2 + weight * sum(plan.ramp_level.values())),
         nominal_weight=weight,
         free=free,
+        measured=sigma,
         noise=noise,
         resistance=resistance,
         accelerometer=accelerometer,

@@ -26,7 +26,7 @@ def mixture_posterior(
     deviation: Array | float,
     sigma: Array | float,
     free_sigma: float,
-    odds: float,
+    odds: Array | float,
     nominal_sigma: float,
 ) -> MixturePosterior:
     """Weigh a measured ``deviation`` from nominal, of standard deviation ``sigma``.

@@ -49,10 +49,10 @@ radii, tyres and pads of the day move it by less than a half of that."""
 DOUBT = -3.0
 """Logarithm of the odds of swapped wheel speeds from which they are named: one in twenty."""
 
-SURE = 20.0
+SURE = 15.0
 """The same from which no sample is valid. Front pads that lost half of their friction reach 17
-without v, one stop of 60 25; swapped wheel speeds 21 to 500 (`tests/studies/weak_pads.py`, seeds
-57 and 58, `tests/studies/swapped_stops.py`)."""
+without v, four stops of five 10; swapped wheel speeds 11 to 240 (`tests/studies/weak_pads.py`, seed
+57, `tests/studies/swapped_stops.py`, seed 3)."""
 
 MOSTLY = 0.5
 """Share of the braked samples with a friction that no pad has, past which weak pads are not why."""

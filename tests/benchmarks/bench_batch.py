@@ -23,6 +23,7 @@ sys.path.insert(0, str(ROOT))
 
 from calib.estimation import adaptive, estimator  # noqa: E402
 from calib.estimation.plan import plan_for  # noqa: E402
+from calib.estimation.weighed_level import weigh_level  # noqa: E402
 from calib.fleet.job import Job  # noqa: E402
 from calib.fleet.pool import Pool  # noqa: E402
 from calib.fleet.run import run_batch  # noqa: E402
@@ -122,7 +123,9 @@ def filter_each_sample(table: Table, path: Path) -> None:
     plan = plan_for(table, log, s)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = estimator.level_of(plan, s, forces)
-    estimator.split_of(plan, each, estimator.demand_of(plan, s, each, level))
+    weighed = weigh_level(plan, s.speed, s.z, np.zeros(s.z.size), level)
+    demand = estimator.demand_of(plan, s, each, level, weighed)
+    estimator.split_of(plan, each, demand)
 
 
 def main() -> None:

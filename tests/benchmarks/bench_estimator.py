@@ -19,6 +19,7 @@ sys.path.insert(0, str(ROOT))
 
 from calib.estimation import adaptive, baselines, estimator  # noqa: E402
 from calib.estimation.plan import plan_for  # noqa: E402
+from calib.estimation.weighed_level import weigh_level  # noqa: E402
 from calib.fitting.fit import fit  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.physics.vehicle_file import read_vehicle  # noqa: E402
@@ -93,7 +94,8 @@ def chain() -> None:
     plan = plan_for(table, stop, s)
     forces = brake_balance(plan.nominal, plan.known.effects, s)
     level = estimator.level_of(plan, s, forces)
-    demand = estimator.demand_of(plan, s, b, level)
+    weighed = weigh_level(plan, s.speed, s.z, np.zeros(n), level)
+    demand = estimator.demand_of(plan, s, b, level, weighed)
 
     def paper_chain() -> None:
         zero = np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])

@@ -56,7 +56,7 @@ def run(rng=None, **moved):
     still, total = np.zeros(COUNT), weight * Z
     demand = SplitInput(
         0.73 * total, 0.27 * total, np.where(Z > 0.0, 1.0, np.nan), still, still, still, still,
-        still, front, weight - front, total, still, still, still, still,
+        still, front, weight - front, total, still, still, still, still, np.ones(COUNT),
     )  # fmt: skip
     x, *_ = first(table_with().posterior, STILL)
     for name, by in moved.items():

@@ -82,6 +82,7 @@ def stop(z, *, ratio=0.0, stiffness=25.0, v=True, eta_zero=0.0, slip_zero=0.0, l
         pitch_deficit=still,
         pitch_slope=still,
         rise=rise,
+        odds_by_level=np.ones(z.size),
     )
     return blocks, demand
 
@@ -255,6 +256,7 @@ def random_stop(seed, v, older=False):
         pitch_deficit=0.01 * rng.normal(size=z.size),
         pitch_slope=0.02 * rng.normal(size=z.size),
         slip=mixed(demand.slip, there.slip, 5e-3) if v else None,
+        odds_by_level=rng.uniform(0.3, 3.0, z.size),
     )
     count = len(NAMES) - 2 * older
     root = rng.normal(size=(count, count)) * 0.3 + np.eye(count)
@@ -296,7 +298,11 @@ def test_is_the_filter_of_the_book(seed, v, older):
     both, cross = book.variance("rho", "rho"), book.variance("rho", "rho0")
     spread = both + book.variance("rho0", "rho0") - 2.0 * cross + foreign
     weighed = mixture_posterior(
-        d, np.sqrt(spread), PRIORS.ratio, PRIORS.ratio_odds, PRIORS.ratio_alike
+        d,
+        np.sqrt(spread),
+        PRIORS.ratio,
+        PRIORS.ratio_odds * demand.odds_by_level,
+        PRIORS.ratio_alike,
     )
     slope = (both - cross + foreign) / spread
     mean = book.state("rho") + slope * (weighed.mean - d)

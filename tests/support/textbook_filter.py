@@ -185,6 +185,9 @@ def textbook(car, blocks, demand, noise, posterior, p):
                 relative = math.hypot(p.model + sync, now["level_error"])
             form = SETTINGS.form_error * (shown(x, now, block)[1] / SETTINGS.form_reach) ** 12
             relative = math.hypot(relative, min(form, SETTINGS.form_error))
+            # an error that lasts, as white noise: AR(1) of one block to the next
+            rho = math.exp(-T / p.model_memory)
+            relative *= math.sqrt((1.0 + rho) / (1.0 - rho))
             wheel = (noise.omega / max(blocks.omega_f[k], 1.0)) ** 2 / T
             sensors = np.array([2.0 * wheel, wheel + (noise.v / speed) ** 2 / T])
 
