@@ -17,7 +17,8 @@ Mask = NDArray[np.bool_]
 
 LOCKS = "a wheel locks, or ABS works"
 NO_PAD = "no pad has such a friction"
-"""Names of these reasons for a sample that is not valid."""
+WIDE = "interval is wider than"
+"""Names of these reasons for a sample that is not valid; `WIDE` is a part of two."""
 
 
 @dataclass(frozen=True)
@@ -86,12 +87,8 @@ def validity(
             "the car is slow": s.speed > gates.speed,
             "the brake has just been applied": since(s.time, ~active) > gates.settle,
             LOCKS: since(s.time, _locked(log, s, gates)) > gates.recover,
-            f"the front interval is wider than {100 * gates.interval_f:g} %": _narrow(
-                front, gates.interval_f
-            ),
-            f"the rear interval is wider than {100 * gates.interval_r:g} %": _narrow(
-                rear, gates.interval_r
-            ),
+            f"the front {WIDE} {100 * gates.interval_f:g} %": _narrow(front, gates.interval_f),
+            f"the rear {WIDE} {100 * gates.interval_r:g} %": _narrow(rear, gates.interval_r),
             NO_PAD: _possible(front, gates) & _possible(rear, gates),
             "the tyres carry more than on the ramp": np.maximum(
                 front.normalised_force, rear.normalised_force

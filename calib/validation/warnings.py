@@ -4,8 +4,10 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.estimation.estimator import Basis, Estimate
+from calib.estimation.gates import WIDE
 from calib.logs.log import Log
 from calib.physics.forces import axle_loads
 from calib.plausibility.load import is_load, load_behind
@@ -16,6 +18,8 @@ from calib.table.pads_budget import front_share
 from calib.validation.limits import Judgement
 from calib.validation.metrics import METRICS
 from calib.warning import PlausibilityWarning
+
+Mask = NDArray[np.bool_]
 
 
 def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
@@ -42,8 +46,8 @@ def limit_warnings(log: str, judged: tuple[Judgement, ...]) -> Iterator[Plausibi
 
 
 def _pads(log: str, e: Estimate) -> Iterator[PlausibilityWarning]:
-    """How the pads changed against each other and together, at the last valid sample."""
-    if not e.valid.any():
+    """How the pads changed against each other and together, at the last sample that tells it."""
+    if not _telling(e).any():
         return
     apart = pads_apart(e)
     if e.basis is None:
@@ -74,14 +78,14 @@ def like_a_load(e: Estimate, level: float, apart: tuple[float, float]) -> bool:
 
 
 def pads_apart(e: Estimate) -> tuple[float, float]:
-    """ln of the front pads' change over the rear ones', at the last valid sample, and its sigma."""
+    """ln of the front pads' change over the rear ones', at the last telling sample; its sigma."""
     last = _last(e)
     apart = math.log(float(e.front.change[last] / e.rear.change[last]))
     return apart, float(e.split.change_sigma[_block(e)])
 
 
 def pads_together(e: Estimate, basis: Basis) -> tuple[float, float]:
-    """ln of the brake force over that of the ramp's pads, at the last valid sample, and its sigma.
+    """ln of the brake force over that of the ramp's pads, at the last telling sample; its sigma.
 
     As it was measured: pads that are not the ramp's. The mass is not counted in the sigma, since
     another load is what it would tell.
@@ -95,11 +99,22 @@ def pads_together(e: Estimate, basis: Basis) -> tuple[float, float]:
     return measured, math.sqrt(sum(float(part) ** 2 for part in parts) + ramp)
 
 
+def _telling(e: Estimate) -> Mask:
+    """The valid samples (n,); without any, those that are too uncertain and nothing else.
+
+    Where the ratio of the pads is not known their level still is, and its error is counted.
+    """
+    if e.valid.any():
+        return e.valid
+    others = [mask for why, mask in e.refused.items() if WIDE not in why]
+    return np.asarray(e.braked & ~np.logical_or.reduce(others))
+
+
 def _last(e: Estimate) -> int:
-    """The last valid sample."""
-    return int(np.flatnonzero(e.valid)[-1])
+    """The last telling sample."""
+    return int(np.flatnonzero(_telling(e))[-1])
 
 
 def _block(e: Estimate) -> int:
-    """The block of the last valid sample."""
+    """The block of the last telling sample."""
     return min(int(np.searchsorted(e.blocks.end, e.time[_last(e)])), e.blocks.end.size - 1)

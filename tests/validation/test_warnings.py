@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from calib.estimation.estimator import estimate
+from calib.estimation.gates import Gates
 from calib.validation.validate import to_dict, validate
 from calib.validation.warnings import warnings_of
 from calib.warning import PlausibilityWarning
@@ -81,6 +82,16 @@ def test_a_load_that_nobody_stated_is_named_and_measured(fitted, seed):
     assert warning.code == "level_changed"
     assert warning.measured == pytest.approx(1.0 / 1.12 - 1.0, abs=0.02)
     assert codes(log, estimate(fitted, log, mass=1.12 * CAR.mass)) == []
+
+
+def test_a_level_is_told_where_the_ratio_of_the_pads_is_not(fitted):
+    """All pads at 0.88 of the ramp's, and a gate that no interval of the rear pads can pass."""
+    pads = (0.88 * axle.pad_friction for axle in (CAR.front, CAR.rear))
+    log = without(noisy(stop(with_pads(REAL, *pads)), 4), "v")
+    e = estimate(fitted, log, gates=Gates(interval_r=0.01))
+    assert not e.valid.any()
+    (warning,) = (w for w in warnings_of(log, e) if w.code == "level_changed")
+    assert warning.measured == pytest.approx(-0.12, abs=0.02)
 
 
 def with_passengers(mass):
