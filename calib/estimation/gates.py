@@ -10,7 +10,8 @@ from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.braking import MOVING
 from calib.signals.axle_signals import Signals
-from calib.signals.filters import low_pass, since
+from calib.signals.filters import since
+from calib.signals.lateral import lateral
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -94,7 +95,7 @@ def validity(
                 front.normalised_force, rear.normalised_force
             )
             < gates.beyond * greatest,
-            "the car corners": np.abs(_lateral(log, s, track_width)) < gates.lateral,
+            "the car corners": np.abs(lateral(log, s, track_width)) < gates.lateral,
             "the wheel is turned": np.abs(steered) < gates.steering,
         }
     valid = np.logical_and.reduce([active, *good.values()])
@@ -109,17 +110,6 @@ def _narrow(axle: AxleEstimate, width: float) -> Mask:
 def _possible(axle: AxleEstimate, gates: Gates) -> Mask:
     low, high = gates.possible
     return np.asarray((axle.pad_friction > low) & (axle.pad_friction < high))
-
-
-def _lateral(log: Log, s: Signals, track_width: float) -> Array:
-    """Lateral acceleration v^2/R [m/s^2] (n,) that the rear wheels' speeds tell of a bend."""
-    left, right = log["omega_rl"], log["omega_rr"]
-    apart = (right - left) / np.maximum(0.5 * (right + left), 1.0)
-    return low_pass(apart * s.speed**2 / track_width, s.sample_time, LATERAL_TIME)
-
-
-LATERAL_TIME = 0.2
-"""Time constant [s] over which the wheels are compared: their noise alone is 1 m/s^2."""
 
 
 def _locked(log: Log, s: Signals, gates: Gates) -> Mask:

@@ -1,12 +1,16 @@
 """What a fit says against its logs and its vehicle file."""
 
+from collections.abc import Iterator
+
 from calib.fitting.identify import Identified
-from calib.fitting.resistance import Resistance
+from calib.fitting.resistance import ROLLING, Resistance
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sensors import judge_accelerometer
 from calib.fitting.sort_logs import Prepared
 from calib.physics.vehicle import Vehicle
+from calib.plausibility.bend import bend_warnings
 from calib.plausibility.pads import calibration_warnings
+from calib.plausibility.resistance import resistance_warnings
 from calib.plausibility.run import run_warnings
 from calib.signals.axle_signals import signals
 from calib.table.table import Calibration
@@ -31,8 +35,27 @@ def fit_warnings(
     runs = [(run, rolling) for run in ramps] + [(run, known) for run in coasts]
     return (
         *calibration_warnings(vehicle, calibration, found.posterior),
+        *_of_resistance(vehicle, known),
         *(warning for run, own in runs for warning in _of_run(vehicle, run, known, own)),
+        *_of_bends(vehicle, ramps, coasts),
     )
+
+
+def _of_resistance(vehicle: Vehicle, known: Resistance) -> tuple[PlausibilityWarning, ...]:
+    """Of a rolling resistance that was identified, not of one that the vehicle file gives."""
+    effect, name = ROLLING
+    if effect in vehicle.effects:
+        return ()
+    found, sigma = (of[effect][name] for of in (known.effects.parameters, known.effects.sigma))
+    return tuple(resistance_warnings(vehicle.name, found, sigma))
+
+
+def _of_bends(
+    vehicle: Vehicle, ramps: list[Prepared], coasts: list[Prepared]
+) -> Iterator[PlausibilityWarning]:
+    straight = [log for log, _, _ in coasts]
+    for log, _, _ in ramps:
+        yield from bend_warnings(log, signals(log, vehicle), vehicle.track_width, straight)
 
 
 def _of_run(

@@ -1,0 +1,32 @@
+"""What the resistance that a fit has found says against the car or a_x."""
+
+from collections.abc import Iterator
+
+from calib.warning import PlausibilityWarning
+
+MOST = 0.018
+"""Rolling coefficient [1] from which it is named: tyres that may be sold have up to 0.0105, of the
+worst class 0.012 (Regulations (EC) 661/2009 and (EU) 2020/740), and half as much again cold."""
+
+
+def resistance_warnings(
+    vehicle: str, coefficient: float, sigma: float
+) -> Iterator[PlausibilityWarning]:
+    """A rolling ``coefficient`` [1], known to ``sigma``, that no tyre has.
+
+    What brakes the car in all runs is taken for its resistance, and taken out of all of them.
+    """
+    if coefficient > MOST + sigma:
+        yield PlausibilityWarning(
+            "rolling_resistance",
+            vehicle,
+            coefficient,
+            (0.0, MOST),
+            (
+                "an engine in gear, a motor that brakes or a brake that drags, in all runs",
+                "the zero or the mounting of a_x",
+                "a soft or loose road, tyres without air",
+            ),
+            "roll in neutral with the brakes free, or log T_drive_f and T_drive_r; zero a_x on "
+            "level ground; if the car is like this, give the effect rolling_resistance in its file",
+        )
