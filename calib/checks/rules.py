@@ -154,7 +154,7 @@ def _short_lead_in(seen: Observation, least: float, braking: str) -> Iterator[st
     if seen.lead_in < least:
         yield (
             f"{seen.lead_in:.2f} s of steady rolling at the start: "
-            f"roll for a second before the {braking}"
+            f"roll for a second before the {braking}, with no engine or motor that brakes"
         )
 
 

@@ -124,6 +124,7 @@ def require_tyre(vehicle: Vehicle, found: Identified, z_max: float, sources: str
         raise LogError(
             "no tyre curve fits: slip would fall while force grows",
             where=sources,
-            expected="wheel speeds fine and even enough to show a slip of 0.1 %",
-            do="look at the wheel speeds with `brake-cal check`, or add a second ramp",
+            expected="no wheel near its limit, and wheel speeds that show a slip of 0.1 %",
+            do="end the ramp before ABS works or a wheel locks; look at the wheel speeds with "
+            "`brake-cal check`, or add a second ramp",
         )
