@@ -24,6 +24,7 @@ UNITS = {
     "tyre_stiffness": "1",
     "level_changed": "1",
     "axles_exchanged": "1",
+    "wheels_crossed": "1",
     "clock_rate": "Hz",
     "clock_jitter": "1",
     "clock_gaps": "s",

@@ -180,7 +180,7 @@ def station(
     nothing, and writes refused.json alone, which says why on the index of the line. The same
     command gives the same bytes and no new version.
     """
-    from calib.checks.gates import refuse_twice
+    from calib.checks.gates import refuse_copies
     from calib.physics.vehicle_file import read_vehicle
     from calib.publish import workshop
     from calib.station.folder import publish_run
@@ -215,7 +215,7 @@ def station(
             table = table_of(car, ramp_logs, coast_logs, identity, weight)
             done()
             stops, results = [read(path, mapping) for path in holdouts], []
-            refuse_twice(stops)
+            refuse_copies([*ramp_logs, *coast_logs], stops)
             for log in stops:
                 results.append(validated(table, log, held, weight))
                 done()

@@ -89,7 +89,7 @@ def validate(
     Exit code 0 if every log holds its limits, with warnings or without, 1 if one does not, or is
     one that the table was fitted on.
     """
-    from calib.checks.gates import refuse_twice
+    from calib.checks.gates import refuse_copy
     from calib.validation.validate import (
         all_warnings,
         require_same_vehicle,
@@ -115,7 +115,7 @@ def validate(
     with progress(f"validating {told} on {len(logs)} log{plural}", len(logs)) as done:
         for path in logs:
             runs.append(read(path, mapping))
-            refuse_twice(runs)
+            refuse_copy(runs[-1], [], runs[:-1])
             results.append(validate_one(used, runs[-1], car, held, mass=weight))
             done()
     summary = to_dict(stored, results)

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.clock import GAP
 from calib.checks.sensors import resolution_of
 from calib.logs.log import Log
 from calib.names import WHEELS
@@ -20,26 +21,33 @@ STEPS = 2.0
 
 def made_of_wheels(log: Log) -> bool:
     """Whether ``v`` is a wheel speed times a radius, or a mean of several of them."""
-    if not is_noise(log["v"]):
+    if not is_noise(log, "v"):
         return False
-    wheels = np.array([rough(log[f"omega_{w}"]) for w in WHEELS])
-    return float(explained_square(wheels, rough(log["v"]))) > SAME**2
+    wheels = np.array([rough(log, f"omega_{w}") for w in WHEELS])
+    return float(explained_square(wheels, rough(log, "v"))) > SAME**2
 
 
-def rough(x: Array) -> Array:
+def rough(log: Log, channel: str) -> Array:
     """Second differences of a channel, of length 1 as a vector."""
-    differences = np.diff(x, 2)
+    differences = _differences(log, channel)
     size = float(np.linalg.norm(differences))
     return differences / size if size > 0.0 else differences
 
 
-def is_noise(x: Array) -> bool:
+def _differences(log: Log, channel: str) -> Array:
+    """Second differences of a channel without those over a gap, which every channel has alike."""
+    steps = np.diff(log.time)
+    even = steps <= GAP * log.sample_time
+    return np.asarray(np.diff(log[channel], 2)[even[1:] & even[:-1]])
+
+
+def is_noise(log: Log, channel: str) -> bool:
     """Whether the second differences are more than rounding, and those of noise.
 
     Those of noise change their sign from one to the next, those of a smooth signal do not.
     """
-    differences = np.diff(x, 2)
+    differences = _differences(log, channel)
     square = float(differences @ differences)
-    rounding = STEPS * resolution_of(x)
+    rounding = STEPS * resolution_of(log[channel])
     above = square > rounding**2 * differences.size
     return above and float(differences[1:] @ differences[:-1]) < -0.3 * square

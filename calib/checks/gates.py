@@ -1,8 +1,11 @@
 """Requirements that a set of logs must fulfil before anything is computed from it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.same_run import same_run
 from calib.checks.swapped import what_to_check
 from calib.errors import LogError
 from calib.logs.log import Log
@@ -21,16 +24,32 @@ STEADY_DRIVE = 20.0
 """Change of the drive's torque [N m per axle] that moves eta by 0.03 %, a tenth of its rise."""
 
 
-def refuse_twice(logs: list[Log]) -> None:
-    """Raise LogError for a run that is given twice: it would count twice."""
-    seen: dict[str, str] = {}
-    for log in logs:
-        if log.digest in seen:
-            raise LogError(
-                f"the same run as {seen[log.digest]}", where=log.source, do="give each run once"
-            )
-        if log.digest:  # a run that is not from a file may have none
-            seen[log.digest] = log.source
+def refuse_copies(fitted: Sequence[Log], held: Sequence[Log] = ()) -> None:
+    """Raise LogError for a run that is given twice, also if it was cut, rounded or resampled.
+
+    ``fitted`` are the logs that something is made of, ``held`` those that are to prove it.
+    """
+    for i, log in enumerate(fitted):
+        refuse_copy(log, fitted[:i])
+    for i, log in enumerate(held):
+        refuse_copy(log, fitted, held[:i])
+
+
+def refuse_copy(log: Log, fitted: Sequence[Log], held: Sequence[Log] | None = None) -> None:
+    """Raise LogError if ``log`` is a run that is given already, see `calib.checks.same_run`.
+
+    ``fitted`` as in `refuse_copies`; with ``held`` the log is one more of those.
+    """
+    first = next((k for k in (*fitted, *(held or ())) if same_run(k, log)), None)
+    if first is None:
+        return
+    told, do = "given twice", "give each run once"
+    if held is not None:
+        told = "held out twice"
+        if any(first is one for one in fitted):
+            told = "which is among the calibration logs: it is no hold-out and proves nothing"
+            do = "hold out a run of its own"
+    raise LogError(f"the same run as {first.source}, {told}", where=log.source, do=do)
 
 
 def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:

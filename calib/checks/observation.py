@@ -6,6 +6,7 @@ import numpy as np
 
 from calib.checks.clock import Clock, clock_of
 from calib.checks.copies import made_of_wheels
+from calib.checks.crossed_wheels import WheelParts, wheel_parts
 from calib.checks.pressure_checks import explained
 from calib.checks.sensors import Sensor, sensors_of
 from calib.checks.wheel_checks import Axles, Slipping, axles_of, slipping
@@ -39,7 +40,8 @@ class Observation:
     explained : share of the deceleration's variance that the pressure explains [1]; None where it
         cannot be told.
     v_of_wheels : whether ``v`` is made of the wheel speeds.
-    axles, slipping : None where ``a_x`` or a wheel speed is missing; so are the times above.
+    axles, slipping, wheels : None where ``a_x`` or a wheel speed is missing; so are the times
+        above. ``wheels`` also without rolling or braking.
     """
 
     present: tuple[str, ...]
@@ -58,6 +60,7 @@ class Observation:
     v_of_wheels: bool = False
     axles: Axles | None = None
     slipping: Slipping | None = None
+    wheels: WheelParts | None = None
 
     def sensor(self, channel: str) -> Sensor | None:
         """The sensor of a channel, or None."""
@@ -96,4 +99,5 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
         v_of_wheels="v" in log and made_of_wheels(log),
         axles=axles_of(log, driving),
         slipping=slipping(log, driving, events),
+        wheels=wheel_parts(log, driving),
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from calib.checks.crossed_wheels import CORRECT, crossed_side
 from calib.checks.observation import Observation
 from calib.checks.sensors import Sensor
 from calib.signals.driving_record import BITE_Z, BrakeEvent
@@ -78,6 +79,9 @@ def _unusable(seen: Observation) -> Iterator[str]:
     yield from _wrong_a_x(seen)
     yield from _wrong_pressure(seen)
     yield from _foreign_pressure(seen)
+    crossed = crossed_side(seen.wheels, seen.alone)
+    if crossed is not None:
+        yield f"{crossed}: {CORRECT}, or look for a brake circuit without pressure"
 
 
 def _wheels(seen: Observation) -> list[str]:

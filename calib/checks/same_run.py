@@ -2,32 +2,28 @@
 
 Two runs have noise of their own, also where a robot drives them alike; a copy has that of its
 original. So the logs are laid over each other, with the lag at which their wheel speeds agree best,
-and what is between them is held against their noise:
+and what is between them is held against their noise. Where they are close, it counts how often the
+third differences, which are noise, have one sign:
 
-    D = spread of (a - b), squared, over sigma_a^2 + sigma_b^2     one run: 0 to 0.7; two: 1 or more
+    D = spread of (a - b), squared, over sigma_a^2 + sigma_b^2     one run: 0 to 0.9; two: 1 or more
+    r = sin(pi/2 * mean(sign(a''') * sign(b''')))                  one run: 0.3 to 1; two: about 0
 
-It is computed from samples, of which a copy may have left out some, and from means over 50 ms, of
-which a copy may be made. Wrong where most channels of a copy are rounded to more than five times
+Both are computed from samples, of which a copy may have left out some, and from means over 50 ms,
+of which a copy may be made. Wrong where most channels of a copy are rounded to more than five times
 their noise: the noise is lost then, and the runs count as two.
 """
-
-import math
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.sensors import resolution_of
+from calib.checks.fingerprint import Fingerprint
+from calib.checks.run_view import COMPARED, MEANS, View, noise_of, spread, view_of
 from calib.logs.log import Log
-from calib.names import WHEELS
-from calib.physics.lag import integral
 
 Array = NDArray[np.float64]
 
 GRID = 0.01
 """Shortest step at which samples are compared [s]."""
-
-MEANS = 0.05
-"""Length of the means that are compared [s]."""
 
 OVERLAP = 0.5
 """Share of the shorter log that must lie within the other one."""
@@ -36,19 +32,21 @@ ALIKE = 0.75
 """Median of D over the channels below which two logs are one run. Of white noise, means of two
 samples make 0.33, of five 0.67; two runs of one motion make 1 (`tests/checks/test_same_run.py`)."""
 
+TWO = 1.0
+"""Median of D from which two logs are two runs, whatever r is."""
+
+TOGETHER = 0.25
+"""r from which two logs whose D is below `TWO` are one run: every k-th sample of white noise makes
+1/sqrt(k), two runs of one motion 0 (`tests/studies/copies.py`)."""
+
 FAR = 1e3
-"""D of the wheel speeds past which nothing further is compared: a lag of half a step makes 100."""
+"""D of the wheel speeds past which nothing further is compared."""
+
+ROUNDS = 3
+"""Steps of Newton's method to a lag between the samples."""
 
 FEWEST = 20
 """Samples that must lie over each other."""
-
-NORMAL = 1.4826
-"""Standard deviation over the median of the absolute values, of normal noise [1]."""
-
-COMPARED = ("p_mc", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
-
-View = dict[str, Array]
-"""Channels on an even clock, and the mean of the ``wheels``."""
 
 
 def same_run(one: Log, other: Log) -> bool:
@@ -56,76 +54,95 @@ def same_run(one: Log, other: Log) -> bool:
     if one.digest and one.digest == other.digest:
         return True
     step = max(one.sample_time, other.sample_time)
-    return _agree(one, other, max(GRID, step), means=False) or _agree(
-        one, other, max(MEANS, 2.0 * step), means=True
+    return any(
+        _agree(view_of(one, length, means=means), other, length, means=means)
+        for length, means in ((max(GRID, step), False), (max(MEANS, 2.0 * step), True))
     )
 
 
-def _agree(one: Log, other: Log, step: float, *, means: bool) -> bool:
+def same_as(fingerprint: Fingerprint, log: Log) -> bool:
+    """Whether a log holds the run of a fingerprint, or parts of it, as `same_run`."""
+    return _agree(fingerprint.view, log, fingerprint.step, means=True)
+
+
+def _agree(a: View, other: Log, step: float, *, means: bool) -> bool:
     """Whether the channels agree, laid over each other where the wheel speeds agree best.
 
-    The lag need not be a whole number of steps.
+    The lag need not be a whole number of steps: ``other`` is read again between them.
     """
-    a, b = _view(one, step, means), _view(other, step, means)
+    b = view_of(other, step, means=means)
     if min(a["wheels"].size, b["wheels"].size) < FEWEST:
         return False
-    lag, part = _best_lag(a["wheels"], b["wheels"])
-    if _apart(a["wheels"], b["wheels"], lag) > FAR:
-        return False
+    lag = _best_lag(a["wheels"], b["wheels"])
     if _alike(a, b, lag):
         return True
-    return _alike(a, _view(other, step, means, -part % 1.0 * step), lag + int(np.ceil(part)))
-
-
-def _view(log: Log, step: float, means: bool, offset: float = 0.0) -> View:
-    """The channels every ``step`` [s] from ``offset`` [s] on: interpolated, or means of a step."""
-    time = np.arange(log.time[0] + offset, log.time[-1] + 1e-9, step)
-    channels = {}
-    for name in COMPARED:
-        if name in log:
-            x = integral(log.time, log[name]) if means else log[name]
-            at = np.interp(time, log.time, x)
-            channels[name] = np.diff(at) / step if means else at
-    return channels | {"wheels": np.mean([channels[f"omega_{w}"] for w in WHEELS], axis=0)}
+    late = float(lag)
+    for _ in range(ROUNDS):
+        rest, far = _rest(a["wheels"], b["wheels"], lag)
+        if far > FAR:
+            return False
+        late += rest
+        lag = int(np.ceil(late))
+        b = view_of(other, step, means=means, offset=(lag - late) * step)
+        if b["wheels"].size < FEWEST or abs(lag) > max(a["wheels"].size, b["wheels"].size) - FEWEST:
+            return False
+    return _alike(a, b, lag)
 
 
 def _alike(one: View, other: View, lag: int) -> bool:
-    """Whether D says so, where ``other`` begins ``lag`` samples after ``one``."""
-    changes = [
-        name
+    """Whether D and r say so, where ``other`` begins ``lag`` samples after ``one``."""
+    pairs = [
+        _over(one[name], other[name], lag)
         for name in COMPARED
         if name in one and name in other and np.ptp(one[name]) + np.ptp(other[name]) > 0.0
     ]
-    apart = [_apart(one[name], other[name], lag) for name in changes]
-    return bool(apart) and float(np.median(apart)) < ALIKE
+    if not pairs:
+        return False
+    apart = float(np.median([_apart(a, b) for a, b in pairs]))
+    return apart < ALIKE or (apart < TWO and _together(pairs) > TOGETHER)
 
 
-def _apart(one: Array, other: Array, lag: int) -> float:
-    """D of a channel."""
+def _over(one: Array, other: Array, lag: int) -> tuple[Array, Array]:
+    """The parts of two channels that lie over each other."""
     a, b = one[max(lag, 0) :], other[max(-lag, 0) :]
     n = min(a.size, b.size)
-    between = _spread(a[:n] - b[:n]) ** 2
-    noise = _noise(one) ** 2 + _noise(other) ** 2
+    return a[:n], b[:n]
+
+
+def _apart(a: Array, b: Array) -> float:
+    """D of a channel."""
+    between = spread(a - b) ** 2
+    noise = noise_of(a) ** 2 + noise_of(b) ** 2
     if noise == 0.0:
         return 0.0 if between == 0.0 else np.inf
     return between / noise
 
 
-def _spread(x: Array) -> float:
-    """Standard deviation from zero of most of the values: where a braking begins, lags count."""
-    return float(NORMAL * np.median(np.abs(x)))
+def _together(pairs: list[tuple[Array, Array]]) -> float:
+    """r: how often the third differences of two runs have one sign, as a correlation [1].
 
-
-def _noise(x: Array) -> float:
-    """Standard deviation of the noise of a channel and of its rounding, by third differences."""
-    return max(_spread(np.diff(x, 3)) / math.sqrt(20.0), resolution_of(x) / math.sqrt(12.0))
-
-
-def _best_lag(a: Array, b: Array) -> tuple[int, float]:
-    """The lag of ``b`` in ``a`` at which the mean square between them is least.
-
-    In whole steps, and what a parabola through the neighbours adds to it [1].
+    Of signs, as the bite of the brakes is the same in every run, and much larger than the noise.
     """
+    signs = [np.sign(np.diff(a, 3)) * np.sign(np.diff(b, 3)) for a, b in pairs]
+    both = np.concatenate(signs)
+    both = both[both != 0.0]
+    return float(np.sin(0.5 * np.pi * np.mean(both))) if both.size >= FEWEST else 0.0
+
+
+def _rest(one: Array, other: Array, lag: int) -> tuple[float, float]:
+    """Steps by which ``other`` is later still than ``lag``, and D that is left then.
+
+    By the slope of the wheel speeds.
+    """
+    a, b = _over(one, other, lag)
+    slope = np.gradient(b)
+    square = float(slope @ slope)
+    rest = float(np.clip(slope @ (b - a) / square, -1.0, 1.0)) if square > 0.0 else 0.0
+    return rest, _apart(a, b - rest * slope)
+
+
+def _best_lag(a: Array, b: Array) -> int:
+    """The lag of ``b`` in ``a`` [steps] at which the mean square between them is least."""
     least = max(FEWEST, int(OVERLAP * min(a.size, b.size)))
     centre = float(a.mean())
     a, b = a - centre, b - centre
@@ -136,8 +153,4 @@ def _best_lag(a: Array, b: Array) -> tuple[int, float]:
     squares = [np.concatenate([[0.0], np.cumsum(x**2)]) for x in (a, b)]
     total = squares[0][last] - squares[0][first]
     total += squares[1][last - lags] - squares[1][first - lags]
-    between = (total - 2.0 * product) / (last - first)
-    i = int(np.clip(np.argmin(between), 1, lags.size - 2))
-    before, at, after = between[i - 1 : i + 2]
-    bent = before - 2.0 * at + after
-    return int(lags[i]), 0.5 * float(before - after) / bent if bent > 0.0 else 0.0
+    return int(lags[np.argmin((total - 2.0 * product) / (last - first))])

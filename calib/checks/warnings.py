@@ -46,6 +46,12 @@ def _clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
             "clock_jitter", log, clock.jitter * clock.rate, (0.0, JITTER),
             ("a logger or a bus that is too busy",), "log fewer channels, or with a faster logger",
         )  # fmt: skip
+    yield from clock_gaps(log, seen)
+
+
+def clock_gaps(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    """Samples that are missing: what is computed between their neighbours is no measurement."""
+    clock = seen.clock
     if clock.gaps:
         when, length = max(clock.gaps, key=lambda gap: gap[1])
         yield PlausibilityWarning(

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.gates import refuse_copies
 from calib.diagnosis.agreement import half_widths
 from calib.diagnosis.axles import require_axles
 from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, problem_of
@@ -21,7 +22,6 @@ from calib.diagnosis.doubts import base_half_widths
 from calib.diagnosis.drives import Drive, drives
 from calib.diagnosis.gap import Gap, gap_of
 from calib.diagnosis.gates import (
-    refuse_copies,
     require_enough,
     require_own_pressure,
     require_right_channels,

@@ -12,7 +12,6 @@ import numpy as np
 from calib.checks.gates import require_same_wheels
 from calib.checks.observation import observe
 from calib.checks.rules import wrong_channels
-from calib.checks.same_run import same_run
 from calib.diagnosis.judged import JudgedLog
 from calib.errors import LogError
 from calib.logs.log import Log
@@ -38,22 +37,6 @@ def require_enough(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
             "nothing is braked in the calibration logs",
             expected="pressure above 5 bar in at least one",
         )
-
-
-def refuse_copies(calibration: Sequence[Log], holdout: Sequence[Log]) -> None:
-    """Raise LogError for a run that is given twice, also if it was cut, rounded or resampled."""
-    given = [*calibration, *holdout]
-    for i, log in enumerate(given):
-        first = next((k for k, other in enumerate(given[:i]) if same_run(other, log)), None)
-        if first is None:
-            continue
-        told, do = "given twice", "give each run once"
-        if i >= len(calibration):
-            told = "held out twice"
-            if first < len(calibration):
-                told = "which is among the calibration logs: it is no hold-out and proves nothing"
-                do = "hold out a run of its own"
-        raise LogError(f"the same run as {given[first].source}, {told}", where=log.source, do=do)
 
 
 def require_right_channels(vehicle: Vehicle, logs: Sequence[Log]) -> None:

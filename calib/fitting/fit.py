@@ -59,7 +59,7 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
 
     0.4 is what the simulation had [1].
     """
-    notes = {(log.name, log.digest): log.notes for log in logs}
+    read = {(log.name, log.digest): log for log in logs}
     driven = weighed(vehicle, mass)
     corrected = [remove_known_effects(driven, log) for log in logs]
     car = corrected[0].vehicle if corrected else driven
@@ -106,7 +106,7 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
             *remarks(car, found, runs, known, peak, len(coasts)),
             *bought(car, found, runs, known),
         ),
-        provenance=provenance({"ramp": ramps, "coast": coasts}, notes),
+        provenance=provenance({"ramp": ramps, "coast": coasts}, read),
         warnings=fit_warnings(car, *as_read, known, found, pads),
         budget=table_budget(car, found, level, pads),
     )

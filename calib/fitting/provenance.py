@@ -3,26 +3,35 @@
 from collections.abc import Mapping
 
 from calib import __version__
+from calib.checks.fingerprint import fingerprint_of
 from calib.fitting.settings import SETTINGS
 from calib.fitting.sort_logs import Prepared
+from calib.logs.log import Log
 from calib.physics.braking import BITE
 from calib.signals.blocks import BLOCK
 from calib.table.table import LogReference, Provenance
 
 
 def provenance(
-    logs: Mapping[str, list[Prepared]], notes: Mapping[tuple[str, str], tuple[str, ...]]
+    logs: Mapping[str, list[Prepared]], read: Mapping[tuple[str, str], Log]
 ) -> Provenance:
-    """Return the parents of a table; ``logs`` by role, ``notes`` by a log's name and digest."""
+    """Return the parents of a table.
+
+    ``logs`` by role; ``read`` the same logs as they were read, by name and digest.
+    """
     return Provenance(
         logs=tuple(
-            LogReference(log.name, log.digest, role, notes[log.name, log.digest])
+            _reference(read[log.name, log.digest], role)
             for role, group in logs.items()
             for log, _, _ in group
         ),
         settings=settings(),
         program=f"brake-cal {__version__}",
     )
+
+
+def _reference(log: Log, role: str) -> LogReference:
+    return LogReference(log.name, log.digest, role, log.notes, fingerprint_of(log))
 
 
 def settings() -> dict[str, float]:

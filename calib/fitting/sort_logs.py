@@ -1,7 +1,7 @@
 """Ramps and coast logs among the logs of a fit, and which of them will do."""
 
 from calib.checks.check import problems_for
-from calib.checks.gates import refuse_twice, require_right_slip, require_same_wheels
+from calib.checks.gates import refuse_copies, require_right_slip, require_same_wheels
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.physics.vehicle import Vehicle
@@ -20,7 +20,7 @@ def sort_logs(vehicle: Vehicle, logs: list[Log]) -> tuple[list[Prepared], list[P
     The order of the command line must not change a bit of the table. Raises LogError for a log
     that will not do, that is not of this vehicle, or that is there twice.
     """
-    refuse_twice(logs)
+    refuse_copies(logs)
     ramps: list[Prepared] = []
     coasts: list[Prepared] = []
     for log in sorted(logs, key=lambda item: item.digest):

@@ -30,11 +30,11 @@ def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Plausib
 
 
 def _twice(log: Log) -> Iterator[PlausibilityWarning]:
-    noise = {name: rough(log[name]) for name in COMPARED if name in log}
+    noise = {name: rough(log, name) for name in COMPARED if name in log}
     rows = np.array(list(noise.values()))
     alike = np.abs(rows @ rows.T)
     for (i, one), (j, other) in combinations(enumerate(noise), 2):
-        if alike[i, j] > SAME and is_noise(log[one]):
+        if alike[i, j] > SAME and is_noise(log, one):
             yield PlausibilityWarning(
                 "same_signal",
                 log.name,

@@ -57,15 +57,16 @@ def sheets(given: PlotInput) -> Iterator[Sheet]:
 
 
 def _of_table(stored: Stored, given: PlotInput) -> Iterator[Sheet]:
-    roles = {parent.digest: parent.role for parent in stored.table.provenance.logs}
-    ramps = [found for found in given.logs if roles.get(found.digest) == "ramp"]
+    parents = [stored.table.provenance.parent_of(found) for found in given.logs]
+    roles = [None if parent is None else parent.role for parent in parents]
+    ramps = [found for found, role in zip(given.logs, roles, strict=True) if role == "ramp"]
     if ramps or not given.logs:
         measured = tuple(measure(stored.table, ramp) for ramp in ramps)
         yield table.sheet(stored.table, stored.id, measured)
-    for found in given.logs:
-        if found.digest not in roles:
+    for found, role in zip(given.logs, roles, strict=True):
+        if role is None:
             yield _of_stop(stored, found, given)
-        elif roles[found.digest] != "ramp":
+        elif role != "ramp":
             yield log.sheet(found)  # a coast has no braked sample
 
 

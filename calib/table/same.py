@@ -29,8 +29,15 @@ RESULTS = ("calibration", "effects", "noise", "posterior", "quality")
 
 def inputs(record: dict[str, Any]) -> str:
     """SHA-256 over everything in a record that was given to the fit, and over the program."""
-    given = {name: record.get(name) for name in ("name", "vehicle", "provenance", "by_hand")}
+    given = {name: record.get(name) for name in ("name", "vehicle", "by_hand")}
+    origin = record["provenance"]
+    given["provenance"] = {**origin, "logs": [_given(log) for log in origin["logs"]]}
     return hashlib.sha256(canonical_json(given)).hexdigest()
+
+
+def _given(log: dict[str, Any]) -> dict[str, Any]:
+    """A log of a record without the numbers of its fingerprint, which follow from the log."""
+    return {**log, "fingerprint": "fingerprint" in log}
 
 
 def same(a: Table, b: Table) -> bool:

@@ -17,7 +17,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.fingerprint import Fingerprint
+from calib.checks.same_run import same_as
 from calib.digest import content_digest
+from calib.logs.log import Log
 from calib.physics.effects.effects import Effects
 from calib.physics.tyre import PARAMETERS as TYRE
 from calib.physics.tyre import Tyre
@@ -182,12 +185,24 @@ class LogReference:
     """A log of the fit: its name, the SHA-256 of its bytes, its role, and notes of its reader.
 
     ``notes`` say what was resampled or decoded, and how; empty for a log that was used unchanged.
+    ``fingerprint`` tells a copy of the run from another run; the record of an older table does not
+    have it.
     """
 
     name: str
     digest: str
     role: str
     notes: tuple[str, ...] = ()
+    fingerprint: Fingerprint | None = None
+
+    def is_run_of(self, log: Log) -> bool:
+        """Whether ``log`` holds this run, also if it was cut, thinned, rounded or resampled.
+
+        Without a fingerprint only an equal file is known.
+        """
+        if log.digest == self.digest:
+            return True
+        return self.fingerprint is not None and same_as(self.fingerprint, log)
 
 
 @dataclass(frozen=True)
@@ -212,6 +227,10 @@ class Provenance:
     program: str
     identity: dict[str, str] = field(default_factory=dict)
     parents: tuple[TableReference, ...] = ()
+
+    def parent_of(self, log: Log) -> LogReference | None:
+        """The log of the fit that ``log`` is, or is a copy of; None for another run."""
+        return next((one for one in self.logs if one.is_run_of(log)), None)
 
 
 @dataclass(frozen=True)
@@ -273,8 +292,9 @@ class Table:
             one = len(vehicle["terms"]) == 1
             record["empirical"] = vehicle["terms"][0] if one else vehicle["terms"]
         for log in record["provenance"]["logs"]:
-            if not log["notes"]:  # the format of older tables: without notes of a reader
-                del log["notes"]
+            for key in ("notes", "fingerprint"):
+                if not log[key]:  # the format of older tables: without notes of a reader
+                    del log[key]
         for key in ("warnings", "budget", "spread", "by_hand"):
             if not getattr(self, key):  # the format of older tables
                 del record[key]

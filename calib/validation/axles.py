@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from calib.checks.crossed_wheels import CORRECT, LEAST, Crossed, WheelParts, crossed_diagonal
 from calib.checks.gates import bitten, eta_rise
 from calib.checks.swapped import what_to_check
 from calib.errors import LogError
@@ -56,6 +57,10 @@ without v, four stops of five 10; swapped wheel speeds 11 to 240 (`tests/studies
 
 MOSTLY = 0.5
 """Share of the braked samples with a friction that no pad has, past which weak pads are not why."""
+
+MIRRORED = 1.5
+"""What left and right differ by over the table's rise of eta, or the inverse [1], up to which a
+swap of a diagonal is sure: the swap makes one of the other, a bend any size."""
 
 LIMIT = 0.1
 """Share of the braked samples with a wheel at its limit past which nothing is weighed: the filter
@@ -132,6 +137,45 @@ def axles_warnings(log: str, e: Estimate, other: Exchanged | None) -> Iterator[P
         ),
         "compare the columns of the wheel speeds with the car, and correct them with a channel "
         "map; if they are right, look at the pads of both axles",
+    )
+
+
+class CrossedStop(NamedTuple):
+    """The two wheels of a diagonal that a stop has exchanged; ``sure`` as `MIRRORED` has it.
+
+    ``z`` deceleration of the stop [1].
+    """
+
+    found: Crossed
+    sure: bool
+    z: float
+
+
+def crossed_wheels(table: Table, e: Estimate, parts: WheelParts | None) -> CrossedStop | None:
+    """A front and a rear wheel of one diagonal that changed places, None where nothing says so.
+
+    Those of one side are refused before a stop is estimated, see `calib.checks.crossed_wheels`.
+    """
+    r = _rise(table, e.blocks)
+    found = crossed_diagonal(parts, r.expected) if r is not None else None
+    if r is None or parts is None or found is None:
+        return None
+    size = abs(found.part / r.expected)
+    return CrossedStop(found, 1.0 / MIRRORED < size < MIRRORED, parts.z)
+
+
+def crossed_warnings(log: str, crossed: CrossedStop | None) -> Iterator[PlausibilityWarning]:
+    """A warning for a front and a rear wheel that changed places."""
+    if crossed is None:
+        return
+    found, least = crossed.found, LEAST * crossed.z
+    yield PlausibilityWarning(
+        "wheels_crossed",
+        log,
+        found.part,
+        (-least, least),
+        (f"{found}", "weak front pads, in a bend that begins with the braking"),
+        CORRECT,
     )
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from calib.checks.gates import require_same_wheels
 from calib.checks.observation import observe
 from calib.checks.rules import problems
-from calib.checks.warnings import locked_wheels
+from calib.checks.warnings import clock_gaps, locked_wheels
 from calib.errors import LogError, VehicleError
 from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
@@ -27,7 +27,13 @@ from calib.signals.axle_signals import signals
 from calib.store.version import Stored
 from calib.table.budget import AxleBudget, summary
 from calib.table.table import Table
-from calib.validation.axles import SURE, axles_warnings, judge_axles
+from calib.validation.axles import (
+    SURE,
+    axles_warnings,
+    crossed_warnings,
+    crossed_wheels,
+    judge_axles,
+)
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
 from calib.validation.roads import Road, roads_of
@@ -208,13 +214,19 @@ def validate_one(
     require_same_wheels(table.vehicle, log, signals(log, table.vehicle))
     result = estimate(table, log, vehicle, mass=mass, with_laws=baselines)
     other = judge_axles(table, log, result)
+    crossed = crossed_wheels(table, result, seen.wheels)
     warnings = (
+        *clock_gaps(log.name, seen),
         *warnings_of(log, result),
         *axles_warnings(log.name, result, other),
         *locked_wheels(log.name, seen),
+        *crossed_warnings(log.name, crossed),
     )
     if other is not None and other.log_odds > SURE:
         result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
+    if crossed is not None and crossed.sure:
+        front, rear = crossed.found.wheels
+        result = without_answer(result, f"the wheel speeds fit with {front} and {rear} exchanged")
     if _foreign(warnings, result.z[result.braked]):
         result = without_answer(result, "something brakes that the pressure does not explain")
     if _foreign(_of_ramps(table), table.paper.z):
@@ -222,11 +234,10 @@ def validate_one(
     figures = score(log, car, result)
     compared = baselines and bool(result.valid.any())
     truth = truth_of(log, car, result) if compared else None
-    parents = {parent.digest for parent in table.provenance.logs}
     return Validation(
         log=log.name,
         digest=log.digest,
-        role=CALIBRATION if log.digest in parents else HOLDOUT,
+        role=HOLDOUT if table.provenance.parent_of(log) is None else CALIBRATION,
         estimate=result,
         figures=figures,
         judgements=judge(limits, figures),

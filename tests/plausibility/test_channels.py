@@ -50,6 +50,13 @@ def test_a_copy_is_named(clean, to, source, gain):
     ]
 
 
+def test_missing_samples_are_no_copies(clean):
+    """Over a gap every wheel makes the same step."""
+    log = noisy(clean, 0)
+    part = np.r_[0:500, 800 : log.time.size]
+    assert found(changed(log, **{name: x[part] for name, x in log.channels.items()})) == []
+
+
 @pytest.mark.parametrize("factor", [0.975, 1.025])
 def test_a_wrong_speed_shows_as_another_radius(clean, factor):
     log = noisy(clean, 0)

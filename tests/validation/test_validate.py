@@ -104,6 +104,60 @@ def test_a_calibration_log_is_told_from_a_hold_out(table, run, wet):
     assert roles == ["calibration", "hold-out"]
 
 
+@pytest.mark.parametrize("done", ["cut", "thinned", "late", "rounded"])
+def test_a_copy_of_the_ramp_is_no_hold_out(table, run, done):
+    """The table alone knows it, by the fingerprint in its record."""
+    rows = {"cut": slice(0, -60), "thinned": slice(None, None, 2)}.get(done, slice(None))
+    late = {"time": run.time[rows] + 10.0 * (done == "late")}
+    digits = 2 if done == "rounded" else 9
+    channels = {name: np.round(x[rows], digits) for name, x in run.channels.items()}
+    copy = replace(run, channels=channels | late, truth={}, digest="ab" * 32)
+    (found,) = validate(table, [copy])
+    assert found.role == "calibration"
+    assert not found.passed
+
+
+def test_a_table_without_fingerprints_knows_the_file_only(table, run):
+    logs = tuple(replace(log, fingerprint=None) for log in table.provenance.logs)
+    older = replace(table, provenance=replace(table.provenance, logs=logs))
+    roles = [v.role for v in validate(older, [run, replace(run, digest="ab" * 32)])]
+    assert roles == ["calibration", "hold-out"]
+
+
+def test_missing_samples_are_named_and_no_signal_is_called_a_copy(table, wet):
+    part = np.r_[0:500, 560 : wet.time.size]
+    gap = replace(wet, channels={k: x[part] for k, x in wet.channels.items()}, truth={})
+    (found,) = validate(table, [gap])
+    codes = {one.code: one for one in found.warnings}
+    assert codes["clock_gaps"].measured == pytest.approx(61 * wet.sample_time)
+    assert "same_signal" not in codes
+
+
+def swapped_wheels(log, a, b):
+    return replace(
+        log, channels={**log.channels, f"omega_{a}": log[f"omega_{b}"],
+                       f"omega_{b}": log[f"omega_{a}"]}, truth={}
+    )  # fmt: skip
+
+
+def test_wheels_of_one_side_in_the_wrong_columns_are_refused(table):
+    dry = noisy(stop(REAL), 5)
+    assert "omega_fl and omega_rl have changed places" in refused(
+        table, swapped_wheels(dry, "fl", "rl")
+    )
+
+
+def test_wheels_of_a_diagonal_in_the_wrong_columns_leave_no_valid_sample(table):
+    dry = noisy(stop(REAL), 5)
+    (found,) = validate(table, [swapped_wheels(dry, "fr", "rl")])
+    assert not found.estimate.valid.any()
+    assert "the wheel speeds fit with fr and rl exchanged" in found.refused
+    assert "wheels_crossed" in [one.code for one in found.warnings]
+    (right,) = validate(table, [dry])
+    assert right.passed
+    assert "wheels_crossed" not in [one.code for one in right.warnings]
+
+
 def test_without_truth_there_are_no_errors_and_no_rivals(table, wet):
     blind = validate(table, [replace(wet, truth={})])[0]
     assert blind.figures["torque_error_f"] is None
