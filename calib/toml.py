@@ -122,16 +122,20 @@ def toml_bytes(document: Mapping[str, Any]) -> bytes:
 def nearest(word: str, known: Collection[str]) -> str | None:
     """Return the known word that is most like ``word``; None if none is similar.
 
-    Of similar words, one of the same letters in another order is nearer: two were exchanged.
+    Of similar words, one of the same letters in another order is nearer: two were exchanged; so is
+    one that has all parts of the word.
 
     >>> nearest("omega_lf", ["omega_fl", "omega_rl"])
     'omega_fl'
+    >>> nearest("pad_fade", ["road_grade", "pad_thermal_fade"])
+    'pad_thermal_fade'
     """
     if len(word) > LONGEST_WORD:  # the comparison takes time with the square of its length
         return None
     close = difflib.get_close_matches(word, known, n=len(known)) if known else []
     exchanged = [one for one in close if sorted(one) == sorted(word)]
-    return next(iter([*exchanged, *close]), None)
+    whole = [one for one in close if set(word.split("_")) <= set(one.split("_"))]
+    return next(iter([*exchanged, *whole, *close]), None)
 
 
 def did_you_mean(word: str, known: Collection[str]) -> str:

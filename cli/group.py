@@ -64,6 +64,16 @@ class Group(TyperGroup):
         if rest:
             yield "Commands", rest
 
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command that was typed; one that stands in a group below is named with its group."""
+        typed = args[0]
+        if typed not in self.commands:
+            groups = {k: x for k, x in self.commands.items() if isinstance(x, Group)}
+            within = [f"'{k} {typed}'" for k, group in groups.items() if typed in group.commands]
+            if within:
+                ctx.fail(f"No such command {typed!r}. Did you mean {' or '.join(within)}?")
+        return super().resolve_command(ctx, args)
+
     def invoke(self, ctx: Any) -> Any:
         """Run the command, and flush its output while an error can still be handled."""
         try:

@@ -83,9 +83,17 @@ def _found(asked: str) -> "Page":
         return pages[0]
     names = [page.name for page in pages]
     hint = f"it may be {' or '.join(names)}" if names else ""
-    hint = hint or did_you_mean(plain_name(asked), _names())
+    hint = hint or _about(asked) or did_you_mean(plain_name(asked), _names())
     hint = hint or "'brake-cal manual' lists the pages"
     raise typer.BadParameter(f"no page {asked!r}; {hint}", param_hint="PAGE")
+
+
+def _about(word: str) -> str:
+    """Pages that have the word in the line on what they are about; "" if none has it."""
+    from calib.manual.page import contents
+
+    names = [p.name for p in contents() if word.lower() in f"{p.title} {p.about}".lower()]
+    return f"look into {' or '.join(names)}" if names else ""
 
 
 def _show(page: "Page", json: bool) -> None:

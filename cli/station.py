@@ -96,6 +96,8 @@ class IdentityOptions:
         flaw = identity.flaw()
         if flaw is not None:
             raise typer.BadParameter(flaw[1], param_hint=f"--{flaw[0]}")
+        if doubt := identity.doubt():
+            say(doubt)
         return identity
 
 

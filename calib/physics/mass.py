@@ -26,20 +26,29 @@ class MassUsed:
     """The mass that a result rests on.
 
     ``value`` [kg]; ``tolerance`` its relative standard deviation [1]; ``stated`` for these logs,
-    instead of taken from the vehicle file.
+    instead of taken from the vehicle file; ``share`` it is of that one [1].
     """
 
     value: float
     tolerance: float
     stated: bool
+    share: float = 1.0
 
     def __str__(self) -> str:
         known = f"{self.value:.6g} kg, known to {100.0 * self.tolerance:.2g} %"
         if self.stated:
-            return f"{known}, as stated for these logs"
+            return f"{known}, as stated for these logs{self._beside}"
         if self.tolerance < Vehicle.mass_tolerance:
             return f"{known} by the vehicle file"
         return f"{known}: nobody wrote down the load; state it, or mass_tolerance in the file"
+
+    @property
+    def _beside(self) -> str:
+        """How far a stated mass is from that of the file, in words; "" within its `WEIGHED`."""
+        more = self.share - 1.0
+        if abs(more) <= WEIGHED:
+            return ""
+        return f": {100.0 * abs(more):.2g} % {'above' if more > 0.0 else 'below'} the vehicle file"
 
 
 def weighed(vehicle: Vehicle, mass: float | None) -> Vehicle:
@@ -71,4 +80,4 @@ def weighed(vehicle: Vehicle, mass: float | None) -> Vehicle:
 def mass_used(vehicle: Vehicle, mass: float | None) -> MassUsed:
     """What `weighed` gives, for the reader of a result."""
     car = weighed(vehicle, mass)
-    return MassUsed(car.mass, car.mass_tolerance, mass is not None)
+    return MassUsed(car.mass, car.mass_tolerance, mass is not None, car.mass / vehicle.mass)

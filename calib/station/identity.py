@@ -1,9 +1,13 @@
 """Identifiers of the car and the station, as the systems of the line use them."""
 
+import re
 from dataclasses import dataclass, fields
 
 LONGEST = 64
-"""Largest number of characters of an identifier; a VIN has 17."""
+"""Largest number of characters of an identifier."""
+
+VIN = "[A-HJ-NPR-Z0-9]{17}"
+"""A vehicle identification number, ISO 3779."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,15 @@ class Identity:
         """
         values = {f.name: getattr(self, f.name) for f in fields(self)}
         return {name: value for name, value in values.items() if value is not None}
+
+    def doubt(self) -> str:
+        """What is unusual of the VIN; "" if nothing is. Cars before series have such ones."""
+        if self.vin is None or re.fullmatch(VIN, self.vin):
+            return ""
+        return (
+            f"vin {self.vin!r} is not of the form of ISO 3779, which has 17 letters and digits "
+            "without I, O and Q; it is taken as it is"
+        )
 
     def flaw(self) -> tuple[str, str] | None:
         """Name of the first identifier that is not valid, and why; None if all are valid."""

@@ -60,6 +60,9 @@ def test_every_command_has_json(path):
     [
         (("tabels",), "Did you mean 'tables'"),
         (("tables", "lst"), "Did you mean 'list'"),
+        (("export", "car"), "Did you mean 'tables export'"),
+        (("show",), "Did you mean 'vehicle show' or 'tables show'"),
+        (("effects", "pad_fade"), "did you mean 'pad_thermal_fade'"),
         (("tables", "show"), "Missing argument"),
         (("tables", "list", "--stroe", "x"), "No such option"),
     ],

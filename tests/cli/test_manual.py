@@ -42,6 +42,7 @@ def test_a_misspelt_page_is_told_the_right_one(brake_cal):
     for asked, told in (
         ("vehicel", "did you mean 'vehicle_file'?"),
         ("v", "it may be vehicle_file or validation"),
+        ("stop", "look into validation"),
         ("xyzzy", "'brake-cal manual' lists the pages"),
     ):
         ran = brake_cal("manual", asked)

@@ -272,11 +272,21 @@ def test_a_stated_mass_is_used_and_told(run, loaded):
     told, untold = (run(loaded, "--json", *words) for words in (("--mass", "2093 kg"), ()))
     assert pads(told) == pytest.approx(0.31, rel=0.03)
     assert pads(untold) == pytest.approx(0.31 / 1.2, rel=0.03)
-    assert json.loads(told.out)["mass"] == {"value": 2093.0, "tolerance": 0.005, "stated": True}
-    assert json.loads(untold.out)["mass"] == {"value": 1744.0, "tolerance": 0.005, "stated": False}
+    assert json.loads(told.out)["mass"] == {
+        "value": 2093.0,
+        "tolerance": 0.005,
+        "stated": True,
+        "share": pytest.approx(1.2, rel=1e-3),
+    }
+    assert json.loads(untold.out)["mass"] == {
+        "value": 1744.0,
+        "tolerance": 0.005,
+        "stated": False,
+        "share": 1.0,
+    }
     assert pads(run(loaded, "--json", "--mass", "2.093 t")) == pads(told)
     assert (
-        "mass 2093 kg, known to 0.5 %, as stated for these logs"
+        "mass 2093 kg, known to 0.5 %, as stated for these logs: 20 % above the vehicle file"
         in run(loaded, "--mass", "2093 kg").out
     )
 

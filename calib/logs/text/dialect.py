@@ -95,7 +95,8 @@ def dialect_of(
     possible = [text_format.separator] if text_format.separator else list(SEPARATORS)
     separators = [s for s in possible if _fits(s, header, rows)]
     if len(separators) != 1:
-        raise _undecided(separators, header, rows, where)
+        below = None if separators else _header_below(data)
+        raise _undecided(separators, header, rows, where) if below is None else _late(below, where)
     (separator,) = separators
     if text_format.decimal is not None:
         return Dialect(separator, text_format.decimal)
@@ -141,6 +142,38 @@ def _decimal(separator: str, rows: list[str], data: bytes, start: int, where: st
         where=where,
         expected="one mark, and no separator of thousands",
         do='give it in a channel map (--map): [text] with decimal = "," or decimal = "."',
+    )
+
+
+TOP = 50
+"""Lines in which a header is looked for that is not the first one."""
+
+
+def _header_below(data: bytes) -> int | None:
+    """Number of the line that would be the header if the lines above it were not there."""
+    ends = [0]
+    for line in data[: 1 << 16].splitlines(keepends=True)[:TOP]:
+        ends.append(ends[-1] + len(line))
+    for number in range(2, len(ends)):
+        header = data[ends[number - 1] : ends[number]].decode(errors="replace")
+        rows = sample_of(data, ends[number])
+        for s in SEPARATORS:
+            if s in header and _fits(s, header, rows) and not _has_numbers(s, header):
+                return number
+    return None
+
+
+def _has_numbers(separator: str, header: str) -> bool:
+    (names,) = Dialect(separator, ".").cells([header])
+    return any(is_number(name, ".") or is_number(name, ",") for name in names)
+
+
+def _late(number: int, where: str) -> LogError:
+    return LogError(
+        f"the header stands in line {number}, below {number - 1} other lines",
+        where=where,
+        expected="the header in the first line",
+        do="delete the lines above it",
     )
 
 
