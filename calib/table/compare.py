@@ -179,10 +179,15 @@ def _changes(a: Table, b: Table) -> dict[str, tuple[RecordChange, ...]]:
 
 
 def _record(table: Table) -> dict[str, Any]:
-    """The record without the spread of D, which is a column: one number for each row."""
+    """The record without what has one number for each row: the spread of D, fingerprints of logs.
+
+    A log is told from another one by its digest.
+    """
     record, _ = table.content()
     if "spread" in record:
         del record["spread"]["D"]
+    for log in record["provenance"]["logs"]:
+        log.pop("fingerprint", None)
     return record
 
 

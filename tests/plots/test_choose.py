@@ -30,7 +30,7 @@ def test_a_table_alone_and_with_its_parents(stored, ramp):
 
 def test_another_log_is_a_stop_even_under_the_name_of_a_parent(stored, ramp, transition):
     assert kinds(tables=(stored,), logs=(transition,)) == [("stop", transition.name)]
-    other = replace(ramp, digest="ff" * 32)
+    other = replace(transition, name=ramp.name)
     assert kinds(tables=(stored,), logs=(other,)) == [("stop", ramp.name)]
     assert kinds(tables=(stored,), logs=(transition, ramp)) == [
         ("table", stored.id),
