@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from calib.gauge.study import GaugeReading, GaugeResult, GaugeStudy
     from calib.logs.channel_map import ChannelMap
     from calib.physics.vehicle import Vehicle
+    from calib.table.table import LogReference
 
 EPILOG = example(
     "brake-cal repeatability --plan plan.csv --vehicle car.toml --out gauge",
@@ -153,14 +154,18 @@ def _readings(
     names: list[str],
 ) -> "tuple[GaugeReading, ...]":
     from calib.fitting.fit import fit
-    from calib.gauge.study import GaugeReading, metrics_of
+    from calib.gauge.study import GaugeReading, metrics_of, refuse_repeated
 
     cars = _vehicles(places, vehicle)
-    readings = []
+    readings: list[GaugeReading] = []
+    parents: list[LogReference] = []
     with progress(f"fitting {len(places)} ramps one by one", len(places)) as done:
         for place in places:
             log = read(place.log, mapping)
-            metrics = metrics_of(fit(cars[place.vehicle or vehicle], [log]), log, reference)
+            refuse_repeated(log, parents)
+            table = fit(cars[place.vehicle or vehicle], [log])
+            parents += table.provenance.logs
+            metrics = metrics_of(table, log, reference)
             kept = {name: metrics[name] for name in names}
             readings.append(
                 GaugeReading(str(place.log), place.car, place.station, kept, log.digest)

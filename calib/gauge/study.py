@@ -6,6 +6,7 @@ A metric is compared with the differences of the cars (%GRR, ndc) and, where its
 with that. Where the cars do not differ only the tolerance can judge the gauge.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -18,7 +19,7 @@ from calib.gauge.gauge_rr import GaugeRR, gauge_rr
 from calib.gauge.tolerance import tolerances
 from calib.logs.log import Log
 from calib.signals.axle_signals import signals
-from calib.table.table import Table
+from calib.table.table import LogReference, Table
 from calib.validation.limits import Judgement, Limit, judge
 
 Array = NDArray[np.float64]
@@ -161,6 +162,13 @@ def metrics_of(table: Table, log: Log, reference: float = REFERENCE) -> dict[str
     }
 
 
+def refuse_repeated(log: Log, read: Iterable[LogReference]) -> None:
+    """Raise InputError for a run that was read before: a copy would look like a perfect repeat."""
+    first = next((one for one in read if one.is_run_of(log)), None)
+    if first is not None:
+        raise InputError(f"the same run as {first.name}", where=log.source, do="give it once")
+
+
 def known_limits() -> set[str]:
     """Names allowed in a limits file.
 
@@ -182,7 +190,6 @@ def study(
     """
     known = tolerances(limits, METRICS)
     held = tuple(limit for limit in limits if limit.figure not in METRICS) or DEFAULTS
-    _refuse_twice(readings)
     car, station = (_coded([getattr(r, key) for r in readings]) for key in ("car", "station"))
     _check_design(readings, car, station)
     design = Design(car, station, terms_of(car, station))
@@ -212,18 +219,6 @@ def _alike(results: tuple[GaugeResult, ...]) -> tuple[str, ...]:
 
 def _coded(names: list[str]) -> NDArray[np.int64]:
     return np.asarray(np.unique(names, return_inverse=True)[1], dtype=np.int64)
-
-
-def _refuse_twice(readings: tuple[GaugeReading, ...]) -> None:
-    """Raise InputError for a run given twice: it would look like a perfect repeat."""
-    seen: dict[str, str] = {}
-    for reading in readings:
-        if reading.digest in seen:
-            raise InputError(
-                f"the same run as {seen[reading.digest]}", where=reading.log, do="give it once"
-            )
-        if reading.digest:
-            seen[reading.digest] = reading.log
 
 
 def _check_design(readings: tuple[GaugeReading, ...], car: Codes, station: Codes) -> None:

@@ -31,6 +31,7 @@ from calib.logs.log import Log
 from calib.signals.blocks import Blocks
 from calib.signals.one_axle import braked_alone
 from calib.statistics.intervals import Z95
+from calib.table.pads_budget import front_share
 from calib.table.table import Table
 from calib.warning import PlausibilityWarning
 
@@ -58,9 +59,9 @@ without v, four stops of five 10; swapped wheel speeds 11 to 240 (`tests/studies
 MOSTLY = 0.5
 """Share of the braked samples with a friction that no pad has, past which weak pads are not why."""
 
-MIRRORED = 1.5
-"""What left and right differ by over the table's rise of eta, or the inverse [1], up to which a
-swap of a diagonal is sure: the swap makes one of the other, a bend any size."""
+KEPT = 0.88
+"""Brakes over those of the ramp [1] above which front pads are not so weak that eta stays flat, as
+it would in a bend with such pads."""
 
 LIMIT = 0.1
 """Share of the braked samples with a wheel at its limit past which nothing is weighed: the filter
@@ -141,7 +142,7 @@ def axles_warnings(log: str, e: Estimate, other: Exchanged | None) -> Iterator[P
 
 
 class CrossedStop(NamedTuple):
-    """The two wheels of a diagonal that a stop has exchanged; ``sure`` as `MIRRORED` has it.
+    """The two wheels of a diagonal that a stop has exchanged; ``sure`` by `RISES` and `KEPT`.
 
     ``z`` deceleration of the stop [1].
     """
@@ -160,8 +161,14 @@ def crossed_wheels(table: Table, e: Estimate, parts: WheelParts | None) -> Cross
     found = crossed_diagonal(parts, r.expected) if r is not None else None
     if r is None or parts is None or found is None:
         return None
-    size = abs(found.part / r.expected)
-    return CrossedStop(found, 1.0 / MIRRORED < size < MIRRORED, parts.z)
+    return CrossedStop(found, r.expected > RISES and _level(e) > KEPT, parts.z)
+
+
+def _level(e: Estimate) -> float:
+    """Brake force of both axles over that of the pads of the ramp [1], median of the braking."""
+    of = e.valid if e.valid.any() else e.braked
+    share = front_share(e.plan.table.vehicle, e.plan.table.calibration.pad_log_ratio.value)
+    return float(np.median((share * e.front.change + (1.0 - share) * e.rear.change)[of]))
 
 
 def crossed_warnings(log: str, crossed: CrossedStop | None) -> Iterator[PlausibilityWarning]:

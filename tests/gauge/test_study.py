@@ -3,10 +3,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.checks.fingerprint import fingerprint_of
 from calib.errors import InputError
 from calib.fitting.fit import fit
-from calib.gauge.study import METRICS, GaugeReading, known_limits, metrics_of, study
+from calib.gauge.study import (
+    METRICS,
+    GaugeReading,
+    known_limits,
+    metrics_of,
+    refuse_repeated,
+    study,
+)
+from calib.table.table import LogReference
 from calib.validation.limits import Limit
+from tests.support.made_runs import made_run, stop
 from tests.support.reference_car import CAR, REAL, noisy, ramp, with_pads
 
 
@@ -119,8 +129,10 @@ def test_a_design_that_cannot_do_is_refused(made, says):
         study(made)
 
 
-def test_a_run_given_twice_is_no_repeat():
-    made = readings()
-    twice = (replace(made[0], digest="ab"), replace(made[5], digest="ab"), *made[6:])
-    with pytest.raises(InputError, match="the same run as 0-0-0"):
-        study(twice)
+def test_a_copy_of_a_run_is_no_repeat():
+    run = made_run(stop(level=20.0))
+    seen = [LogReference("first", "ab" * 32, "ramp", fingerprint=fingerprint_of(run))]
+    thinned = {name: x[::2] for name, x in run.channels.items()}
+    with pytest.raises(InputError, match="the same run as first"):
+        refuse_repeated(replace(run, channels=thinned), seen)
+    refuse_repeated(made_run(stop(level=21.0)), seen)

@@ -1,11 +1,12 @@
 """Wheel speeds of one front and one rear wheel exchanged: are they named, and what else is?
 
-    python tests/studies/crossed_wheels.py [--cars 12] [--seed 82]
+    python tests/studies/crossed_wheels.py [--cars 12] [--seed 82] [--validate]
 
 Each car of an independent plant stops three times, as it is and with what might look like exchanged
 columns: brakes that differ from wheel to wheel, one caliper without pressure or at a half, one that
 drags, unlike tyres, bends, a wet road, weak front pads. Of the stop as it is, every front column is
-exchanged with every rear one. The table's E is that of the stop as it is.
+exchanged with every rear one. The table's E is that of the stop as it is. With `--validate` each
+car gets a table from its ramp, and the stops go through the whole validation.
 """
 
 import argparse
@@ -20,9 +21,13 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from calib.checks.crossed_wheels import crossed_diagonal, crossed_side, wheel_parts
+from calib.errors import LogError
+from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.signals.driving_record import driving_record
+from calib.table.table import Table
+from calib.validation.validate import validate
 from tests.studies.made_lines import Line, Run, line, recorded
 from tests.support.balanced import balanced
 from tests.support.plant import magic
@@ -103,7 +108,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cars", type=int, default=12)
     parser.add_argument("--seed", type=int, default=82)
+    parser.add_argument("--validate", action="store_true")
     args = parser.parse_args()
+    if args.validate:
+        print_validated(args.cars, args.seed)
+        return
     rng = np.random.default_rng(args.seed)
     asked, named, right = Counter(), Counter(), Counter()
     for number in range(args.cars):
@@ -134,6 +143,52 @@ def count(kind: str, made: Line, stop: str, rng: np.random.Generator, into: tupl
         asked[name] += 1
         named[name] += bool(found)
         right[name] += found.endswith(" ".join(pair))
+
+
+def print_validated(cars: int, seed: int) -> None:
+    """Print what a validation says of stops, as they are and with exchanged columns."""
+    rng, told = np.random.default_rng(seed), Counter()
+    for number in range(cars):
+        made = line(rng, seed + number)
+        logs = [recorded(name, made.runs[name], made.sensors) for name in ("ramp", "coast")]
+        try:
+            table = fit(made.file, logs)
+        except LogError as error:
+            print(f"no table of car {number}: {error}")
+            continue
+        for stop in ("stop_1", "stop_2"):
+            for name, log in stops_of(made, stop):
+                told[name, validated(table, log)] += 1
+    for (name, outcome), n in sorted(told.items()):
+        print(f"{name:<32} {outcome:<24} {n:>4}")
+
+
+def stops_of(made: Line, stop: str) -> Iterator[tuple[str, Log]]:
+    """A stop as it is, on a wet road, in a bend, with weak front pads; exchanged columns."""
+    run = made.runs[stop]
+    runs = {
+        "as it is": run,
+        "wet road": with_plant(run, tyre=magic(14.0, 0.7)),
+        "bend of 300 m while braking": in_bend(run, 300.0, 1.5),
+        "weak front pads": weak_front(run),
+        "weak front pads, the same bend": in_bend(weak_front(run), 300.0, 1.5),
+    }
+    logs = {name: recorded(stop, one, made.sensors) for name, one in runs.items()}
+    yield from logs.items()
+    for pair in PAIRS:
+        for name in ("as it is", "wet road"):
+            yield f"{name}, {' with '.join(pair)}", exchanged(logs[name], pair)
+
+
+def validated(table: Table, log: Log) -> str:
+    """What a validation makes of a stop."""
+    try:
+        (found,) = validate(table, [replace(log, truth={})])
+    except LogError as error:
+        return "refused by name" if "changed places" in str(error) else "refused"
+    if any(warning.code == "wheels_crossed" for warning in found.warnings):
+        return "named, valid" if found.estimate.valid.any() else "named, no valid sample"
+    return found.verdict
 
 
 if __name__ == "__main__":

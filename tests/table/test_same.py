@@ -11,7 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from calib.checks.fingerprint import fingerprint_of
 from calib.table.same import TOLERANCE, inputs, same
+from tests.support.made_runs import made_run
 from tests.support.tables import made_table
 
 ROOT = Path(__file__).parents[2]
@@ -82,3 +84,20 @@ def test_other_inputs_are_another_table():
     assert not same(table, heavier)
     assert not same(table, replace(table, provenance=other))
     assert inputs(table.content()[0]) != inputs(heavier.content()[0])
+
+
+def test_numbers_of_a_fingerprint_follow_from_the_log():
+    """They may be rounded in another way; a table without one is another table."""
+    table = made_table()
+
+    def with_fingerprints(*prints):
+        logs = tuple(
+            replace(log, fingerprint=one)
+            for log, one in zip(table.provenance.logs, prints, strict=True)
+        )
+        return replace(table, provenance=replace(table.provenance, logs=logs))
+
+    one, other = (fingerprint_of(made_run(noise=noise)) for noise in (1.0, 2.0))
+    assert same(with_fingerprints(one, None), with_fingerprints(other, None))
+    assert not same(with_fingerprints(one, None), table)
+    assert "fingerprint" not in str(table.content()[0])
