@@ -195,7 +195,12 @@ def test_a_stated_mass_gives_the_pads_of_a_loaded_car(brake_cal, store, tmp_path
     write_csv(noisy(ramp(replace(REAL, mass_scale=1.2)), 1), loaded)
     words = ("fit", loaded, "--vehicle", VEHICLE, "--store", store)
     told = json.loads(brake_cal(*words, "--mass", "2093 kg", "--json").out)
-    assert told["mass"] == {"value": 2093.0, "tolerance": 0.005, "stated": True}
+    assert told["mass"] == {
+        "value": 2093.0,
+        "tolerance": 0.005,
+        "stated": True,
+        "share": 2093.0 / 1744.0,
+    }
     assert told["calibration"]["pad_friction_f"]["value"] == pytest.approx(0.38, rel=0.02)
     assert any("2093 kg" in remark for remark in told["remarks"])
     untold = brake_cal(*words)
