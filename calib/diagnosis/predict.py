@@ -7,7 +7,7 @@
 The prediction uses the measured speed instead of integrating its own, so it does not drift, and a
 whole run is computed in array operations, fast enough to be repeated a thousand times in a fit. The
 open-loop replay (`calib.simulation.simulate`) is used to show the result. The wheel follows its
-torque with the time constant J v/(R^2 F_z K) of 2 to 10 ms, with the slope K at zero slip.
+torque on the spring of its tyre (`calib.diagnosis.wheel_lag`).
 """
 
 from dataclasses import dataclass
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.base import REFERENCE, Base, Ground
+from calib.diagnosis.wheel_lag import WheelLag
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
@@ -167,13 +168,14 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     arrives = line_pressure(effects, history_of(run))
     clamps = caliper_pressure(effects, history_of(run), *arrives)
     drive = (run.drive_f, run.drive_r)
+    lags = _wheel_lags(car, base, run)
     torques: list[Array] = []
     leans = any(term.driver == "deceleration" for term in effects.terms)
     for turn in range(PASSES_OF_TERM if leans else PASSES):
         history = _history(run, z, energy)
         before, torques = torques, _torques(car, base, effects, history, clamps)
         energy = _energy(run, torques)
-        forces, loads, z = _balance(car, base, effects, history, torques, drive)
+        forces, rates, loads, z = _balance(car, effects, history, torques, drive, lags)
         if turn == 1 and not leans and all(map(np.array_equal, before, torques)):
             break
     softer = (np.sqrt(base.tyre_ratio), 1.0 / np.sqrt(base.tyre_ratio))
@@ -183,8 +185,8 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
         if i % 2 == 1 and force is forces[i - 1]:  # left and right are equal
             slips.append(slips[-1])
             continue
-        carrying = _slip(car, base, force, loads[i]) * softer[i // 2]
-        slip = base.tyre.leading(carrying, run.v_smooth, run.step)
+        load = np.maximum(loads[i], 1.0)
+        slip = _slip(car, base, (force, rates[i]), load, lags[i // 2]) * softer[i // 2]
         slips.append(delayed(run.time, slip, late))
     a_true = -G * z
     last = _history(run, z, energy)
@@ -248,69 +250,64 @@ def _torques(
     ]
 
 
+def _wheel_lags(car: Vehicle, base: Base, run: ObservedRun) -> tuple[WheelLag, WheelLag]:
+    """How the wheels of both axles follow, as if both used the road as the whole car does."""
+    z, edge, out = -run.a_x / G, EDGE * base.peak, []
+    for axle, load in zip((car.front, car.rear), axle_loads(car, z), strict=True):
+        relative = 2.0 * load / car.weight
+        _, slope = base.tyre.rising(np.clip(z, -edge, edge), relative)
+        tau = axle.wheel_inertia * run.v_smooth / axle.rolling_radius**2 / (0.5 * load * slope)
+        out.append(WheelLag.of(tau, base.relaxation, run.v_smooth, run.step))
+    return out[0], out[1]
+
+
 def _balance(
     car: Vehicle,
-    base: Base,
     effects: Effects,
     history: RunHistory,
     torques: list[Array],
     drive: Pair,
-) -> tuple[list[Array], list[Array], Array]:
-    """Tyre forces and loads of every wheel [N], and z [1], from z of the last iteration."""
+    lags: tuple[WheelLag, WheelLag],
+) -> tuple[list[Array], list[Array], list[Array], Array]:
+    """Tyre forces [N], their rates [N/s] and loads [N] of every wheel, and z [1].
+
+    From z of the last iteration.
+    """
     late = car.weight * total_load_shift(car, effects, history)
     load_f, load_r = axle_loads(car, history.z)
     halves = (0.5 * (load_f - late), 0.5 * (load_r + late))
     motion = Motion(history.v, 2.0 * halves[0], 2.0 * halves[1], history)
     moments = total_axle_moment(car, effects, motion)
-    step = float(history.time[1] - history.time[0])
     forces: list[Array] = []
+    rates: list[Array] = []
     for i, torque in enumerate(torques):
         if i % 2 == 1 and torque is torques[i - 1]:  # left and right are equal
             forces.append(forces[-1])
+            rates.append(rates[-1])
             continue
         side = i // 2
         axle = (car.front, car.rear)[side]
         spin = -G * history.z / axle.rolling_radius
         steady = tyre_force(axle, torque, spin, 0.5 * (moments[side] - drive[side]))
-        lag = axle.wheel_inertia * history.v / axle.rolling_radius**2 / base.stiffness
-        forces.append(follow(steady, lag / halves[side], step))
+        force, rate = lags[side].follow(steady)
+        forces.append(force)
+        rates.append(rate)
     loads = [halves[0], halves[0], halves[1], halves[1]]
     total = forces[0] + forces[1] + forces[2] + forces[3]
-    return forces, loads, (total + total_body_force(car, effects, motion)) / car.weight
+    return forces, rates, loads, (total + total_body_force(car, effects, motion)) / car.weight
 
 
-def _slip(car: Vehicle, base: Base, force: Array, load: Array) -> Array:
-    """Slip [1] of a wheel on the rising branch of the tyre; forces past it are held there."""
-    load = np.maximum(load, 1.0)
-    held = np.clip(force / load, -EDGE * base.peak, EDGE * base.peak)
-    return base.tyre.slip(held, 4.0 * load / car.weight)
+def _slip(
+    car: Vehicle, base: Base, force: tuple[Array, Array], load: Array, lag: WheelLag
+) -> Array:
+    """Slip [1] of a wheel while its tyre carries a force [N] that has a rate [N/s].
 
-
-def follow(x: Array, time_constant: Array, step: float) -> Array:
-    """First-order lag of ``x`` (n,) with a time constant [s] that changes along it (n,).
-
-    Exact for an input that is a parabola through a sample, the one before and the one after;
-    starts in balance. A disc turns by up to 1 rad in a step: straight lines between samples would
-    take a twentieth of its ripple.
+    On the rising branch; forces past it are held there.
     """
-    from scipy.linalg.lapack import dtbtrs
-
-    tau = np.maximum(time_constant, 1e-6)
-    decay = np.exp(-step / tau)
-    linear = 1.0 - tau / step * (1.0 - decay)
-    square = 1.0 - 2.0 * tau / step * linear
-    before = np.concatenate([2.0 * x[:1] - x[1:2], x[:-2]])
-    middle, after = x[:-1], x[1:]
-    right = np.empty_like(x)
-    right[1:] = (
-        (1.0 - decay[1:]) * middle
-        + linear[1:] * 0.5 * (after - before)
-        + square[1:] * 0.5 * (after - 2.0 * middle + before)
-    )
-    right[0] = x[0]
-    band = np.empty((2, x.size), order="F")
-    band[0] = 1.0
-    band[1, :-1] = -decay[1:]
-    band[1, -1] = 0.0
-    out, _ = dtbtrs(band, right[:, None], uplo="L", diag="U", overwrite_b=1)
-    return np.asarray(out[:, 0])
+    relative, edge = 4.0 * load / car.weight, EDGE * base.peak
+    carried = force[0] / load
+    slip, slope = base.tyre.rising(np.clip(carried, -edge, edge), relative)
+    if base.relaxation == 0.0:
+        return slip
+    change = (force[1] - carried * np.gradient(load, lag.step)) / load
+    return slip + np.where(np.abs(carried) < edge, lag.way * change / slope, 0.0)

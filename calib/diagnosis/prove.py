@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem, fit_without
+from calib.diagnosis.candidate import Candidate, Problem, bounds, fit_without
 from calib.diagnosis.confirm import chi2_by_run, helps
 from calib.diagnosis.decide import (
     FAINT_SECOND,
@@ -45,7 +45,7 @@ FURTHER, FURTHER_REPLAYED = 0.012, 0.004
 """Least gain of a further effect in the mean squared innovation, and of one that replays show well.
 Where the form of a named effect differs from the car's, a wrong one gains up to 0.009: a drag of
 0.05 m^2 beside a rolling resistance that grows with speed gains 0.003 and closes 60 % of the
-replays' errors."""
+replays' errors. A first effect that gains less counts only where something significant is left."""
 
 FURTHER_OF_ALL = 0.003
 """Least gain of an effect that replays show well, as a share of that of the effects before. A wheel
@@ -70,6 +70,9 @@ STEP = 0.3
 WORSE = 1.05
 """Growth of the lasting errors of the replays with which no further effect is tried: an effect that
 has no part in them, such as a ripple, changes nothing there while another one is missing."""
+
+AT_BOUND = 0.01
+"""Share of a parameter's range that counts as its bound."""
 
 BETTER, CHANCE = 0.9, 0.3
 """Replays have become better if less than this share of their lasting errors is left; where they
@@ -148,17 +151,31 @@ def _step(candidate: Candidate, left: Remainder) -> Step:
 
 
 def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
-    """Replay with the effects; back to without them if that is worse, or cannot be done."""
-    best = present.decision.best
+    """Replay with the effects; back to without them if that is worse, or cannot be done.
+
+    Also where nothing significant was left without them, and they may stand for a difference in
+    form: they explain no more than that does, or a parameter ends at its bound.
+    """
+    base, best = present.decision.base, present.decision.best
     judged = _judged(held, best)
     if judged is None:
         return _withdrawn(present, bare, None)
     after, left = judged
     steps = (*present.steps, _step(best, left))
     tried = replace(present, after=after, left=left, steps=steps)
+    if not remains(base, bare) and (gain(base, best) < FURTHER or _at_bound(best)):
+        return _withdrawn(tried, bare, _closed(tried, bare))
     if _grown(bare, left) and _grown(*_at_best(held, tried)):
         return _withdrawn(tried, bare, _closed(tried, bare))
     return tried
+
+
+def _at_bound(at: Candidate) -> bool:
+    """Whether a parameter of an effect has come to an end of its range."""
+    own = slice(at.problem.base_size, at.x.size)
+    low, high = (ends[own] for ends in bounds(at.problem, at.names))
+    margin = AT_BOUND * (high - low)
+    return bool(np.any((at.x[own] < low + margin) | (at.x[own] > high - margin)))
 
 
 def _grown(before: Remainder, after: Remainder) -> bool:

@@ -74,6 +74,14 @@ class MagicFormula:
         held = np.where(np.abs(ratio) <= 1.0, ratio, np.nan)
         return self._bent(np.tan(np.arcsin(held) / self.shape), relative_load)
 
+    def rising(self, force: Array, relative_load: Array | float = 1.0) -> tuple[Array, Array]:
+        """Slip [1] that carries the normalised ``force`` [1] below the peak, and dF/dlambda [1]."""
+        sine = force / self.peak
+        bx = np.tan(np.arcsin(sine) / self.shape)
+        straight = self.stiffness / self._load_factor(relative_load) * np.sqrt(1.0 - sine * sine)
+        slope = straight / ((1.0 + bx * bx) * (1.0 + 2.0 * self.bend * np.abs(bx)))
+        return self._bent(bx, relative_load), np.asarray(slope)
+
     def leading(self, slip: Array, v: Array, time: Array | float) -> Array:
         """Slip [1] (n,) that the wheel has while ``slip`` (n,) carries the force.
 

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
-from calib.diagnosis.predict import Base, follow, predict, run_of
+from calib.diagnosis.predict import Base, predict, run_of
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import CAR as SEDAN
@@ -51,27 +50,6 @@ def test_pads_that_are_five_percent_better_brake_five_percent_harder(run):
     one = predict(SEDAN, Base(mu_f, mu_r, 25.0, 0.95), Effects(), run).a_x[300]
     more = predict(SEDAN, Base(1.05 * mu_f, 1.05 * mu_r, 25.0, 0.95), Effects(), run).a_x[300]
     assert more / one == pytest.approx(1.05, rel=1e-3)
-
-
-@pytest.mark.parametrize("tau", [1e-4, 0.004, 0.01])
-def test_follow_keeps_the_ripple_of_a_disc(tau):
-    """Against 1/(1 + j w T): 14 turns a second, 0.9 rad in a step of 10 ms."""
-    t, w = 0.01 * np.arange(400), 90.0
-    exact = np.exp(1j * w * t) / (1.0 + 1j * w * tau)
-    made = follow(np.sin(w * t), np.full(t.size, tau), 0.01)[50:]
-    amplitude = 2.0 * np.mean(made * np.exp(-1j * w * t[50:]))
-    assert abs(amplitude) == pytest.approx(np.abs(exact[0]), rel=0.03)
-
-
-def test_follow_is_a_first_order_lag():
-    t = np.arange(0.0, 1.0, 0.01)
-    x, tau = np.clip(t, 0.0, 0.5), 0.03 + 0.02 * t
-
-    def rate(now, y):
-        return (np.interp(now, t, x) - y) / np.interp(now, t, tau)
-
-    expected = solve_ivp(rate, (0.0, 0.99), [0.0], t_eval=t, rtol=1e-9, atol=1e-12).y[0]
-    assert follow(x, tau, 0.01) == pytest.approx(expected, abs=2e-4)
 
 
 @pytest.mark.parametrize("place", ["body", "brakes"])

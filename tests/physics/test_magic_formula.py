@@ -99,3 +99,11 @@ def test_a_slip_leads_by_the_way_that_the_force_needs():
     slip = MagicFormula(25.0, 0.9, relaxation=0.3).leading(carried, v, time)
     assert slip[1:-1] == pytest.approx((carried + 0.3 / 15.0 * 0.02 * time)[1:-1], abs=1e-9)
     assert MagicFormula(25.0, 0.9).leading(carried, v, time) is carried
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.5])
+def test_slip_and_slope_at_a_force_are_those_of_the_curve(bend):
+    tyre, load = MagicFormula(28.0, 1.1, 1.6, 0.1, bend), np.array([0.7, 1.0, 1.3])
+    slip, slope = tyre.rising(np.array([-0.6, 0.3, 0.9]), load)
+    assert tyre.force(slip, load) == pytest.approx(np.array([-0.6, 0.3, 0.9]), rel=1e-9)
+    assert slope == pytest.approx(tyre.slope(slip, load), rel=1e-9)

@@ -14,8 +14,9 @@ from calib.physics.history import Motion
 from calib.physics.vehicle import Vehicle
 
 BLEND = 0.4
-"""Range of pressures over which the motor sets in, over the middle of it [1]. A brake light switch
-closes at one pressure; a motor takes a tenth of a second to build up its torque."""
+"""Range of pressures over which the motor sets in where none is given, over ``regen_onset`` [1]. A
+brake light switch closes at one pressure; a motor takes a tenth of a second to build up its torque.
+"""
 
 FADE_OUT = 3.0
 """Speed below which the motor hands over to the brakes [m/s], as usual for a blended stop."""
@@ -24,14 +25,15 @@ FADE_OUT = 3.0
 def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """M = min(M_0, P/omega) [N m per axle] from a pressure on, shared by the axles.
 
-    It sets in over `BLEND` about ``regen_onset``; omega is that of free rolling. Not valid for a
-    motor whose torque follows the pedal, or that
-    slows the car without the brake (`engine_drag`). A logged ``T_drive`` counts besides: the effect
-    is what the log does not hold.
+    It sets in at ``regen_onset`` and grows with the pressure over ``regen_span``; omega is that of
+    free rolling. Not valid for a motor that slows the car without the brake (`engine_drag`). A
+    logged ``T_drive`` counts besides: the effect is what the log does not hold.
     """
     share = parameters["regen_rear_share"]
-    beyond = motion.history.p_mc / parameters.get("regen_onset", BITE) - 1.0
-    braked = np.clip(0.5 + beyond / BLEND, 0.0, 1.0)
+    onset = parameters.get("regen_onset", BITE)
+    first = (1.0 - 0.5 * BLEND) * onset
+    span = parameters.get("regen_span", BLEND * onset)
+    braked = np.clip((motion.history.p_mc - first) / span, 0.0, 1.0)
     fading = np.clip(motion.v / FADE_OUT, 0.0, 1.0)
     omega = np.maximum(motion.v, 0.1) / vehicle.front.rolling_radius
     moment = np.minimum(parameters["regen_torque"], parameters["regen_power"] / omega)
@@ -44,8 +46,8 @@ EFFECT = Effect(
         name="regenerative_torque",
         cause="an electric motor that brakes an axle, limited by the power it can take",
         equation=(
-            "M = min(M_0, P/omega) from the pressure p_0 on, 1 - s of it front, s rear; fades out "
-            "below 3 m/s; no effect at regen_torque = 0"
+            "M = min(M_0, P/omega) from the pressure p_0 on, in full p_s above it, 1 - s of it "
+            "front, s rear; fades out below 3 m/s; no effect at regen_torque = 0"
         ),
         source="Breuer and Bill, Brake Technology Handbook (regenerative braking)",
         looks_like=(
@@ -58,6 +60,7 @@ EFFECT = Effect(
             Parameter("regen_power", "W", 1e3, 200e3, 15e3, 8e3),
             Parameter("regen_rear_share", "1", 0.0, 1.0, 0.5, 0.5),
             Parameter("regen_onset", "Pa", 0.3e5, 10e5, BITE, 0.5e5, default=BITE),
+            Parameter("regen_span", "Pa", 0.1e5, 15e5, 3e5, 3e5, default=BLEND * BITE),
         ),
     ),
     axle_moment=axle_moment,

@@ -31,6 +31,15 @@ def test_none_without_the_brake():
     assert front == pytest.approx([0.0, 112.5, 225.0])
 
 
+def test_a_torque_that_follows_the_pedal():
+    """From 1.2 bar on, in full 6 bar above: a half 3 bar above."""
+    history = made_history(4, p_mc=np.array([1.1e5, 4.2e5, 7.2e5, 9e5]))
+    motion = made_motion([8.0, 8.0, 8.0, 8.0])
+    motion = type(motion)(motion.v, motion.load_f, motion.load_r, history)
+    front, _ = EFFECT.axle_moment(SEDAN, {**MOTOR, "regen_span": 6e5}, motion)
+    assert front == pytest.approx([0.0, 112.5, 225.0, 225.0])
+
+
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_braking_with_the_motor(share):
     """Below base speed: a constant force at the road beside that of the pads."""
