@@ -48,6 +48,10 @@ BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04, 0.2, 0.2])
 the shape factor, on the load exponent, the bend and the relaxation length: the spread of passenger
 tyres."""
 
+PADS = 0.7
+"""Largest logarithm of a pad friction over that of the file: half and double. With rear pads of 2.8
+times the file's, a valve imitated a motor."""
+
 BASE = BASE_SIGMA.size
 """Number of base parameters, the first ones of every vector, where the rolling radii are given."""
 
@@ -279,7 +283,8 @@ def origins(known: Effects, card: Card) -> tuple[float, ...]:
 
 def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
     """Bounds of the vector: the cards' ranges."""
-    low, high = [*[-2.0] * 4, -0.4, -0.2, -BEND, -RELAXATION], [*[2.0] * 4, 0.18, 0.2, 0.7, 1.0]
+    low = [-PADS, -PADS, -2.0, -2.0, -0.4, -0.2, -BEND, -RELAXATION]
+    high = [PADS, PADS, 2.0, 2.0, 0.18, 0.2, 0.7, 1.0]
     if problem.free_radius:
         low, high = [*low, -RADIUS_RANGE], [*high, RADIUS_RANGE]
     known = problem.vehicle.effects
