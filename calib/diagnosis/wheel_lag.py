@@ -6,8 +6,7 @@ Wheel: J omega' = R F - T. Tyre: sigma/v ds'/dt + s' = 1 - R omega/v and F = F_z
 force at which the wheel is in balance, and sigma the relaxation length. The wheel swings at
 R sqrt(F_z K/(J sigma)), 20 to 40 Hz, the less damped the slower the car; without a relaxation
 length it follows with the time constant tau of 2 to 10 ms. Source: Pacejka, Tyre and Vehicle
-Dynamics, 3rd ed., ch. 7 and 8. K is the slope of the
-tyre at the slip that it has.
+Dynamics, 3rd ed., ch. 7 and 8. K is the slope of the tyre at the slip that it has.
 """
 
 from dataclasses import dataclass

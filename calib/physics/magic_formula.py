@@ -82,12 +82,11 @@ class MagicFormula:
         slope = straight / ((1.0 + bx * bx) * (1.0 + 2.0 * self.bend * np.abs(bx)))
         return self._bent(bx, relative_load), np.asarray(slope)
 
-    def leading(self, slip: Array, v: Array, time: Array | float) -> Array:
+    def leading(self, slip: Array, v: Array, time: Array) -> Array:
         """Slip [1] (n,) that the wheel has while ``slip`` (n,) carries the force.
 
-        ``v`` [m/s] (n,) counts as `MOVING` below it; ``time`` [s] (n,), or its step [s]. Not valid
-        for a lag that is not short beside what the slip does, nor near the peak, where the way
-        grows shorter.
+        ``v`` [m/s] (n,) counts as `MOVING` below it; ``time`` [s] (n,). Not valid for a lag that is
+        not short beside what the slip does, nor near the peak, where the way grows shorter.
         """
         if self.relaxation == 0.0:
             return slip

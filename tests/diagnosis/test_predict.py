@@ -32,6 +32,26 @@ def test_a_plant_with_the_same_physics_is_predicted(run):
     assert told.omega[:, held] == pytest.approx(run.omega[:, held], abs=2e-2)
 
 
+def test_wheels_swing_on_their_tyres_when_a_slow_car_releases_its_brakes():
+    """0.4 m of relaxation at 5 m/s: the wheels swing for some tenths of a second at 25 Hz."""
+
+    def released(t: float) -> float:
+        return 25e5 * float(
+            np.clip((t - 1.0) / 0.3, 0.0, 1.0) - np.clip((t - 4.0) / 0.05, 0.0, 1.0)
+        )
+
+    plant = Plant(SEDAN, tyre=magic(25.0, 0.95), relaxation=0.4)
+    run = run_of(as_log(drive(plant, released, 14.5, duration=5.0)))
+    mu_f, mu_r = SEDAN.front.pad_friction, SEDAN.rear.pad_friction
+    told = predict(SEDAN, Base(mu_f, mu_r, 25.0, 0.95, relaxation=0.4), Effects(), run)
+    free = (run.time > 4.06) & (run.time < 4.4)
+    assert 3.0 < np.min(run.v[free]) < 6.0
+    swing = run.omega[0, free] - run.v[free] / SEDAN.front.rolling_radius
+    left = (run.omega - told.omega)[0, free]
+    assert np.std(swing) > 0.1
+    assert np.std(left) < 0.6 * np.std(swing)  # the brakes end within a step of the grid
+
+
 def test_a_logged_motor_is_predicted_and_one_that_is_not_is_missed():
     plant = Plant(SEDAN, tyre=magic(25.0, 0.95), motor=lambda t: (-80.0, -160.0 * min(t, 1.0)))
     log = as_log(drive(plant, pressure, 28.0, duration=6.0))
