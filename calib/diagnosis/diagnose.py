@@ -38,7 +38,7 @@ from calib.diagnosis.regroup import regrouped
 from calib.diagnosis.remainder import Remainder, range_of
 from calib.diagnosis.search import unresolved
 from calib.diagnosis.sides import with_even_sides
-from calib.diagnosis.unexplained import UnexplainedTerm, locate
+from calib.diagnosis.unexplained import UnexplainedTerm, place_of_rest
 from calib.diagnosis.warnings import log_warnings, unexplained_warnings
 from calib.errors import ModelError
 from calib.logs.log import Log
@@ -203,16 +203,17 @@ def diagnose(
     proved = prove(problem, held, decision)
     decision, stands = proved.decision, proved.decision.verdict in ("named", "ambiguous")
     left_of = decision.best if stands else decision.base
-    unexplained = locate(problem, left_of, held.problem.runs) if proved.rest else None
+    unexplained = place_of_rest(left_of, held) if proved.rest else None
     tell("asking what these logs could not show", 0, 1)
     not_resolved = unresolved(problem, decision.best, decision.least_shown)
     like = confusable(decision.best, decision.rivals) if stands else []
     confusion = confusion_of(problem, decision.best, like)
     before = model_of(vehicle, decision.base)
     after, last = model_of(vehicle, left_of), proved.after
-    if unexplained is not None and not stands:
+    at = decision.best
+    if unexplained is not None and not unexplained.on_hold_outs and not stands:
         after, last = with_term(before, unexplained, proved.before, held)
-    at = unexplained.at if unexplained and not stands else decision.best
+        at = unexplained.at
     groups = groups_of((*problem.runs, *held.problem.runs))
     return Diagnosis(
         verdict=decision.verdict,

@@ -161,6 +161,7 @@ def _structure(found: UnexplainedTerm, whole: Diagnosis) -> dict[str, Any]:
     term = found.term
     return {
         "beside": [effect.name for effect in whole.effects],
+        "on_hold_outs": found.on_hold_outs,
         "in_model": whole.model_after.effects.terms != (),
         "replays": _left(whole.left),
         "innovation": whole.reduced_after if whole.effects else whole.reduced_before,

@@ -50,6 +50,16 @@ class HoldOuts:
             )
         return tuple(out)
 
+    def seen_with(self, candidate: Candidate) -> Candidate:
+        """The candidate as the hold-outs see it, its parameters as they are."""
+        innovations = self.problem.flat(candidate.base, candidate.effects)
+        return replace(
+            candidate,
+            problem=self.problem,
+            chi2=float(innovations @ innovations),
+            count=innovations.size,
+        )
+
     def left(self, candidate: Candidate, replayed: Sequence[Log]) -> Remainder:
         """What remains with a candidate, beyond noise and the errors of its parameters."""
         return remainder_of(replayed, self.logs, lambda: self._moved(candidate))

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, FreeTerm, Problem, fit, joined
 from calib.diagnosis.channels import CHANNELS, thinned
+from calib.diagnosis.decide import quiet
+from calib.diagnosis.hold_outs import HoldOuts
 from calib.diagnosis.oscillation import Oscillation, oscillation_of
 from calib.diagnosis.predict import ObservedRun, history_of
 from calib.diagnosis.search import base_directions, free
@@ -67,7 +69,8 @@ class UnexplainedTerm:
     share that goes with the angle of the wheels, is larger, `FREQUENCY` where that of
     ``oscillation`` is, or `SLIP` where the torque of front brakes is held: no valve does that;
     ``wheel`` the one that is slower than the other wheel of its axle, where that is most of the
-    excess.
+    excess; ``on_hold_outs`` whether it was placed with the hold-outs, as the calibration logs do
+    not show it.
     """
 
     term: EmpiricalTerm
@@ -79,6 +82,7 @@ class UnexplainedTerm:
     wheel: str | None
     at: Candidate
     runners_up: tuple[tuple[str, str, float], ...]
+    on_hold_outs: bool = False
 
     @property
     def place(self) -> str:
@@ -103,6 +107,17 @@ def held_from(term: EmpiricalTerm) -> float | None:
     return None
 
 
+def place_of_rest(at: Candidate, held: HoldOuts) -> UnexplainedTerm:
+    """Locate what is left on top of ``at``: with the calibration logs where they show it.
+
+    Else with the hold-outs, which may go to a pressure or a speed of their own.
+    """
+    seen = held.seen_with(at)
+    if at.reduced > quiet(at) or seen.reduced <= at.reduced:
+        return locate(at.problem, at, held.problem.runs)
+    return replace(locate(held.problem, seen), on_hold_outs=True)
+
+
 def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) -> UnexplainedTerm:
     """Try every place with every driver on top of ``at``, in one linear step each.
 
@@ -111,7 +126,7 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
     innovations = joined(at.whitened)
     directions = base_directions(problem, at, innovations)
     rest = free(innovations, directions)
-    excess = max(at.chi2 - at.count, 1e-9)
+    excess = max(at.chi2 - at.count, float(np.sqrt(2.0 * at.count)))  # at least that of noise
     found: list[Found] = []
     for driver in DRIVERS:
         for place in PLACES:
@@ -157,7 +172,7 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
         wheel=_one_sided(at, excess),
         at=best[5],
         runners_up=tuple(
-            (place, driver, float(s))
+            (place, driver, min(float(s), 1.0))
             for s, place, driver, *_ in others
             if (place, driver) != best[1:3]
         )[:3],

@@ -222,6 +222,13 @@ def noise(found: Diagnosis) -> str:
 
 def unexplained(found: UnexplainedTerm) -> str:
     """The location of a cause that is not in the catalogue."""
+    told = _placed(found)
+    if not found.on_hold_outs:
+        return told
+    return f"{told} The calibration logs do not show it: it was placed with the hold-outs."
+
+
+def _placed(found: UnexplainedTerm) -> str:
     text = (
         f"An empirical term on the {plain(found.term.place)} over {_driver(found.term.driver)} "
         f"explains {percent(found.explained)} of the remaining gap."

@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.candidate import BASE, fit, problem_of
+from calib.diagnosis.hold_outs import HoldOuts
 from calib.diagnosis.predict import run_of
-from calib.diagnosis.unexplained import WHEEL_ANGLE, UnexplainedTerm, held_from, locate
+from calib.diagnosis.unexplained import (
+    WHEEL_ANGLE,
+    UnexplainedTerm,
+    held_from,
+    locate,
+    place_of_rest,
+)
 from calib.physics.effects.effects import EmpiricalTerm
 from tests.support.hidden.cases import draw
 
@@ -61,6 +68,17 @@ def test_brakes_that_weaken_go_with_the_time_of_the_run(name, axles):
     assert found.axle in axles
     assert found.driver == "elapsed"
     assert found.wheel is None
+
+
+def test_what_only_the_hold_outs_show_is_placed_with_them():
+    case = draw("outside", 33, names=("weaker_applications",), severity=2)
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration if log.name in FEW])
+    coasts = tuple(run for run in problem.runs if run.name == "coast")
+    at = fit(replace(problem, runs=coasts), (), np.zeros(BASE))
+    found = place_of_rest(at, HoldOuts((), problem))
+    assert found.on_hold_outs
+    assert (found.axle, found.driver) == ("both", "elapsed")
+    assert not place_of_rest(fit(problem, (), at.x), HoldOuts((), problem)).on_hold_outs
 
 
 def test_a_temperature_that_a_hold_out_lacks_is_no_driver():
