@@ -146,6 +146,11 @@ def remains(best: Candidate, left: Remainder) -> bool:
     return left.significant or best.reduced > quiet(best)
 
 
+def _gap(base: Candidate, bare: Remainder) -> bool:
+    """Whether a cause is present, even if no known effect explains it."""
+    return bare.significant or strange(base)
+
+
 def _step(candidate: Candidate, left: Remainder) -> Step:
     return Step(candidate.names, candidate.reduced, left.size)
 
@@ -163,7 +168,7 @@ def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
     after, left = judged
     steps = (*present.steps, _step(best, left))
     tried = replace(present, after=after, left=left, steps=steps)
-    if not remains(base, bare) and (gain(base, best) < FURTHER or _at_bound(best)):
+    if not _gap(base, bare) and (gain(base, best) < FURTHER or _at_bound(best)):
         return _withdrawn(tried, bare, _closed(tried, bare))
     if _grown(bare, left) and _grown(*_at_best(held, tried)):
         return _withdrawn(tried, bare, _closed(tried, bare))
@@ -194,7 +199,7 @@ def _at_best(held: HoldOuts, tried: Proved) -> tuple[Remainder, Remainder]:
 def _withdrawn(present: Proved, bare: Remainder, closed: float | None) -> Proved:
     """Back to the base, where the replays leave ``bare``; the names did not hold."""
     base = present.decision.base
-    verdict = "unknown" if remains(base, bare) else "no_gap"
+    verdict = "unknown" if _gap(base, bare) else "no_gap"
     return replace(
         present,
         decision=replace(present.decision, verdict=verdict, best=base),

@@ -102,7 +102,8 @@ def test_what_was_done_is_in_the_log_and_in_the_table(tmp_path):
 
 def test_a_log_that_was_taken_as_it_is_leaves_the_record_as_it_was():
     record, _ = fitted().content()
-    assert all(set(x) == {"name", "digest", "role"} for x in record["provenance"]["logs"])
+    kept = {"name", "digest", "role", "fingerprint"}
+    assert all(set(x) == kept for x in record["provenance"]["logs"])
 
 
 def test_the_samples_are_those_of_the_csv(tmp_path):
