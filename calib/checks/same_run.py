@@ -29,8 +29,10 @@ OVERLAP = 0.5
 """Share of the shorter log that must lie within the other one."""
 
 ALIKE = 0.75
-"""Median of D over the channels below which two logs are one run. Of white noise, means of two
-samples make 0.33, of five 0.67; two runs of one motion make 1 (`tests/checks/test_same_run.py`)."""
+"""Median of D over p_mc, a_x, v and the wheels, which count as one, below which two logs are one
+run. Of white noise, means of two samples make 0.33, of five 0.67; two runs of one motion make 1
+(`tests/checks/test_same_run.py`). Two stops at one pressure from unlike speeds agree in the wheels
+alone, laid over each other."""
 
 TWO = 1.0
 """Median of D from which two logs are two runs, whatever r is."""
@@ -91,15 +93,19 @@ def _agree(a: View, other: Log, step: float, *, means: bool) -> bool:
 
 def _alike(one: View, other: View, lag: int) -> bool:
     """Whether D and r say so, where ``other`` begins ``lag`` samples after ``one``."""
-    pairs = [
-        _over(one[name], other[name], lag)
+    pairs = {
+        name: _over(one[name], other[name], lag)
         for name in COMPARED
         if name in one and name in other and np.ptp(one[name]) + np.ptp(other[name]) > 0.0
-    ]
+    }
     if not pairs:
         return False
-    apart = float(np.median([_apart(a, b) for a, b in pairs]))
-    return apart < ALIKE or (apart < TWO and _together(pairs) > TOGETHER)
+    each = {name: _apart(a, b) for name, (a, b) in pairs.items()}
+    wheels = [apart for name, apart in each.items() if name.startswith("omega_")]
+    others = [apart for name, apart in each.items() if not name.startswith("omega_")]
+    kinds = [*others, *([np.median(wheels)] if wheels else [])]
+    apart = float(np.median(kinds))
+    return apart < ALIKE or (apart < TWO and _together(list(pairs.values())) > TOGETHER)
 
 
 def _over(one: Array, other: Array, lag: int) -> tuple[Array, Array]:
