@@ -40,6 +40,9 @@ LEAST = 5e-3
 little more, so it is an eighth of it; E of a usual car is a fifth or more
 (`tests/studies/crossed_wheels.py`)."""
 
+CORRECT = "compare the columns with the car, and correct them with a channel map"
+"""What to do about columns that have changed places."""
+
 
 @dataclass(frozen=True)
 class WheelParts:
@@ -49,9 +52,6 @@ class WheelParts:
     sides: IntervalEstimate
     diagonals: IntervalEstimate
     z: float
-
-
-CORRECT = "compare the columns with the car, and correct them with a channel map"
 
 
 class Crossed(NamedTuple):

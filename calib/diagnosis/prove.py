@@ -168,9 +168,8 @@ def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
     after, left = judged
     steps = (*present.steps, _step(best, left))
     tried = replace(present, after=after, left=left, steps=steps)
-    if not _gap(base, bare) and (gain(base, best) < FURTHER or _at_bound(best)):
-        return _withdrawn(tried, bare, _closed(tried, bare))
-    if _grown(bare, left) and _grown(*_at_best(held, tried)):
+    of_form = not _gap(base, bare) and (gain(base, best) < FURTHER or _at_bound(best))
+    if of_form or (_grown(bare, left) and _grown(*_at_best(held, tried))):
         return _withdrawn(tried, bare, _closed(tried, bare))
     return tried
 

@@ -67,10 +67,8 @@ def left_by_all(problem: Problem, at: Candidate) -> float:
     Each has any size and sign there: no two or three of them leave less. Where an effect is large
     and acts on the innovations in a bent way, the fitted one can.
     """
-    innovations = problem.flat(at.base, at.effects)
-    directions = base_directions(problem, at, innovations)
-    rest = free(innovations, directions)
-    changes = np.stack([change.own for change in _changes(problem, at, innovations, directions)])
+    found, rest = _changes(problem, at)
+    changes = np.stack([change.own for change in found])
     lengths = np.linalg.norm(changes, axis=1)
     span, weights, _ = np.linalg.svd((changes / lengths[:, None]).T, full_matrices=False)
     kept = span[:, weights > SAME * weights[0]]
@@ -79,12 +77,8 @@ def left_by_all(problem: Problem, at: Candidate) -> float:
 
 def pairs(problem: Problem, at: Candidate) -> list[EffectPair]:
     """Every pair of effects that are not in ``at`` and help together, best first."""
-    innovations = problem.flat(at.base, at.effects)
-    directions = base_directions(problem, at, innovations)
-    changes = _changes(problem, at, innovations, directions)
-    gains, amounts = _gains(
-        np.stack([change.own for change in changes]), free(innovations, directions)
-    )
+    changes, rest = _changes(problem, at)
+    gains, amounts = _gains(np.stack([change.own for change in changes]), rest)
     best: dict[tuple[str, str], EffectPair] = {}
     for i, j in zip(*np.nonzero(np.triu(gains, 1)), strict=True):
         one, other = changes[i], changes[j]
@@ -98,13 +92,17 @@ def pairs(problem: Problem, at: Candidate) -> list[EffectPair]:
     return sorted(best.values(), key=lambda pair: -pair.gain)
 
 
-def _changes(
-    problem: Problem, at: Candidate, innovations: Array, directions: Array
-) -> list[EffectChange]:
-    """Changes by every effect that is not in ``at``."""
+def _changes(problem: Problem, at: Candidate) -> tuple[list[EffectChange], Array]:
+    """Changes by every effect that is not in ``at``, and the innovations that they may explain.
+
+    Those are (n,), without what base and present effects can do.
+    """
+    innovations = problem.flat(at.base, at.effects)
+    directions = base_directions(problem, at, innovations)
     names = [name for name in every_effect(problem.vehicle.effects) if name not in at.names]
     changes_of = partial(_changes_of, replace(at, problem=problem.alone), innovations, directions)
-    return [change for found in problem.mapped(changes_of, names) for change in found]
+    changes = [change for found in problem.mapped(changes_of, names) for change in found]
+    return changes, free(innovations, directions)
 
 
 def _changes_of(

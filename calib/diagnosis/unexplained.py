@@ -112,10 +112,11 @@ def place_of_rest(at: Candidate, held: HoldOuts) -> UnexplainedTerm:
 
     Else with the hold-outs, which may go to a pressure or a speed of their own.
     """
-    seen = held.seen_with(at)
-    if at.reduced > quiet(at) or seen.reduced <= at.reduced:
-        return locate(at.problem, at, held.problem.runs)
-    return replace(locate(held.problem, seen), on_hold_outs=True)
+    if at.reduced <= quiet(at):
+        seen = held.seen_with(at)
+        if seen.reduced > at.reduced:
+            return replace(locate(held.problem, seen), on_hold_outs=True)
+    return locate(at.problem, at, held.problem.runs)
 
 
 def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) -> UnexplainedTerm:
@@ -155,15 +156,16 @@ def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) 
     turning, axle = _turning(problem, at, excess)
     swing = oscillation_of(at, excess)
     least = max(float(best[0]), NO_TERM)
-    driver, acts_on = best[2], PLACES[best[1]]
-    if held_from(_term(*best[1:5])) is not None and acts_on != "rear":
+    term = _term(*best[1:5])
+    driver, acts_on = term.driver, PLACES[term.place]
+    if held_from(term) is not None and acts_on != "rear":
         driver = SLIP
     if turning > max(least, swing.share):
         driver, acts_on = WHEEL_ANGLE, axle
     elif swing.share > least:
         driver, acts_on = FREQUENCY, "body" if swing.body else "both"
     return UnexplainedTerm(
-        term=_term(*best[1:5]),
+        term=term,
         axle=acts_on,
         driver=driver,
         explained=min(float(best[0]), 1.0),

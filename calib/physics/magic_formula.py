@@ -62,8 +62,7 @@ class MagicFormula:
         """dF/dlambda [1]: K at zero slip, zero at the peak, negative beyond it."""
         load = self._load_factor(relative_load)
         bx = self._unbent(slip / load)
-        straight = self.stiffness / load * np.cos(self.shape * np.arctan(bx)) / (1.0 + bx * bx)
-        return straight / (1.0 + 2.0 * self.bend * np.abs(bx))
+        return self._slope(bx, np.cos(self.shape * np.arctan(bx)), load)
 
     def slip(self, force: Array, relative_load: Array | float = 1.0) -> Array:
         """Slip [1] on the rising branch that carries the normalised ``force`` [1].
@@ -78,9 +77,8 @@ class MagicFormula:
         """Slip [1] that carries the normalised ``force`` [1] below the peak, and dF/dlambda [1]."""
         sine = force / self.peak
         bx = np.tan(np.arcsin(sine) / self.shape)
-        straight = self.stiffness / self._load_factor(relative_load) * np.sqrt(1.0 - sine * sine)
-        slope = straight / ((1.0 + bx * bx) * (1.0 + 2.0 * self.bend * np.abs(bx)))
-        return self._bent(bx, relative_load), np.asarray(slope)
+        slope = self._slope(bx, np.sqrt(1.0 - sine * sine), self._load_factor(relative_load))
+        return self._bent(bx, relative_load), slope
 
     def leading(self, slip: Array, v: Array, time: Array) -> Array:
         """Slip [1] (n,) that the wheel has while ``slip`` (n,) carries the force.
@@ -108,6 +106,11 @@ class MagicFormula:
     @property
     def _b(self) -> Array | float:
         return self.stiffness / (self.shape * self.peak)
+
+    def _slope(self, bx: Array, cosine: Array, load_factor: Array | float) -> Array:
+        """dF/dlambda where the formula has B x, and the cosine of C atan(B x)."""
+        straight = self.stiffness / load_factor * cosine / (1.0 + bx * bx)
+        return np.asarray(straight / (1.0 + 2.0 * self.bend * np.abs(bx)))
 
     def _unbent(self, slip: Array) -> Array:
         """B x of the formula at a slip for half the weight; the stable root of its square."""
