@@ -50,7 +50,7 @@ def require_axles(vehicle: Vehicle, logs: Sequence[Log], judged: Sequence[Judged
 
 def _with_another(at: Candidate) -> Candidate:
     """The explanation with the effect that brings most: something else may be hidden, too."""
-    return min(at, *refine(at.problem, at, 1), key=lambda one: one.reduced)
+    return min(at, *refine(at, 1), key=lambda one: one.reduced)
 
 
 def _fitted(vehicle: Vehicle, logs: Sequence[Log]) -> Candidate:

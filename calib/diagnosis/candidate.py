@@ -122,9 +122,9 @@ def joined(whitened: list[list[Array]]) -> Array:
     return np.concatenate([c for run in whitened for c in run])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Candidate:
-    """A fitted explanation.
+    """A fitted explanation. Two are the same if they are one object.
 
     ``problem`` it was fitted to; ``names`` of its effects; ``x`` the fitted vector (see `unpack`);
     ``chi2`` the sum of squared innovations, over ``count`` of them; ``scatter`` the standard
@@ -167,11 +167,26 @@ class Candidate:
         return columns(innovations, self.x[: own.size], joined(self.whitened), own)
 
     @cached_property
+    def directions(self) -> Array:
+        """Orthonormal directions (n, k) in which base and effects move the innovations."""
+        return np.asarray(np.linalg.qr(self.jacobian)[0])
+
+    @cached_property
+    def rest(self) -> Array:
+        """The innovations (n,) without what base and effects can do about them."""
+        return free(joined(self.whitened), self.directions)
+
+    @cached_property
     def covariance(self) -> Array:
         """Covariance (k, k) of ``x``, from the derivatives of the innovations and the priors."""
         J = self.jacobian
         priors = prior_derivatives(self.problem, self.names, J.shape[1])
         return np.asarray(np.linalg.pinv(J.T @ J + priors.T @ priors))
+
+
+def free(x: Array, directions: Array) -> Array:
+    """The part of ``x`` (n,) that does not lie along orthonormal ``directions`` (n, k)."""
+    return np.asarray(x - directions @ (directions.T @ x))
 
 
 def derivatives(problem: Problem, at: Candidate, innovations: Array) -> Array:
@@ -202,11 +217,12 @@ def _unbraked_noise(
     return noise_of([whole[:, : unbraked_length(run)] for run, whole in pairs], wholes)
 
 
-def without_its_noise(problem: Problem, best: Candidate) -> Problem | None:
+def without_its_noise(best: Candidate) -> Problem | None:
     """The problem with the noise that is left with an explanation, None if that is no quieter.
 
     An effect that acts in unbraked parts, such as a tone ring that runs out, was part of the noise.
     """
+    problem = best.problem
     noise = _unbraked_noise(problem.vehicle, best.base, best.effects, problem.runs)
     if np.all(noise.sigma > QUIETER * problem.noise.sigma):
         return None

@@ -11,16 +11,14 @@ It knows chance only. Where the form of a tyre or of a named effect differs from
 effect gains in proportion to what it imitates, on all logs alike: that is for the hold-outs.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem, joined
-from calib.diagnosis.search import base_directions, change_by, free, trials, tried_at
-from calib.physics.effects.effect import Card
-from calib.physics.own_effects.own_effect import every_effect
+from calib.diagnosis.candidate import Candidate, Problem, free
+from calib.diagnosis.changes import EffectChange, changes_by, further_changes, tried_at
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -53,15 +51,14 @@ class Blocks:
         return np.asarray(np.add.reduceat(x, self.run, axis=-1))
 
 
-def chance_of(problem: Problem, at: Candidate, best: Candidate) -> Mapping[str, float]:
+def chance_of(at: Candidate, best: Candidate) -> Mapping[str, float]:
     """Gains in chi-square, by effect, that chance exceeds in 1 % of cars that have no effect.
 
     The share holds for all effects together; each has as large a part of it as any other. The
     noise is what the ``best`` explanation leaves, so that a hidden effect does not count as noise.
     """
-    draws = _Draws.of(problem, at, best)
-    known = every_effect(problem.vehicle.effects)
-    by_name = {n: draws.gains(n, effect.card) for n, effect in known.items() if n not in at.names}
+    draws = _Draws.of(at, best)
+    by_name = {name: draws.gains(changes) for name, changes in further_changes(at).items()}
     usual = {name: max(float(np.quantile(gains, 0.9)), 1e-9) for name, gains in by_name.items()}
     largest = np.max([gains / usual[name] for name, gains in by_name.items()], axis=0)
     factor = float(np.quantile(largest, 1.0 - FALSE_ALARMS))
@@ -72,58 +69,51 @@ def chance_of(problem: Problem, at: Candidate, best: Candidate) -> Mapping[str, 
 class _Draws:
     """Replicas of the innovations of a candidate, as ``signs`` (`REPLICAS`, b) of their blocks.
 
-    ``rest`` (n,) innovations without what base and effects of ``at`` can do: ``directions`` (n, k).
+    ``rest`` (n,) innovations of the best explanation, without what base and effects of ``at`` can
+    do; ``turned`` is ``at`` with every wheel a quarter further.
     """
 
-    problem: Problem
     at: Candidate
+    turned: Candidate
     blocks: Blocks
     rest: Array
-    innovations: Array
-    directions: Array
     signs: Array
 
     @classmethod
-    def of(cls, problem: Problem, at: Candidate, best: Candidate) -> "_Draws":
+    def of(cls, at: Candidate, best: Candidate) -> "_Draws":
         """The same replicas for the same problem."""
-        whitened = problem.whitened(at.base, at.effects)
-        blocks, innovations = _blocks(whitened), joined(whitened)
-        directions = base_directions(problem, at, innovations)
-        rest = free(problem.flat(best.base, best.effects), directions)
+        blocks = _blocks(at.whitened)
+        rest = free(at.problem.flat(best.base, best.effects), at.directions)
         rng = np.random.default_rng(0)
         signs = rng.choice(np.array([-1.0, 1.0]), (REPLICAS, blocks.start.size))
-        return cls(problem, at, blocks, rest, innovations, directions, signs)
+        return cls(at, replace(at, problem=_quarter_turned(at.problem)), blocks, rest, signs)
 
-    def gains(self, name: str, card: Card) -> Array:
+    def gains(self, changes: Sequence[EffectChange]) -> Array:
         """Gain in chi-square of an effect in every replica (`REPLICAS`,), the best of its forms."""
         largest = np.zeros(REPLICAS)
-        turned = _quarter_turned(self.problem) if self._turns(name, card) else None
-        for trial in trials(self.problem, card):
-            change = self._free(self.problem, name, trial)
-            length = float(change @ change)
+        turned = self._turned(changes[-1])
+        for change, other in zip(changes, turned or changes, strict=True):
+            length = float(change.own @ change.own)
             if length < LEAST:
                 continue
-            drawn = self.signs * self.blocks.sums(change * self.rest)
-            if turned is None:
+            drawn = self.signs * self.blocks.sums(change.own * self.rest)
+            if not turned:
                 gains = np.sum(drawn, axis=1) ** 2
             else:  # the innovations of every run set its phase
-                other = self.signs * self.blocks.sums(self._free(turned, name, trial) * self.rest)
-                by_run = np.hypot(self.blocks.by_run(drawn), self.blocks.by_run(other))
+                beside = self.signs * self.blocks.sums(other.own * self.rest)
+                by_run = np.hypot(self.blocks.by_run(drawn), self.blocks.by_run(beside))
                 gains = np.sum(by_run, axis=1) ** 2
             largest = np.maximum(largest, gains / length)
         return largest
 
-    def _free(self, problem: Problem, name: str, trial: Array) -> Array:
-        """Change of the innovations by an effect that base and present effects cannot make (n,)."""
-        change = change_by(problem, self.at, self.innovations, name, trial)
-        return free(change, self.directions)
-
-    def _turns(self, name: str, card: Card) -> bool:
-        """Whether an effect goes with the angle of the wheels."""
-        first = replace(self.problem, runs=self.problem.runs[:1])
-        effects = self.at.effects.with_(tried_at(first, name, trials(first, card)[-1]))
+    def _turned(self, change: EffectChange) -> tuple[EffectChange, ...]:
+        """The changes by the effect with turned wheels; none where it goes with no angle."""
+        first = replace(self.at.problem, runs=self.at.problem.runs[:1])
+        effects = self.at.effects.with_(tried_at(first, change.name, change.trial))
         one, other = (p.flat(self.at.base, effects) for p in (first, _quarter_turned(first)))
-        return not np.allclose(one, other, atol=1e-9)
+        if np.allclose(one, other, atol=1e-9):
+            return ()
+        return changes_by(self.turned, change.name, self.at.directions)
 
 
 def _blocks(whitened: list[list[Array]]) -> Blocks:

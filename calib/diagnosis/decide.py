@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem, fit, without_its_noise
+from calib.diagnosis.candidate import Candidate, fit, without_its_noise
 from calib.diagnosis.chance import chance_of
 from calib.diagnosis.channels import CHANNELS
 from calib.diagnosis.search import refine
@@ -102,41 +102,39 @@ class Decision:
         return {name: SURE * gain for name, gain in self.chance.items()}
 
 
-def decide(problem: Problem, base: Candidate) -> Decision:
+def decide(base: Candidate) -> Decision:
     """Search for one or two effects and judge them; ``base`` is the fit without any.
 
     Where the best explanation leaves less noise, the search is repeated with that noise: the
     candidates' problem, `Candidate.problem`, then is another than the one that was given.
     """
-    decision = _searched(problem, base)
+    decision = _searched(base)
     named = [c for c in (decision.best, *decision.rivals) if c.names]
-    quieter = without_its_noise(problem, named[0]) if named else None
+    quieter = without_its_noise(named[0]) if named else None
     if quieter is None:
         return decision
-    return _searched(quieter, fit(quieter, (), base.x))
+    return _searched(fit(quieter, (), base.x))
 
 
 def decided_anew(at: Candidate) -> Decision:
     """The decision of a new search, on the problem of an explanation and from its base."""
-    return decide(at.problem, fit(at.problem, (), at.x[: at.problem.base_size]))
+    return decide(fit(at.problem, (), at.x[: at.problem.base_size]))
 
 
-def _searched(problem: Problem, base: Candidate) -> Decision:
-    singles = simplest_first(refine(problem, base))
-    chance = chance_of(problem, base, singles[0] if singles else base)
-    decision = _decided(problem, base, singles, chance)
+def _searched(base: Candidate) -> Decision:
+    singles = simplest_first(refine(base))
+    chance = chance_of(base, singles[0] if singles else base)
+    decision = _decided(base, singles, chance)
     faint = decision.faint and replace(decision.faint, chance=chance)
     return replace(decision, chance=chance, faint=faint)
 
 
-def _decided(
-    problem: Problem, base: Candidate, singles: list[Candidate], chance: Mapping[str, float]
-) -> Decision:
+def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, float]) -> Decision:
     if not singles or beyond_chance(chance, base, singles[0]) < 1.0:
         verdict = "unknown" if strange(base) else "no_gap"
         return Decision(verdict, base, base, tuple(singles))
     first = singles[0]
-    pairs = seconds(problem, singles)
+    pairs = seconds(singles)
     faint = _faint(base, first, pairs)
     if pairs and gain(first, pairs[0]) > max(SECOND, SECOND_OF_ALL * gain(base, first)):
         # something the first does not explain lies along another effect
@@ -188,11 +186,11 @@ def gain(before: Candidate, after: Candidate) -> float:
     return before.reduced - after.reduced
 
 
-def seconds(problem: Problem, singles: list[Candidate]) -> list[Candidate]:
+def seconds(singles: list[Candidate]) -> list[Candidate]:
     """Pairs from the two best singles, best first, each pair once."""
     found: dict[frozenset[str], Candidate] = {}
     for parent in singles[:2]:
-        for pair in refine(problem, parent, 4):
+        for pair in refine(parent, 4):
             key = frozenset(pair.names)
             if key not in found or pair.chi2 < found[key].chi2:
                 found[key] = pair

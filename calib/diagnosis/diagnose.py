@@ -195,17 +195,17 @@ def diagnose(
     tell("fitting the model without effects", 0, 1)
     known_to_all = map if vehicle.effects.own else mapped
     problem = problem_of(vehicle, [run_of(log) for log in ordered], tell, known_to_all)
-    searched = decide(problem, fit(problem, (), np.zeros(BASE)))
+    searched = decide(fit(problem, (), np.zeros(BASE)))
     decision = by_log(with_free_radii(searched))
     problem = decision.base.problem
     held = hold_outs_of(decision.best, holdout)
     decision = confirm(decision, held.problem)
-    proved = prove(problem, held, decision)
+    proved = prove(held, decision)
     decision, stands = proved.decision, proved.decision.verdict in ("named", "ambiguous")
     left_of = decision.best if stands else decision.base
     unexplained = place_of_rest(left_of, held) if proved.rest else None
     tell("asking what these logs could not show", 0, 1)
-    not_resolved = unresolved(problem, decision.best, decision.least_shown)
+    not_resolved = unresolved(decision.best, decision.least_shown)
     like = confusable(decision.best, decision.rivals) if stands else []
     confusion = confusion_of(problem, decision.best, like)
     before = model_of(vehicle, decision.base)

@@ -75,4 +75,4 @@ def _within_reach(at: Candidate) -> bool:
     unexplained = at.reduced - quiet(at)
     if unexplained <= 0.0:
         return True
-    return left_by_all(at.problem, at) - quiet(at) <= BEYOND_REACH * unexplained
+    return left_by_all(at) - quiet(at) <= BEYOND_REACH * unexplained

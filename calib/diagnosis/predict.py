@@ -10,12 +10,14 @@ open-loop replay (`calib.simulation.simulate`) is used to show the result. The w
 torque on the spring of its tyre (`calib.diagnosis.wheel_lag`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.base import REFERENCE, Base, Ground
+from calib.diagnosis.kept import Kept
 from calib.diagnosis.wheel_lag import WheelLag
 from calib.errors import LogError
 from calib.logs.log import Log
@@ -40,6 +42,7 @@ from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads, tyre_force
 from calib.physics.history import Motion, RunHistory
 from calib.physics.lag import delayed, integral
+from calib.physics.magic_formula import MagicFormula
 from calib.physics.vehicle import Vehicle
 from calib.signals.filters import block_mean, centred_mean
 from calib.signals.pedal import as_pressed
@@ -70,7 +73,8 @@ class ObservedRun:
     wheels; ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero if not logged;
     ``ground`` what its pads and its road differ by from those of the reference logs; ``start_heat``
     of the discs at the first sample [degC], which counts where no temperature is logged;
-    ``averaged`` the number of samples of the log in a step.
+    ``averaged`` the number of samples of the log in a step; ``lags`` how its wheels followed in the
+    last prediction: most predictions of a search change neither car nor tyre.
     """
 
     name: str
@@ -90,6 +94,9 @@ class ObservedRun:
     ground: Ground = REFERENCE
     start_heat: float = START
     averaged: int = 1
+    lags: Kept[Any, tuple[WheelLag, WheelLag]] = field(
+        init=False, repr=False, compare=False, default_factory=Kept
+    )
 
     @property
     def warm(self) -> bool:
@@ -168,7 +175,8 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     arrives = line_pressure(effects, history_of(run))
     clamps = caliper_pressure(effects, history_of(run), *arrives)
     drive = (run.drive_f, run.drive_r)
-    lags = _wheel_lags(car, base, run)
+    bare = replace(car, effects=Effects())
+    lags = run.lags.of((bare, base.tyre), lambda: _wheel_lags(bare, base.tyre, run))
     torques: list[Array] = []
     leans = any(term.driver == "deceleration" for term in effects.terms)
     for turn in range(PASSES_OF_TERM if leans else PASSES):
@@ -250,14 +258,14 @@ def _torques(
     ]
 
 
-def _wheel_lags(car: Vehicle, base: Base, run: ObservedRun) -> tuple[WheelLag, WheelLag]:
+def _wheel_lags(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> tuple[WheelLag, WheelLag]:
     """How the wheels of both axles follow, as if both used the road as the whole car does."""
-    z, edge, out = -run.a_x / G, EDGE * base.peak, []
+    z, edge, out = -run.a_x / G, EDGE * tyre.peak, []
     for axle, load in zip((car.front, car.rear), axle_loads(car, z), strict=True):
         relative = 2.0 * load / car.weight
-        _, slope = base.tyre.rising(np.clip(z, -edge, edge), relative)
+        _, slope = tyre.rising(np.clip(z, -edge, edge), relative)
         tau = axle.wheel_inertia * run.v_smooth / axle.rolling_radius**2 / (0.5 * load * slope)
-        out.append(WheelLag.of(tau, base.relaxation, run.v_smooth, run.step))
+        out.append(WheelLag.of(tau, tyre.relaxation, run.v_smooth, run.step))
     return out[0], out[1]
 
 

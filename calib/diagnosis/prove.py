@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem, bounds, fit_without
+from calib.diagnosis.candidate import Candidate, bounds, fit_without
 from calib.diagnosis.confirm import chi2_by_run, helps
 from calib.diagnosis.decide import (
     FAINT_SECOND,
@@ -118,7 +118,7 @@ class Proved:
     steps: tuple[Step, ...]
 
 
-def prove(problem: Problem, held: HoldOuts, decision: Decision) -> Proved:
+def prove(held: HoldOuts, decision: Decision) -> Proved:
     """Withdraw what makes the hold-outs worse, then add effects while that makes them better."""
     before = held.replayed(decision.base)
     bare = held.left(decision.base, before)
@@ -130,9 +130,9 @@ def prove(problem: Problem, held: HoldOuts, decision: Decision) -> Proved:
     if present.decision.verdict == "no_gap":
         return replace(present, rest=False)
     if present.decision.verdict == "unknown":
-        return _found(problem, held, present)
+        return _found(held, present)
     while remains(present.decision.best, present.left):
-        further = _further(problem, held, present)
+        further = _further(held, present)
         if further is None:
             if better(bare.size, present.left.size):
                 return present
@@ -228,12 +228,10 @@ def _judged(held: HoldOuts, candidate: Candidate) -> tuple[tuple[Log, ...], Rema
         return None
 
 
-def _further(problem: Problem, held: HoldOuts, present: Proved) -> Proved | None:
+def _further(held: HoldOuts, present: Proved) -> Proved | None:
     """More effects on top of those that are named, one or a pair; None if none help enough."""
     at = present.decision.best
-    return _helping(held, present, _options(problem, at)) or _helping(
-        held, present, _pairs_on(problem, at)
-    )
+    return _helping(held, present, _options(at)) or _helping(held, present, _pairs_on(at))
 
 
 def _helping(held: HoldOuts, present: Proved, options: list[Candidate]) -> Proved | None:
@@ -296,9 +294,9 @@ def _squares(candidate: Candidate) -> Array:
     return np.array([[float(c @ c) for c in run] for run in candidate.whitened])
 
 
-def _options(problem: Problem, at: Candidate) -> list[Candidate]:
+def _options(at: Candidate) -> list[Candidate]:
     """The best further effects that are worth their parameters."""
-    fitted = simplest_first(refine(problem, at, TRIED))
+    fitted = simplest_first(refine(at, TRIED))
     return [c for c in fitted if gain(at, c) > FAINT_SECOND * (c.x.size - at.x.size)]
 
 
@@ -322,7 +320,7 @@ def _added(
     return replace(present, decision=decision, after=judged[0], left=judged[1], steps=steps)
 
 
-def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
+def _found(held: HoldOuts, present: Proved) -> Proved:
     """Three effects or more, where no single one and no pair explains the logs.
 
     So many can imitate a cause that is in no catalogue. They are named only if next to nothing is
@@ -331,7 +329,7 @@ def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
     start = next((c for c in (present.decision.best, *present.decision.rivals) if c.names), None)
     if start is None:
         return present
-    at, rivals = _with_more(problem, start)
+    at, rivals = _with_more(start)
     if at is start:
         return present
     at = _spared(at)
@@ -347,7 +345,7 @@ def _found(problem: Problem, held: HoldOuts, present: Proved) -> Proved:
     return replace(_added(present, at, tuple(rivals), judged), rest=remains(at, left))
 
 
-def _with_more(problem: Problem, start: Candidate) -> tuple[Candidate, list[Candidate]]:
+def _with_more(start: Candidate) -> tuple[Candidate, list[Candidate]]:
     """The best explanation with further effects, and its rivals: one by one, else in pairs.
 
     Pairs are added to what was found, and to each of its effects alone: the other one may stand for
@@ -355,21 +353,21 @@ def _with_more(problem: Problem, start: Candidate) -> tuple[Candidate, list[Cand
     """
     at, rivals = start, list[Candidate]()
     while at.reduced > quiet(at):
-        options = _options(problem, at)
+        options = _options(at)
         if not options or gain(at, options[0]) < STEP * (at.reduced - FLOOR):
             break
         at, rivals = options[0], options[1:]
     if at.reduced <= quiet(at):
         return at, rivals
     parents = [start, *(fit_without(start, name) for name in start.names if len(start.names) > 1)]
-    found = [c for parent in parents for c in _pairs_on(problem, parent)]
+    found = [c for parent in parents for c in _pairs_on(parent)]
     ranked = simplest_first([at, *found])
     return ranked[0], rivals if ranked[0] is at else ranked[1:]
 
 
-def _pairs_on(problem: Problem, at: Candidate) -> list[Candidate]:
+def _pairs_on(at: Candidate) -> list[Candidate]:
     """Pairs of further effects that explain most of what is left."""
-    return together(problem, at, TRIED, MOST_REPLAYED * (at.reduced - FLOOR))
+    return together(at, TRIED, MOST_REPLAYED * (at.reduced - FLOOR))
 
 
 def _spared(at: Candidate) -> Candidate:

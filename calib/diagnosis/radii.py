@@ -77,5 +77,5 @@ def _better(decision: Decision, other: Decision) -> bool:
 def _by_a_further_effect(decision: Decision) -> float:
     """What one more effect would bring, with about as many parameters as other radii."""
     best = decision.best
-    further = refine(best.problem, best, FURTHER)
+    further = refine(best, FURTHER)
     return gain(best, simplest_first(further)[0]) if further else 0.0

@@ -11,9 +11,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem, fit
-from calib.diagnosis.search import base_directions, begun, change_by, free, trials
-from calib.physics.own_effects.own_effect import definition, every_effect
+from calib.diagnosis.candidate import Candidate, fit
+from calib.diagnosis.changes import EffectChange, further_changes
+from calib.diagnosis.search import begun
 
 Array = NDArray[np.float64]
 
@@ -25,18 +25,6 @@ SAME = 1e-4
 
 
 @dataclass(frozen=True)
-class EffectChange:
-    """What an effect does to the innovations at a point of `trials`.
-
-    ``own`` (n,) is the change that base and present effects cannot make.
-    """
-
-    name: str
-    trial: Array
-    own: Array
-
-
-@dataclass(frozen=True)
 class EffectPair:
     """Expected gain in chi-square of two effects together, and where a fit of them begins."""
 
@@ -45,14 +33,15 @@ class EffectPair:
     start: Array
 
 
-def together(problem: Problem, at: Candidate, count: int, least: float) -> list[Candidate]:
+def together(at: Candidate, count: int, least: float) -> list[Candidate]:
     """Fit the most promising pairs of effects on top of ``at``; best first.
 
     At most ``count``, and those alone that promise a fall of the mean squared innovation by
     ``least``.
     """
+    problem = at.problem
     problem.tell("trying effects in pairs", 0, 1)
-    promising = [pair for pair in pairs(problem, at)[:count] if pair.gain > least * at.count]
+    promising = [pair for pair in pairs(at)[:count] if pair.gain > least * at.count]
     alone = replace(at, problem=problem.alone)
     fitted = problem.mapped(partial(_fitted, alone), promising)
     return sorted(
@@ -61,24 +50,23 @@ def together(problem: Problem, at: Candidate, count: int, least: float) -> list[
     )
 
 
-def left_by_all(problem: Problem, at: Candidate) -> float:
+def left_by_all(at: Candidate) -> float:
     """Mean squared innovation that all further effects together would leave, in one linear step.
 
     Each has any size and sign there: no two or three of them leave less. Where an effect is large
     and acts on the innovations in a bent way, the fitted one can.
     """
-    found, rest = _changes(problem, at)
-    changes = np.stack([change.own for change in found])
+    changes = np.stack([change.own for change in _changes(at)])
     lengths = np.linalg.norm(changes, axis=1)
     span, weights, _ = np.linalg.svd((changes / lengths[:, None]).T, full_matrices=False)
     kept = span[:, weights > SAME * weights[0]]
-    return float(rest @ rest - np.sum((kept.T @ rest) ** 2)) / at.count
+    return float(at.rest @ at.rest - np.sum((kept.T @ at.rest) ** 2)) / at.count
 
 
-def pairs(problem: Problem, at: Candidate) -> list[EffectPair]:
+def pairs(at: Candidate) -> list[EffectPair]:
     """Every pair of effects that are not in ``at`` and help together, best first."""
-    changes, rest = _changes(problem, at)
-    gains, amounts = _gains(np.stack([change.own for change in changes]), rest)
+    changes = _changes(at)
+    gains, amounts = _gains(np.stack([change.own for change in changes]), at.rest)
     best: dict[tuple[str, str], EffectPair] = {}
     for i, j in zip(*np.nonzero(np.triu(gains, 1)), strict=True):
         one, other = changes[i], changes[j]
@@ -92,30 +80,9 @@ def pairs(problem: Problem, at: Candidate) -> list[EffectPair]:
     return sorted(best.values(), key=lambda pair: -pair.gain)
 
 
-def _changes(problem: Problem, at: Candidate) -> tuple[list[EffectChange], Array]:
-    """Changes by every effect that is not in ``at``, and the innovations that they may explain.
-
-    Those are (n,), without what base and present effects can do.
-    """
-    innovations = problem.flat(at.base, at.effects)
-    directions = base_directions(problem, at, innovations)
-    names = [name for name in every_effect(problem.vehicle.effects) if name not in at.names]
-    changes_of = partial(_changes_of, replace(at, problem=problem.alone), innovations, directions)
-    changes = [change for found in problem.mapped(changes_of, names) for change in found]
-    return changes, free(innovations, directions)
-
-
-def _changes_of(
-    at: Candidate, innovations: Array, directions: Array, name: str
-) -> list[EffectChange]:
-    problem = at.problem
-    found = []
-    for trial in trials(problem, definition(problem.vehicle.effects, name).card):
-        whole = change_by(problem, at, innovations, name, trial)
-        own = free(whole, directions)
-        if float(own @ own) > 1e-9 * max(float(whole @ whole), 1e-30):
-            found.append(EffectChange(name, trial, own))
-    return found
+def _changes(at: Candidate) -> list[EffectChange]:
+    """What further effects do that base and present effects cannot."""
+    return [c for changes in further_changes(at).values() for c in changes if np.any(c.own)]
 
 
 def _gains(changes: Array, rest: Array) -> tuple[Array, Array]:

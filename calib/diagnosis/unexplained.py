@@ -10,17 +10,17 @@ brake torque that something holds, though not what does.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, FreeTerm, Problem, fit, joined
+from calib.diagnosis.candidate import Candidate, FreeTerm, Problem, fit, free, joined
 from calib.diagnosis.channels import CHANNELS, thinned
 from calib.diagnosis.decide import quiet
 from calib.diagnosis.hold_outs import HoldOuts
 from calib.diagnosis.oscillation import Oscillation, oscillation_of
 from calib.diagnosis.predict import ObservedRun, history_of
-from calib.diagnosis.search import base_directions, free
 from calib.physics.braking import BITE
 from calib.physics.effects.effects import EmpiricalTerm
 from calib.physics.effects.empirical import DISCS, DRIVERS, PLACES, drivers_of
@@ -115,40 +115,38 @@ def place_of_rest(at: Candidate, held: HoldOuts) -> UnexplainedTerm:
     if at.reduced <= quiet(at):
         seen = held.seen_with(at)
         if seen.reduced > at.reduced:
-            return replace(locate(held.problem, seen), on_hold_outs=True)
-    return locate(at.problem, at, held.problem.runs)
+            return replace(locate(seen), on_hold_outs=True)
+    return locate(at, held.problem.runs)
 
 
-def locate(problem: Problem, at: Candidate, held: tuple[ObservedRun, ...] = ()) -> UnexplainedTerm:
+def locate(at: Candidate, held: tuple[ObservedRun, ...] = ()) -> UnexplainedTerm:
     """Try every place with every driver on top of ``at``, in one linear step each.
 
     A temperature is tried only where every run has it, the hold-outs ``held`` among them.
     """
-    innovations = joined(at.whitened)
-    directions = base_directions(problem, at, innovations)
-    rest = free(innovations, directions)
+    problem = at.problem
     excess = max(at.chi2 - at.count, float(np.sqrt(2.0 * at.count)))  # at least that of noise
+    spots = [
+        (place, driver, _knots_on(problem, place, driver))
+        for driver in DRIVERS
+        for place in PLACES
+        if driver != "temperature" or _warm(place, (*problem.runs, *held))
+    ]
+    alone = replace(at, problem=problem.alone)
+    explained = problem.mapped(
+        partial(_explained, alone, joined(at.whitened), at.directions, at.rest), spots
+    )
     found: list[Found] = []
-    for driver in DRIVERS:
-        for place in PLACES:
-            if driver == "temperature" and not _warm(place, (*problem.runs, *held)):
-                continue
-            signals = [
-                x for run in problem.runs for x in drivers_of(place, driver, history_of(run))
-            ]
-            knots = knots_of(driver, signals)
-            gain, values = _explain(
-                problem, at, (place, driver), knots, (innovations, directions, rest)
-            )
-            found.append((gain / excess, place, driver, knots, values, at))
+    for i, (place, driver, knots) in enumerate(spots):
+        problem.tell("looking for the place of what is left", i, len(spots))
+        gain, values = next(explained)
+        found.append((gain / excess, place, driver, knots, values, at))
     found.sort(key=lambda item: -item[0])
     tried = found[: FITTED_BESIDE if at.names else FITTED]
     tried += _constant_beside(tried[0], found[len(tried) :])
-    fitted = []
-    for i, item in enumerate(tried):
-        problem.tell("looking for the place of what is left", i, len(tried))
-        fitted.append(_fitted(problem, at, item, excess))
-    fitted.sort(key=lambda item: -item[0])
+    problem.tell("fitting what is left", 0, 1)
+    placed = problem.mapped(partial(_fitted, alone, excess), tried)
+    fitted = sorted(placed, key=lambda item: -item[0])
     others = fitted if len(fitted) > FITTED_BESIDE + 1 else fitted + found[len(tried) :]
     nearly = [f for f in fitted if f[0] > fitted[0][0] - PLAIN]
     plain = (f for f in nearly if f[2] == "constant" or held_from(_term(*f[1:5])) is not None)
@@ -225,10 +223,13 @@ def _one_sided(at: Candidate, excess: float) -> str | None:
     return f"{axle}_{'left' if mean < 0.0 else 'right'}"
 
 
+Spot = tuple[str, str, Array]
+"""A place, a driver and the knots over it."""
+
 Found = tuple[float, str, str, Array, Array, Candidate]
 
 
-def _fitted(problem: Problem, at: Candidate, item: Found, excess: float) -> Found:
+def _fitted(at: Candidate, excess: float, item: Found) -> Found:
     """A term fitted in full together with the base; one linear step is wrong if the base is."""
     _, place, driver, knots, _, _ = item
 
@@ -237,9 +238,14 @@ def _fitted(problem: Problem, at: Candidate, item: Found, excess: float) -> Foun
 
     start = np.concatenate([at.x, np.zeros(knots.size)])
     limit = OF_FRICTION if make(item[4]).on_brakes else OF_WEIGHT
-    with_term = fit(problem, at.names, start, 12, FreeTerm(make, knots.size, limit))
+    with_term = fit(at.problem, at.names, start, 12, FreeTerm(make, knots.size, limit))
     share = (at.chi2 - with_term.chi2) / excess
     return share, place, driver, knots, with_term.x[-knots.size :], with_term
+
+
+def _knots_on(problem: Problem, place: str, driver: str) -> Array:
+    signals = (drivers_of(place, driver, history_of(run)) for run in problem.runs)
+    return knots_of(driver, [x for of_run in signals for x in of_run])
 
 
 def knots_of(driver: str, signals: list[Array]) -> Array:
@@ -252,22 +258,16 @@ def knots_of(driver: str, signals: list[Array]) -> Array:
     return np.linspace(low, max(high, low + 1e-9), KNOTS)
 
 
-def _explain(
-    problem: Problem,
-    at: Candidate,
-    where: tuple[str, str],
-    knots: Array,
-    present: tuple[Array, Array, Array],
+def _explained(
+    at: Candidate, innovations: Array, directions: Array, rest: Array, spot: Spot
 ) -> tuple[float, Array]:
     """Gain in chi-square and values at the knots of one term."""
-    innovations, directions, rest = present
-    size = 0.05
-    columns = []
+    knots, size, columns = spot[2], 0.05, []
     for k in range(knots.size):
         hat = np.zeros(knots.size)
         hat[k] = size
-        effects = replace(at.effects, terms=(_term(*where, knots, hat),))
-        change = (problem.flat(at.base, effects) - innovations) / size
+        effects = replace(at.effects, terms=(_term(*spot[:2], knots, hat),))
+        change = (at.problem.flat(at.base, effects) - innovations) / size
         columns.append(free(change, directions))
     A = np.stack(columns, axis=1)
     ridge = 1e-9 * float(np.trace(A.T @ A)) * np.eye(knots.size)

@@ -39,8 +39,8 @@ def test_few_cars_without_an_effect_show_more_than_chance_gives(names, draws):
     for _ in range(draws):
         drawn = redrawn(problem, base.base, rng)
         at = fit(drawn, (), base.x)
-        chance = chance_of(drawn, at, at)
-        ratios.append(max(hint.gain / chance[hint.name] for hint in hints(drawn, at)))
+        chance = chance_of(at, at)
+        ratios.append(max(hint.gain / chance[hint.name] for hint in hints(at)))
     # one in a hundred is meant to be above 1: two of twelve have a probability below 1 %
     assert sum(ratio > 1.0 for ratio in ratios) <= 1
     # and chance is no loose bound: it is reached in part by each of them
@@ -51,9 +51,9 @@ def test_an_effect_that_is_there_gains_more_than_chance_and_does_not_count_as_no
     case = draw("single", 9, names=("hydraulic_lag",), severity=0)
     problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
     base = fit(problem, (), np.zeros(BASE))
-    first = hints(problem, base)[0]
+    first = hints(base)[0]
     best = fit(problem, (first.name,), first.start)
-    with_it, without = chance_of(problem, base, base), chance_of(problem, base, best)
+    with_it, without = chance_of(base, base), chance_of(base, best)
     assert base.chi2 - best.chi2 > 10.0 * without[first.name]
     assert without[first.name] < with_it[first.name]
 

@@ -24,7 +24,7 @@ def answer(case: HiddenCase) -> Diagnosis:
 
 def verdict(logs: list[Log], case: HiddenCase) -> tuple[str, tuple[str, ...]]:
     problem = problem_of(case.vehicle, [run_of(log) for log in logs])
-    decision = decide(problem, fit(problem, (), np.zeros(BASE)))
+    decision = decide(fit(problem, (), np.zeros(BASE)))
     return decision.verdict, decision.best.names
 
 

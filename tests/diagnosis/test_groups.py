@@ -50,14 +50,14 @@ def test_logs_of_one_car_on_one_road_are_one_group():
     base = fit(runs, (), np.zeros(BASE))
     assert grouped(runs, base) is None
     assert groups_of(runs.runs) == ()
-    decision = decide(runs, base)
+    decision = decide(base)
     assert regrouped(decision) is decision
 
 
 def test_a_cause_outside_the_catalogue_is_no_group():
     case = draw("outside", 5)
     runs = problem(case)
-    decision = decide(runs, fit(runs, (), np.zeros(BASE)))
+    decision = decide(fit(runs, (), np.zeros(BASE)))
     assert decision.verdict == "unknown"
     assert regrouped(decision) is decision
 

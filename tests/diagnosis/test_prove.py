@@ -66,12 +66,12 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn():
     wrong = fit(problem, ("aerodynamic_drag",), np.concatenate([base.x, [1.0]]), steps=1)
     assert wrong.effects.parameters["aerodynamic_drag"]["drag_area"] > 0.2
     held = hold_outs_of(base, [noisy(stop(IDEAL, pressure=15e5), 3)])
-    proved = prove(problem, held, Decision("named", base, wrong, ()))
+    proved = prove(held, Decision("named", base, wrong, ()))
     assert (proved.decision.verdict, proved.rest) == ("no_gap", False)  # nothing is hidden
     (withdrawn,) = proved.withdrawn
     assert withdrawn.names == ("aerodynamic_drag",)
     assert withdrawn.closed < 0.0
-    kept = prove(problem, held, Decision("no_gap", base, base, ()))
+    kept = prove(held, Decision("no_gap", base, base, ()))
     assert (kept.decision.verdict, kept.rest) == ("no_gap", False)
 
 

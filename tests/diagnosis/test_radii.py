@@ -18,7 +18,7 @@ from tests.support.hidden.cases import draw
 
 def decision(car, logs):
     problem = problem_of(car, [run_of(log) for log in logs])
-    return decide(problem, fit(problem, (), np.zeros(BASE)))
+    return decide(fit(problem, (), np.zeros(BASE)))
 
 
 @pytest.mark.parametrize("factor", [0.999, 1.002])

@@ -22,9 +22,9 @@ def problem():
 
 def test_two_processes_find_what_one_finds(problem):
     base = fit(problem, (), np.zeros(BASE))
-    alone = refine(problem, base, 3)
+    alone = refine(base, 3)
     with side_by_side(2, "calib.diagnosis.search") as mapped:
-        together = refine(replace(problem, mapped=mapped), base, 3)
+        together = refine(replace(base, problem=replace(problem, mapped=mapped)), 3)
     assert alone[0].names == ("hydraulic_lag",)
     assert [c.names for c in together] == [c.names for c in alone]
     for one, other in zip(alone, together, strict=True):

@@ -81,7 +81,7 @@ def test_a_cold_car_cannot_show_fade_and_coasting_shows_drag():
     case = draw("none", 42)
     runs = [run_of(log) for log in case.calibration if log.name in ("coast", "step_low")]
     problem = problem_of(case.vehicle, runs)
-    silent = unresolved(problem, fit(problem, (), np.zeros(BASE)), dict.fromkeys(CATALOGUE, 64.0))
+    silent = unresolved(fit(problem, (), np.zeros(BASE)), dict.fromkeys(CATALOGUE, 64.0))
     assert "pad_thermal_fade" in silent
     assert "mass_error" in silent
     assert "aerodynamic_drag" not in silent

@@ -21,18 +21,18 @@ def base():
 
 
 def test_the_true_pair_is_first_and_keeps_its_promise(base):
-    best = pairs(base.problem, base)[0]
+    best = pairs(base)[0]
     assert set(best.names) == {"aerodynamic_drag", "road_grade"}
-    (fitted,) = together(base.problem, base, 1, 0.0)
+    (fitted,) = together(base, 1, 0.0)
     assert fitted.names == best.names
     assert base.chi2 - fitted.chi2 == pytest.approx(best.gain, rel=0.1)
 
 
 def test_a_pair_gains_more_than_either_of_its_effects(base):
-    best = pairs(base.problem, base)[0]
-    alone = {c.names[0]: base.chi2 - c.chi2 for c in refine(base.problem, base, 4)}
+    best = pairs(base)[0]
+    alone = {c.names[0]: base.chi2 - c.chi2 for c in refine(base, 4)}
     assert best.gain > max(alone.get(name, 0.0) for name in best.names)
 
 
 def test_pairs_that_promise_too_little_are_not_fitted(base):
-    assert together(base.problem, base, 3, base.reduced) == []
+    assert together(base, 3, base.reduced) == []

@@ -25,7 +25,7 @@ def placed(name: str, seed: int) -> UnexplainedTerm:
     case = draw("outside", seed, names=(name,), severity=2)
     runs = [run_of(log) for log in case.calibration if log.name in FEW]
     problem = problem_of(case.vehicle, runs)
-    return locate(problem, fit(problem, (), np.zeros(BASE)))
+    return locate(fit(problem, (), np.zeros(BASE)))
 
 
 def test_what_turns_with_the_front_wheels_is_told_by_their_angle():
@@ -46,7 +46,7 @@ def test_a_wheel_that_always_drags_is_named_and_depends_on_nothing():
 def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
     case = draw("outside", 35, names=("tank_slosh",), severity=2)
     problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
-    found = locate(problem, fit(problem, (), np.zeros(BASE)))
+    found = locate(fit(problem, (), np.zeros(BASE)))
     assert (found.axle, found.driver) == ("body", "frequency")
     # a mass on a spring, beside a car that it moves with
     mass, own = case.hidden.slosh_mass, case.hidden.slosh_frequency
@@ -58,7 +58,7 @@ def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
 def test_brakes_that_a_control_releases_go_with_the_slip(seed):
     case = draw("outside", seed, names=("abs_modulation",), severity=1)
     problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
-    found = locate(problem, fit(problem, (), np.zeros(BASE)))
+    found = locate(fit(problem, (), np.zeros(BASE)))
     assert (found.axle, found.driver) == ("front", "slip")
 
 
@@ -87,7 +87,7 @@ def test_a_temperature_that_a_hold_out_lacks_is_no_driver():
     runs = [run_of(log) for log in case.calibration if log.name in ("ramp", "coast", "hot")]
     problem = problem_of(case.vehicle, runs)
     held = (replace(runs[0], temperature_r=None),)
-    found = locate(problem, fit(problem, (), np.zeros(BASE)), held)
+    found = locate(fit(problem, (), np.zeros(BASE)), held)
     tried = [(found.term.place, found.term.driver), *(r[:2] for r in found.runners_up)]
     assert tried[0] == ("front_brakes", "temperature")
     assert not {("brakes", "temperature"), ("rear_brakes", "temperature")} & set(tried)
