@@ -329,6 +329,11 @@ def prior_derivatives(problem: Problem, names: tuple[str, ...], size: int) -> Ar
     return np.stack(rows, axis=1)
 
 
+def _with_priors(problem: Problem, names: tuple[str, ...], J: Array, size: int) -> Array:
+    """Derivatives (n + m, j) of innovations and priors from those (n, j) of the innovations."""
+    return np.concatenate([J, prior_derivatives(problem, names, size)[:, : J.shape[1]]])
+
+
 def widths(problem: Problem, size: int) -> Array:
     """Usual change of each element of the vector (``size``,), as a scale of steps."""
     radius = np.full(problem.base_size - BASE, RADIUS_SIGMA)
@@ -353,10 +358,12 @@ def fit(
     start: Array,
     steps: int = 20,
     term: FreeTerm | None = None,
+    jacobian: Array | None = None,
 ) -> Candidate:
     """Fit base and effects from ``start`` (a vector of `unpack`).
 
-    With a ``term``, its values at the knots are the last ones of the vector.
+    With a ``term``, its values at the knots are the last ones of the vector. A ``jacobian`` (n, j)
+    of the innovations by its first elements is that of an explanation which this one goes on from.
     """
     low, high = bounds(problem, names)
     knots, limit = (term.size, term.limit) if term else (0, 0.0)
@@ -374,7 +381,8 @@ def fit(
 
     first = np.clip(start, low + 1e-6, high - 1e-6)
     scale = np.concatenate([widths(problem, own), np.full(knots, 0.1)])
-    x, rows = least_squares(objective, first, low, high, scale, steps)
+    known = None if jacobian is None else _with_priors(problem, names, jacobian, own)
+    x, rows = least_squares(objective, first, low, high, scale, steps, known)
     priors = prior_rows(problem, names, x[:own]).size + (2 * knots - 1 if knots else 0)
     innovations = rows[:-priors]
     base, effects = unpack(problem, names, x[:own])

@@ -99,7 +99,7 @@ def refine(at: Candidate, count: int = REFINED) -> list[Candidate]:
     problem = at.problem
     tried = [hint for hint in hints(at)[:count] if hint.gain > 0.0]
     alone = replace(at, problem=problem.alone)
-    results = problem.mapped(partial(_fitted, alone), tried)
+    results = problem.mapped(partial(_fitted, alone, at.jacobian), tried)
     fitted = []
     for i in range(len(tried)):
         problem.tell(f"fitting the best, effect {i + 1} of {len(tried)}", i, len(tried))
@@ -109,19 +109,20 @@ def refine(at: Candidate, count: int = REFINED) -> list[Candidate]:
 
 def added(at: Candidate, name: str) -> Candidate:
     """The explanation with one further effect, fitted."""
-    return _fitted(at, _hint(at, name, changes_by(at, name, at.directions)))
+    return _fitted(at, at.jacobian, _hint(at, name, changes_by(at, name, at.directions)))
 
 
-def _fitted(at: Candidate, hint: Hint) -> Candidate:
+def _fitted(at: Candidate, jacobian: Array, hint: Hint) -> Candidate:
     """Fit an effect; once more from a full spread if the fit gains less than its hint promised.
 
-    A hysteresis loop narrower than the noise of the pressure brings no gain, so a fit that starts
-    there does not leave it.
+    ``jacobian`` (n, k) is that before it. A hysteresis loop narrower than the noise of the pressure
+    brings no gain, so a fit that starts there does not leave it.
     """
     problem, names = at.problem, (*at.names, hint.name)
-    first = fit(problem, names, hint.start)
+    first = fit(problem, names, hint.start, jacobian=jacobian)
     if at.chi2 - first.chi2 > 0.5 * hint.gain:
         return first
     further = hint.start.copy()
     further[at.x.size] = np.copysign(1.0, further[at.x.size])
-    return min(first, fit(problem, names, further), key=lambda candidate: candidate.chi2)
+    other = fit(problem, names, further, jacobian=jacobian)
+    return min(first, other, key=lambda candidate: candidate.chi2)

@@ -20,44 +20,54 @@ DIFFERENCE = 1e-3
 """Step of the finite differences, in the unit of the vector."""
 
 EASY = 10
-"""Steps up to which secant updates count as good enough."""
+"""Steps in which secant updates from the first derivatives must converge."""
 
 TOLERANCE = 1e-5
 """Relative change of the sum of squares, or of the vector, at which a fit ends."""
 
 
 def least_squares(
-    residuals: Residuals, start: Array, low: Array, high: Array, scale: Array, steps: int
+    residuals: Residuals,
+    start: Array,
+    low: Array,
+    high: Array,
+    scale: Array,
+    steps: int,
+    known: Array | None = None,
 ) -> tuple[Array, Array]:
     """The vector (k,) within its bounds that minimises the squares, and its residuals (n,).
 
-    At most ``steps`` steps, twice where the secant updates did not converge soon.
+    ``known`` (n, j) are derivatives by the first elements of the vector nearby, where there are
+    any. Where the secant updates do not converge soon, at most ``steps`` steps with fresh ones.
     """
     from scipy import optimize
 
     x = start
-    for _ in range(2):
-        secant = _Secant(residuals, high)
+    for nearby, most in ((known, EASY), (None, steps)):
+        secant = _Secant(residuals, high, nearby)
         result = optimize.least_squares(
             secant.value,
             x,
             jac=secant.jacobian,
             bounds=(low, high),
             x_scale=scale,
-            max_nfev=steps,
+            max_nfev=most,
             ftol=TOLERANCE,
             xtol=TOLERANCE,
         )
         x = result.x
-        if result.nfev <= EASY:
+        if result.status > 0:  # it converged
             break
     return x, np.asarray(result.fun)
 
 
-def columns(residuals: Residuals, x: Array, at: Array, high: Array) -> Array:
-    """Derivatives (n, k) of the residuals by the vector ``x``, where they are ``at`` (n,)."""
+def columns(residuals: Residuals, x: Array, at: Array, high: Array, first: int = 0) -> Array:
+    """Derivatives (n, k) of the residuals by the vector ``x``, where they are ``at`` (n,).
+
+    By its elements from ``first`` on.
+    """
     out = []
-    for i in range(x.size):
+    for i in range(first, x.size):
         step = DIFFERENCE if x[i] + DIFFERENCE < high[i] else -DIFFERENCE
         moved = x.copy()
         moved[i] += step
@@ -68,8 +78,8 @@ def columns(residuals: Residuals, x: Array, at: Array, high: Array) -> Array:
 class _Secant:
     """Residuals with a Jacobian that follows from the steps taken."""
 
-    def __init__(self, residuals: Residuals, high: Array) -> None:
-        self.residuals, self.high = residuals, high
+    def __init__(self, residuals: Residuals, high: Array, nearby: Array | None) -> None:
+        self.residuals, self.high, self.nearby = residuals, high, nearby
         self.last: tuple[Array, Array] | None = None  # the vector asked last, with its residuals
         self.known: tuple[Array, Array, Array] | None = None  # vector, residuals, Jacobian
 
@@ -85,7 +95,7 @@ class _Secant:
         else:
             value = self.value(x)
         if self.known is None:
-            J = columns(self.residuals, x, value, self.high)
+            J = self._first(x, value)
         else:
             before, then, J = self.known
             step = x - before
@@ -93,3 +103,9 @@ class _Secant:
                 J = J + np.outer(value - then - J @ step, step) / length
         self.known = (x.copy(), value, J)
         return J
+
+    def _first(self, x: Array, value: Array) -> Array:
+        if self.nearby is None:
+            return columns(self.residuals, x, value, self.high)
+        further = columns(self.residuals, x, value, self.high, self.nearby.shape[1])
+        return np.concatenate([self.nearby, further], axis=1)

@@ -43,7 +43,7 @@ def together(at: Candidate, count: int, least: float) -> list[Candidate]:
     problem.tell("trying effects in pairs", 0, 1)
     promising = [pair for pair in pairs(at)[:count] if pair.gain > least * at.count]
     alone = replace(at, problem=problem.alone)
-    fitted = problem.mapped(partial(_fitted, alone), promising)
+    fitted = problem.mapped(partial(_fitted, alone, at.jacobian), promising)
     return sorted(
         (replace(candidate, problem=problem) for candidate in fitted),
         key=lambda candidate: candidate.chi2,
@@ -99,5 +99,5 @@ def _gains(changes: Array, rest: Array) -> tuple[Array, Array]:
     return np.where((amount > 0.0) & (amount.T > 0.0), gains, 0.0), amount
 
 
-def _fitted(at: Candidate, pair: EffectPair) -> Candidate:
-    return fit(at.problem, (*at.names, *pair.names), pair.start)
+def _fitted(at: Candidate, jacobian: Array, pair: EffectPair) -> Candidate:
+    return fit(at.problem, (*at.names, *pair.names), pair.start, jacobian=jacobian)

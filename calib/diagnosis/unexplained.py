@@ -140,7 +140,7 @@ def locate(at: Candidate, held: tuple[ObservedRun, ...] = ()) -> UnexplainedTerm
     for i, (place, driver, knots) in enumerate(spots):
         problem.tell("looking for the place of what is left", i, len(spots))
         gain, values = next(explained)
-        found.append((gain / excess, place, driver, knots, values, at))
+        found.append((gain / excess, place, driver, knots, values, alone))
     found.sort(key=lambda item: -item[0])
     tried = found[: FITTED_BESIDE if at.names else FITTED]
     tried += _constant_beside(tried[0], found[len(tried) :])
