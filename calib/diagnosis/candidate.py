@@ -384,8 +384,14 @@ def fit(
     known = None if jacobian is None else _with_priors(problem, names, jacobian, own)
     x, rows = least_squares(objective, first, low, high, scale, steps, known)
     priors = prior_rows(problem, names, x[:own]).size + (2 * knots - 1 if knots else 0)
-    innovations = rows[:-priors]
-    base, effects = unpack(problem, names, x[:own])
+    return candidate_of(problem, names, x, rows[:-priors])
+
+
+def candidate_of(
+    problem: Problem, names: tuple[str, ...], x: Array, innovations: Array
+) -> Candidate:
+    """The explanation with a fitted vector, which leaves these ``innovations`` (n,)."""
+    base, effects = unpack(problem, names, x)
     return Candidate(
         problem=problem,
         names=names,

@@ -11,7 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, Problem, bounds, fit, prior_rows, unpack, widths
+from calib.diagnosis.candidate import (
+    Candidate,
+    Problem,
+    bounds,
+    candidate_of,
+    prior_rows,
+    unpack,
+    widths,
+)
 from calib.diagnosis.decide import Decision, decided_anew, explains, quiet
 from calib.diagnosis.secant import least_squares
 from calib.diagnosis.together import left_by_all
@@ -56,8 +64,9 @@ def fit_jointly(
 
     first = np.clip(np.concatenate([start, states.first]), low + 1e-6, high - 1e-6)
     scale = np.concatenate([widths(problem, known), states.scale])
-    x, _ = least_squares(rows, first, low, high, scale, STEPS)
-    return fit(states.driven(x[known:]), names, x[:known])
+    x, residuals = least_squares(rows, first, low, high, scale, STEPS)
+    priors = prior_rows(problem, names, x[:known]).size + states.sigma.size
+    return candidate_of(states.driven(x[known:]), names, x[:known], residuals[:-priors])
 
 
 def searched_beside(decision: Decision, at: Candidate) -> Decision:
