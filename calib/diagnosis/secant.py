@@ -43,7 +43,7 @@ def least_squares(
     from scipy import optimize
 
     x = start
-    for nearby, most in ((known, EASY), (None, steps)):
+    for nearby, most in ((known, min(EASY, steps)), (None, steps)):
         secant = _Secant(residuals, high, nearby)
         result = optimize.least_squares(
             secant.value,
