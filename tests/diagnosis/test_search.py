@@ -1,4 +1,4 @@
-"""Effects are ranked and fitted alike in one process and in several."""
+"""Effects and the place of what is left are found alike in one process and in several."""
 
 from dataclasses import replace
 
@@ -8,6 +8,7 @@ import pytest
 from calib.diagnosis.candidate import BASE, fit, problem_of
 from calib.diagnosis.predict import run_of
 from calib.diagnosis.search import refine
+from calib.diagnosis.unexplained import locate
 from calib.processes import side_by_side
 from tests.support.hidden.cases import draw
 
@@ -30,3 +31,15 @@ def test_two_processes_find_what_one_finds(problem):
     for one, other in zip(alone, together, strict=True):
         assert np.array_equal(one.x, other.x)
         assert one.chi2 == other.chi2
+
+
+def test_two_processes_place_what_is_left_as_one_does(problem):
+    base = fit(problem, (), np.zeros(BASE))
+    alone = locate(base)
+    told = []
+    with side_by_side(2, "calib.diagnosis.search") as mapped:
+        heard = replace(problem, mapped=mapped, tell=lambda *stage: told.append(stage))
+        together = locate(replace(base, problem=heard))
+    assert told
+    assert together.term == alone.term
+    assert together.runners_up == alone.runners_up

@@ -58,3 +58,25 @@ def test_derivatives_step_away_from_an_upper_bound():
     J = columns(ask, np.array([2.0]), np.array([4.0]), np.array([2.0]))
     assert max(seen) <= 2.0
     assert pytest.approx(4.0, abs=2e-3) == J[0, 0]
+
+
+@pytest.mark.parametrize("error", [0.0, 0.2])
+def test_derivatives_that_are_known_nearby_spare_evaluations_and_not_the_solution(error):
+    rng = np.random.default_rng(2)
+    A, noise = rng.standard_normal((40, 5)), 0.1 * rng.standard_normal(40)
+
+    def response(x):
+        return A @ x + 0.02 * (A @ x) ** 2
+
+    def bent(x):
+        return response(x) - response(np.ones(5)) - noise
+
+    low, high = np.full(5, -10.0), np.full(5, 10.0)
+    plain, few = counted(bent), counted(bent)
+    x, _ = least_squares(plain[0], np.zeros(5), low, high, np.ones(5), 20)
+    nearby = A[:, :4] * (1.0 + error * rng.standard_normal((40, 4)))
+    begun, left = least_squares(few[0], np.zeros(5), low, high, np.ones(5), 20, nearby)
+    expected = optimize.least_squares(bent, np.zeros(5), bounds=(low, high))
+    assert float(left @ left) == pytest.approx(2.0 * expected.cost, rel=5e-3)
+    assert begun == pytest.approx(x, abs=0.01)
+    assert len(few[1]) < len(plain[1])
