@@ -3,6 +3,7 @@
 Nothing is fitted to the hold-outs. An effect that does not explain them better is withdrawn.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -72,29 +73,48 @@ def helps(fall: Array) -> bool:
 
 
 SECOND_PROOF, SECOND_PART = 0.05, 0.01
-"""Least gain on the hold-outs of a faint second effect, and its least share of the first's gain: if
-the form of the first is not exact, any second effect takes half a percent of its gain."""
+"""Least gain on the hold-outs of a faint second effect, beyond a share of the first's gain: if the
+form of the first is not exact, any second effect takes half a percent of that."""
 
 
 def second_shown(pair: Decision, held: Problem) -> bool:
     """Whether the hold-outs show a second effect clearly, and it explains most of the rest."""
     assert pair.first is not None
     count = count_of(held, pair.base)
-    none, first, both = (chi2_by_run(held, c) / count for c in (pair.base, pair.first, pair.best))
-    fall = first - both
+    none, first, both = (_squares(held, c) / count for c in (pair.base, pair.first, pair.best))
+    fall = np.sum(first - both, axis=1)
     gained = float(np.sum(fall))
     return bool(
         gained > SECOND_PROOF
-        and gained > SECOND_PART * float(np.sum(none - first))
+        and beyond_form(none, first, both, SECOND_PART) > SECOND_PROOF
         and gained > SECOND_SHARE * (float(np.sum(first)) - FLOOR)
         and helps(fall * count)
     )
 
 
+def beyond_form(before: Array, at: Array, option: Array, share: float) -> float:
+    """Fall of squared innovations by a further effect that the form of others cannot have left.
+
+    Squares by run and channel (r, c): ``before`` any effect, ``at`` the present ones, and with the
+    ``option``. What is left by a form that is not exact is a ``share`` of what it explains, in
+    those runs and channels: a ripple is not lost beside a delay of v.
+    """
+    form = share * np.maximum(before - at, 0.0)
+    return float(np.sum(np.maximum(at - option - form, 0.0)))
+
+
 def chi2_by_run(problem: Problem, candidate: Candidate) -> Array:
     """Sum of squared innovations of every run."""
-    parts = problem.whitened(candidate.base, candidate.effects)
-    return np.array([sum(float(c @ c) for c in run) for run in parts])
+    return np.asarray(np.sum(_squares(problem, candidate), axis=1))
+
+
+def _squares(problem: Problem, candidate: Candidate) -> Array:
+    return squares(problem.whitened(candidate.base, candidate.effects))
+
+
+def squares(whitened: Sequence[Sequence[Array]]) -> Array:
+    """Sums of squared innovations (r, c) by run and channel."""
+    return np.array([[float(c @ c) for c in run] for run in whitened])
 
 
 def count_of(problem: Problem, candidate: Candidate) -> int:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, bounds, fit_without
-from calib.diagnosis.confirm import chi2_by_run, helps
+from calib.diagnosis.confirm import beyond_form, chi2_by_run, helps, squares
 from calib.diagnosis.decide import (
     FAINT_SECOND,
     FLOOR,
@@ -276,22 +276,11 @@ def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:
     excess = at.reduced - FLOOR
     if not present.left.significant or (strange(at) and brought > NEARLY_ALL * excess):
         return brought > MOST * excess
-    return _beyond_form(present, option) > MOST * excess
-
-
-def _beyond_form(present: Proved, option: Candidate) -> float:
-    """Fall of the mean squared innovation less what the form of effects before may have left.
-
-    That is a share of what they explain, run by run and channel by channel.
-    """
-    before, at = (_squares(c) for c in (present.decision.base, present.decision.best))
-    form = SECOND_OF_ALL * np.maximum(before - at, 0.0)
-    return float(np.sum(np.maximum(at - _squares(option) - form, 0.0))) / option.count
-
-
-def _squares(candidate: Candidate) -> Array:
-    """Sums of squared innovations by run and channel."""
-    return np.array([[float(c @ c) for c in run] for run in candidate.whitened])
+    before, with_at, with_option = (
+        squares(c.whitened) for c in (present.decision.base, at, option)
+    )
+    fall = beyond_form(before, with_at, with_option, SECOND_OF_ALL)
+    return fall > MOST * excess * option.count
 
 
 def _options(at: Candidate) -> list[Candidate]:
