@@ -31,7 +31,7 @@ from calib.diagnosis.decide import (
 )
 from calib.diagnosis.hold_outs import HoldOuts
 from calib.diagnosis.remainder import LEAST, Remainder
-from calib.diagnosis.search import refine
+from calib.diagnosis.search import hints, refine
 from calib.diagnosis.together import together
 from calib.errors import ModelError
 from calib.logs.log import Log
@@ -138,12 +138,20 @@ def prove(held: HoldOuts, decision: Decision) -> Proved:
                 return present
             return _withdrawn(present, bare, _closed(present, bare))
         present = further
-    return replace(present, rest=False)
+    present = replace(present, rest=False)
+    while _hinted(present.decision.best) and (further := _further(held, present)) is not None:
+        present = further
+    return present
 
 
 def remains(best: Candidate, left: Remainder) -> bool:
     """Whether something significant is left, in the innovations or in the replays."""
     return left.significant or best.reduced > quiet(best)
+
+
+def _hinted(best: Candidate) -> bool:
+    """Whether one further effect promises more than a difference in form would bring."""
+    return hints(best)[0].gain > FURTHER * best.count
 
 
 def _gap(base: Candidate, bare: Remainder) -> bool:
