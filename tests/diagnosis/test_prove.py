@@ -9,7 +9,8 @@ from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.document import to_dict
 from calib.diagnosis.hold_outs import hold_outs_of
 from calib.diagnosis.predict import run_of
-from calib.diagnosis.prove import better, prove
+from calib.diagnosis.prove import better, prove, remains
+from calib.diagnosis.search import added
 from calib.diagnosis.words import something_else, verdict
 from calib.reports.diagnosis import report_html
 from tests.support.hidden.cases import HiddenCase, draw
@@ -87,3 +88,17 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn():
 )
 def test_replays_must_become_better_or_stay_at_the_noise(before, after, expected):
     assert better(before, after) is expected
+
+
+def test_a_second_effect_is_asked_for_where_nothing_significant_is_left():
+    """A lag of a_x beside a delay that explains three hundred times as much."""
+    case = draw("double", 1330013)
+    assert set(case.effects) == {"hydraulic_delay", "accelerometer_lag"}
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
+    base = fit(problem, (), np.zeros(BASE))
+    first = added(base, "hydraulic_delay")
+    held = hold_outs_of(base, list(case.holdout[:2]))
+    assert not remains(first, held.left(first, held.replayed(first)))
+    proved = prove(held, Decision("named", base, first, ()))
+    assert proved.decision.best.names == ("hydraulic_delay", "accelerometer_lag")
+    assert (proved.decision.verdict, proved.rest) == ("named", False)
