@@ -20,10 +20,11 @@ Array = NDArray[np.float64]
 class Base:
     """Parameters that are always re-identified [1]: pad friction by axle, and the tyre.
 
-    ``stiffness``, ``peak``, ``shape``, ``load_exponent``, ``bend`` [1] and ``relaxation`` [m] as in
-    `MagicFormula`; ``radius`` the factor on the rolling radii of the vehicle file, common to both
-    axles; ``tyre_ratio`` the stiffness of the rear tyres over that of the front ones, 1 in every
-    fit: pads and tyres of an axle cannot both be fitted (`calib.diagnosis.doubts`).
+    ``stiffness``, ``peak``, ``shape``, ``load_exponent``, ``bend``, ``peak_exponent`` [1] and
+    ``relaxation`` [m] as in `MagicFormula`; ``radius`` the factor on the rolling radii of the
+    vehicle file, common to both axles; ``tyre_ratio`` the stiffness of the rear tyres over that of
+    the front ones, 1 in every fit: pads and tyres of an axle cannot both be fitted
+    (`calib.diagnosis.doubts`).
     """
 
     pad_friction_f: float
@@ -34,6 +35,7 @@ class Base:
     load_exponent: float = MagicFormula.load_exponent
     bend: float = MagicFormula.bend
     relaxation: float = MagicFormula.relaxation
+    peak_exponent: float = MagicFormula.peak_exponent
     radius: float = 1.0
     tyre_ratio: float = 1.0
 
@@ -47,6 +49,7 @@ class Base:
             load_exponent=self.load_exponent,
             bend=self.bend,
             relaxation=self.relaxation,
+            peak_exponent=self.peak_exponent,
         )
 
 

@@ -38,15 +38,15 @@ Array = NDArray[np.float64]
 STIFFNESS, PEAK = 25.0, 0.95
 """Start of the fit for the tyre: slip stiffness and peak of a passenger car, both per load [1]."""
 
-SHAPE, LOAD_EXPONENT, BEND, RELAXATION = 1.65, 0.03, 0.1, 0.2
+SHAPE, LOAD_EXPONENT, BEND, RELAXATION, PEAK_EXPONENT = 1.65, 0.03, 0.1, 0.2, 0.04
 """Middle of the priors on the tyre's form [1, m]: passenger cars on asphalt; `calib.fitting`. The
-bend of a brush is 0.55; relaxation lengths are 0.1 to 0.6 m. A fit begins here, within its bounds:
-from a bound it may not move."""
+bend of a brush is 0.55; relaxation lengths are 0.1 to 0.6 m; the peak falls by 0 to 10 % where the
+load doubles. A fit begins here, within its bounds: from a bound it may not move."""
 
-BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04, 0.2, 0.2])
+BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04, 0.2, 0.2, 0.04])
 """Standard deviations of the priors on the logarithms of pads, stiffness and peak: wide; on that of
-the shape factor, on the load exponent, the bend and the relaxation length: the spread of passenger
-tyres."""
+the shape factor, on the load exponent, the bend, the relaxation length and the exponent of the
+peak: the spread of passenger tyres."""
 
 PADS = 0.7
 """Largest logarithm of a pad friction over that of the file: half and double. With rear pads of 2.8
@@ -265,6 +265,7 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
         load_exponent=LOAD_EXPONENT + float(x[5]),
         bend=max(BEND + float(x[6]), 0.0),
         relaxation=max(RELAXATION + float(x[7]), 0.0),
+        peak_exponent=PEAK_EXPONENT + float(x[8]),
         radius=float(np.exp(x[BASE])) if x.size > BASE else 1.0,
     )
 
@@ -299,8 +300,8 @@ def origins(known: Effects, card: Card) -> tuple[float, ...]:
 
 def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
     """Bounds of the vector: the cards' ranges."""
-    low = [-PADS, -PADS, -2.0, -2.0, -0.4, -0.2, -BEND, -RELAXATION]
-    high = [PADS, PADS, 2.0, 2.0, 0.18, 0.2, 0.7, 1.0]
+    low = [-PADS, -PADS, -2.0, -2.0, -0.4, -0.2, -BEND, -RELAXATION, -0.2]
+    high = [PADS, PADS, 2.0, 2.0, 0.18, 0.2, 0.7, 1.0, 0.2]
     if problem.free_radius:
         low, high = [*low, -RADIUS_RANGE], [*high, RADIUS_RANGE]
     known = problem.vehicle.effects

@@ -260,9 +260,10 @@ def _torques(
 
 def _wheel_lags(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> tuple[WheelLag, WheelLag]:
     """How the wheels of both axles follow, as if both used the road as the whole car does."""
-    z, edge, out = -run.a_x / G, EDGE * tyre.peak, []
+    z, out = -run.a_x / G, []
     for axle, load in zip((car.front, car.rear), axle_loads(car, z), strict=True):
         relative = 2.0 * load / car.weight
+        edge = EDGE * tyre.peak_at(relative)
         _, slope = tyre.rising(np.clip(z, -edge, edge), relative)
         tau = axle.wheel_inertia * run.v_smooth / axle.rolling_radius**2 / (0.5 * load * slope)
         out.append(WheelLag.of(tau, tyre.relaxation, run.v_smooth, run.step))
@@ -312,9 +313,10 @@ def _slip(
 
     On the rising branch; forces past it are held there.
     """
-    relative, edge = 4.0 * load / car.weight, EDGE * base.peak
-    carried = force[0] / load
-    slip, slope = base.tyre.rising(np.clip(carried, -edge, edge), relative)
+    relative = 4.0 * load / car.weight
+    carried, tyre = force[0] / load, base.tyre
+    edge = EDGE * tyre.peak_at(relative)
+    slip, slope = tyre.rising(np.clip(carried, -edge, edge), relative)
     if base.relaxation == 0.0:
         return slip
     change = (force[1] - carried * np.gradient(load, lag.step)) / load

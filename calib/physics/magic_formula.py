@@ -6,7 +6,8 @@
       |  / slope K
       +-/----------------> lambda
 
-The load exponent q is that of `calib.physics.tyre`: stiffness per load falls as the load grows.
+The load exponent q is that of `calib.physics.tyre`: stiffness per load falls as the load grows. So
+does the peak, as (2 F_z/W)^-p with the exponent p.
 With a bend b, lambda = (1 + b B x) x s instead of x s. The formula starts straight: its curvature
 at zero slip is zero. That of a brush, whose contact patch begins to slide at its end at once, is
 not: F = K lambda (1 - K lambda/(3 mu) + ...), which is b = C/3.
@@ -38,7 +39,7 @@ class MagicFormula:
     stiffness : K = dF/dlambda at zero slip and half the weight on the axle [1].
     peak : mu, the largest normalised force [1].
     shape : C [1], between 1 (never falls) and 2 (falls to zero).
-    load_exponent : q [1].
+    load_exponent, peak_exponent : q, p [1].
     bend : b [1], not negative.
     relaxation : sigma [m], not negative.
     """
@@ -49,19 +50,25 @@ class MagicFormula:
     load_exponent: float = 0.0
     bend: float = 0.0
     relaxation: float = 0.0
+    peak_exponent: float = 0.0
+
+    def peak_at(self, relative_load: Array | float) -> Array | float:
+        """The largest normalised force [1] at an axle load over half the weight [1]."""
+        return self.peak * relative_load**-self.peak_exponent if self.peak_exponent else self.peak
 
     def force(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
         """Normalised force F [1] at braking ``slip`` [1], axle load over half the weight [1].
 
         Odd in the slip. Valid beyond the peak too, but not for the heat of a locked wheel.
         """
-        bx = self._unbent(slip / self._load_factor(relative_load))
-        return self.peak * np.sin(self.shape * np.arctan(bx))
+        peak = self.peak_at(relative_load)
+        bx = self._unbent(slip / self._load_factor(relative_load), peak)
+        return peak * np.sin(self.shape * np.arctan(bx))
 
     def slope(self, slip: Array, relative_load: Array | float = 1.0) -> Array:
         """dF/dlambda [1]: K at zero slip, zero at the peak, negative beyond it."""
         load = self._load_factor(relative_load)
-        bx = self._unbent(slip / load)
+        bx = self._unbent(slip / load, self.peak_at(relative_load))
         return self._slope(bx, np.cos(self.shape * np.arctan(bx)), load)
 
     def slip(self, force: Array, relative_load: Array | float = 1.0) -> Array:
@@ -69,13 +76,13 @@ class MagicFormula:
 
         NaN where the force is above the peak: no slip gives it.
         """
-        ratio = force / self.peak
+        ratio = force / self.peak_at(relative_load)
         held = np.where(np.abs(ratio) <= 1.0, ratio, np.nan)
         return self._bent(np.tan(np.arcsin(held) / self.shape), relative_load)
 
     def rising(self, force: Array, relative_load: Array | float = 1.0) -> tuple[Array, Array]:
         """Slip [1] that carries the normalised ``force`` [1] below the peak, and dF/dlambda [1]."""
-        sine = force / self.peak
+        sine = force / self.peak_at(relative_load)
         bx = np.tan(np.arcsin(sine) / self.shape)
         slope = self._slope(bx, np.sqrt(1.0 - sine * sine), self._load_factor(relative_load))
         return self._bent(bx, relative_load), slope
@@ -103,22 +110,21 @@ class MagicFormula:
             peak=self.peak * peak_factor,
         )
 
-    @property
-    def _b(self) -> Array | float:
-        return self.stiffness / (self.shape * self.peak)
+    def _b(self, peak: Array | float) -> Array | float:
+        return self.stiffness / (self.shape * peak)
 
     def _slope(self, bx: Array, cosine: Array, load_factor: Array | float) -> Array:
         """dF/dlambda where the formula has B x, and the cosine of C atan(B x)."""
         straight = self.stiffness / load_factor * cosine / (1.0 + bx * bx)
         return np.asarray(straight / (1.0 + 2.0 * self.bend * np.abs(bx)))
 
-    def _unbent(self, slip: Array) -> Array:
+    def _unbent(self, slip: Array, peak: Array | float) -> Array:
         """B x of the formula at a slip for half the weight; the stable root of its square."""
-        bx = self._b * slip
+        bx = self._b(peak) * slip
         return bx * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(bx)))
 
     def _bent(self, bx: Array | float, relative_load: Array | float) -> Array:
-        x = bx * (1.0 + self.bend * np.abs(bx)) / self._b
+        x = bx * (1.0 + self.bend * np.abs(bx)) / self._b(self.peak_at(relative_load))
         return np.asarray(x * self._load_factor(relative_load))
 
     def _load_factor(self, relative_load: Array | float) -> Array | float:

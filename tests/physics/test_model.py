@@ -31,6 +31,7 @@ shape = 1.5
 load_exponent = 0.1
 bend = 0.3
 relaxation = "25 cm"
+peak_exponent = 0.04
 [effects.aerodynamic_drag]
 drag_area = "6600 cm^2"
 [[surfaces]]
@@ -57,7 +58,7 @@ def refused(tmp_path, text):
 def test_reads_every_section_in_si(tmp_path):
     model = read(tmp_path, WHOLE, KNOWN)
     assert (model.pad_friction_f, model.pad_friction_r) == (0.30, pytest.approx(0.34))
-    assert model.tyre == MagicFormula(20.0, 0.5, 1.5, 0.1, 0.3, 0.25)
+    assert model.tyre == MagicFormula(20.0, 0.5, 1.5, 0.1, 0.3, 0.25, 0.04)
     assert model.effects == Effects({"aerodynamic_drag": {"drag_area": pytest.approx(0.66)}})
     assert model.surfaces == (Surface(60.0, "m", 0.8, 0.5), Surface(4.5, "s", 1.0, 1.0))
 
@@ -94,6 +95,7 @@ models = st.builds(
         load_exponent=st.floats(-0.9, 0.9),
         bend=st.floats(0.0, 1.0),
         relaxation=st.floats(0.0, 2.0),
+        peak_exponent=st.floats(-0.9, 0.9),
     ),
     effects=st.builds(
         Effects,
