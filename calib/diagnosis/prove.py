@@ -167,7 +167,8 @@ def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
     """Replay with the effects; back to without them if that is worse, or cannot be done.
 
     Also where nothing significant was left without them, and they may stand for a difference in
-    form: they explain no more than that does, or a parameter ends at its bound.
+    form: they explain no more than that does, a parameter ends at its bound, or the replays get
+    worse by however little.
     """
     base, best = present.decision.base, present.decision.best
     judged = _judged(held, best)
@@ -176,10 +177,13 @@ def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
     after, left = judged
     steps = (*present.steps, _step(best, left))
     tried = replace(present, after=after, left=left, steps=steps)
-    of_form = not _gap(base, bare) and (gain(base, best) < FURTHER or _at_bound(best))
-    if of_form or (_grown(bare, left) and _grown(*_at_best(held, tried))):
-        return _withdrawn(tried, bare, _closed(tried, bare))
-    return tried
+    if _gap(base, bare):
+        holds = not (_grown(bare, left) and _grown(*_at_best(held, tried)))
+    else:
+        of_form = gain(base, best) < FURTHER or _at_bound(best)
+        before, after = _at_best(held, tried)
+        holds = not of_form and after.size < WORSE * before.size
+    return tried if holds else _withdrawn(tried, bare, _closed(tried, bare))
 
 
 def _at_bound(at: Candidate) -> bool:
