@@ -30,7 +30,7 @@ MOTORS = 0.1
 """Odds of such a motor, not logged, before the run: half of the new cars of 2023 have a motor that
 brakes (ACEA, new car registrations, European Union), and most tests log it or switch it off."""
 
-LIKELY = 0.3
+LIKELY = 0.4
 """Chance of a motor from which it is named [1]: what is named too often costs a look, a motor that
 is not named stands in the pads."""
 
@@ -39,7 +39,8 @@ LASTING, FOLLOWING = 0.4, 0.2
 the stop goes [1]: most are at their limit, 0.1 g, before the pads do much (our estimate)."""
 
 MISSING = -0.05
-"""The same where force is missing: pads take 0.5 to 2 bar to bite, which is 3 % of a usual stop."""
+"""The same from which force is missing, below zero: pads take 0.5 to 2 bar to bite, which is 3 % of
+a usual stop."""
 
 SURE = 3.6
 """Standard deviations from zero from which missing force and a delay are named: one false alarm in
@@ -53,7 +54,7 @@ ZERO = 0.5e5
 0.2 % of their range."""
 
 MOST = 300.0
-"""Largest exponent of odds: more is sure, and two of them can still be multiplied."""
+"""Largest exponent of odds: more is sure."""
 
 UNKNOWN = 1.0
 """Sigma of a share of which a run says nothing [1]."""
