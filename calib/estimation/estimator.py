@@ -10,6 +10,7 @@ any look-up, and what the paper argues with.
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,6 +45,7 @@ from calib.signals.axle_signals import Signals, eta_of, signals
 from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks, blocks
 from calib.signals.brake_balance import BrakeBalance, brake_balance
+from calib.signals.brake_response import BrakeResponse, brake_response
 from calib.signals.filters import block_mean, block_slope
 from calib.table.pads_budget import front_share
 from calib.table.table import Table
@@ -100,7 +102,8 @@ class Estimate:
     ``split`` and ``blocks`` the filter's own record; ``eta_zero`` what was zeroed [1];
     ``accelerometer`` its scale and offset, by block; ``factor_f``, ``factor_r`` what known effects
     did to the pad friction, which is given without them [1]; ``notes`` name the baselines left out;
-    ``basis`` what an uncertainty budget is made from.
+    ``basis`` what an uncertainty budget is made from; ``motor`` variance of the logarithm of the
+    pad friction, front and rear, that a motor adds to it, (n,) each [1].
     """
 
     plan: Plan
@@ -129,6 +132,7 @@ class Estimate:
     factor_r: Array | float = 1.0
     notes: tuple[str, ...] = field(default=())
     basis: Basis | None = None
+    motor: tuple[Array, Array] | None = None
 
     def __repr__(self) -> str:
         count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"
@@ -141,6 +145,12 @@ class Estimate:
             for name, axle in (("front", self.front), ("rear", self.rear))
         ]
         return f"{count}; pad friction at {self.time[last]:.2f} s: {', '.join(pads)}"
+
+    @cached_property
+    def response(self) -> BrakeResponse | None:
+        """How the brakes answered the pressure over the whole run; None if it tells too little."""
+        forces = brake_balance(self.plan.nominal, self.plan.known.effects, self.read)
+        return brake_response(self.read, forces)
 
     def columns(self) -> dict[str, Array | Mask]:
         """The samples by the names of `COLUMNS`, (n,) each.

@@ -88,8 +88,7 @@ def validity(
             "the car is slow": s.speed > gates.speed,
             "the brake has just been applied": since(s.time, ~active) > gates.settle,
             LOCKS: since(s.time, _locked(log, s, gates)) > gates.recover,
-            f"the front {WIDE} {100 * gates.interval_f:g} %": _narrow(front, gates.interval_f),
-            f"the rear {WIDE} {100 * gates.interval_r:g} %": _narrow(rear, gates.interval_r),
+            **_narrow_enough(gates, axles),
             NO_PAD: _possible(front, gates) & _possible(rear, gates),
             "the tyres carry more than on the ramp": np.maximum(
                 front.normalised_force, rear.normalised_force
@@ -100,6 +99,28 @@ def validity(
         }
     valid = np.logical_and.reduce([active, *good.values()])
     return Validity(np.asarray(valid), {why: active & ~ok for why, ok in good.items()})
+
+
+def still_narrow(
+    gates: Gates, valid: Mask, refused: dict[str, Mask], axles: tuple[AxleEstimate, AxleEstimate]
+) -> Validity:
+    """What is left of ``valid`` where the intervals of ``axles`` have become wider since.
+
+    ``valid``, ``refused`` as `validity` has them.
+    """
+    good = _narrow_enough(gates, axles)
+    active = np.logical_or.reduce([valid, *refused.values()])
+    wide = {why: active & ~ok for why, ok in good.items()}
+    return Validity(np.logical_and.reduce([valid, *good.values()]), {**refused, **wide})
+
+
+def _narrow_enough(gates: Gates, axles: tuple[AxleEstimate, AxleEstimate]) -> dict[str, Mask]:
+    """Where the intervals are narrow enough, by what is said where they are not."""
+    front, rear = axles
+    return {
+        f"the front {WIDE} {100 * gates.interval_f:g} %": _narrow(front, gates.interval_f),
+        f"the rear {WIDE} {100 * gates.interval_r:g} %": _narrow(rear, gates.interval_r),
+    }
 
 
 def _narrow(axle: AxleEstimate, width: float) -> Mask:

@@ -1,5 +1,7 @@
 """From level and ratio to the pad friction of each axle, its interval, torque and force."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -67,6 +69,23 @@ def estimate_axles(
 def _half_width(sigma: Array) -> Array:
     """Half width of the 95 % interval of a logarithm; a factor of e^5 either way is no answer."""
     return np.minimum(Z95 * sigma, 5.0)
+
+
+def lowered(axle: AxleEstimate, variance: Array) -> AxleEstimate:
+    """The same with more ``variance`` (n,) of the logarithm of pad friction and change, downwards.
+
+    The lower ends of the intervals move, the upper ones stay.
+    """
+
+    def end(lower: Array, value: Array) -> Array:
+        sigma = np.log(value / lower) / Z95
+        return np.asarray(value * np.exp(-_half_width(np.sqrt(sigma**2 + variance))))
+
+    return replace(
+        axle,
+        lower=end(axle.lower, axle.pad_friction),
+        change_lower=end(axle.change_lower, axle.change),
+    )
 
 
 def _changes(

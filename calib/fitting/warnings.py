@@ -13,6 +13,8 @@ from calib.plausibility.pads import calibration_warnings
 from calib.plausibility.resistance import resistance_warnings
 from calib.plausibility.run import run_warnings
 from calib.signals.axle_signals import signals
+from calib.signals.brake_balance import brake_balance
+from calib.signals.brake_response import brake_response
 from calib.table.table import Calibration
 from calib.warning import PlausibilityWarning
 
@@ -63,4 +65,6 @@ def _of_run(
 ) -> tuple[PlausibilityWarning, ...]:
     log, b, noise = run
     sensor = judge_accelerometer(vehicle, rolling, b, noise)
-    return run_warnings(log, signals(log, vehicle), vehicle, known.effects, sensor)
+    s = signals(log, vehicle)
+    response = brake_response(s, brake_balance(vehicle, known.effects, s))
+    return run_warnings(log, s, vehicle, sensor, response)

@@ -2,29 +2,45 @@
 
 import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from calib.signals.axle_signals import Signals
+from calib.signals.brake_response import FORCE as FORCE_BEFORE
 from calib.signals.brake_response import USUAL, BrakeResponse
 from calib.warning import PlausibilityWarning
 
 FORCE = 0.045
 """Force without pressure over the usual brake force [1] from which it is named: it moves the pads
-of one axle by twice as much."""
+of one axle by 6 to 16 %."""
 
 USUAL_FORCE = 0.015
 """Spread of that force where nothing but the pads brakes [1]: the pressure at which pads bite and
 the zero of p_mc within 0.5 bar, over 30 bar."""
 
+USUAL_FADING = 0.02
+"""Spread of the force that goes with the speed there [1]: what is left of slow noise in the half
+second below 3 m/s. Pads that grip more as they get slow are below zero."""
+
 MOTOR = 0.1
-"""Spread of it where a motor brakes along [1]: 0.01 to 0.1 g beside 0.3 g by the pads."""
+"""Spread of both where a motor brakes along [1]: 0.01 to 0.1 g beside 0.3 g by the pads."""
 
 MOTORS = 0.1
-"""Odds of such a motor, not logged, before the run."""
+"""Odds of such a motor, not logged, before the run: half of the new cars of 2023 have a motor that
+brakes (ACEA, new car registrations, European Union), and most tests log it or switch it off."""
+
+LIKELY = 0.4
+"""Chance of a motor from which it is named [1]: what is named too often costs a look, a motor that
+is not named stands in the pads."""
+
+LASTING, FOLLOWING = 0.4, 0.2
+"""Share of the motors that brake until the car stands, and of those that follow the pedal as far as
+the stop goes [1]: most are at their limit, 0.1 g, before the pads do much (our estimate)."""
 
 MISSING = -0.05
-"""The same where force is missing: pads take 0.5 to 2 bar to bite, which is 3 % of a usual stop."""
+"""The same from which force is missing, below zero: pads take 0.5 to 2 bar to bite, which is 3 % of
+a usual stop."""
 
 SURE = 3.6
 """Standard deviations from zero from which missing force and a delay are named: one false alarm in
@@ -37,6 +53,15 @@ ZERO = 0.5e5
 """Pressure of the rolling car [Pa] from which it is named: the zero of sensors of 250 bar drifts by
 0.2 % of their range."""
 
+MOST = 300.0
+"""Largest exponent of odds: more is sure."""
+
+UNKNOWN = 1.0
+"""Sigma of a share of which a run says nothing [1]."""
+
+FAR = -5.0
+"""Standard deviations below zero from which a share is as good as none."""
+
 BAR = 1e5
 
 
@@ -45,11 +70,12 @@ def response_warnings(log: str, response: BrakeResponse | None) -> Iterator[Plau
     if response is None:
         return
     sure = abs(response.share) > SURE * response.share_sigma
-    if response.share > FORCE and motor_chance(response.share, response.share_sigma) > 0.5:
+    motor = motor_of(response)
+    if motor.share > FORCE and motor.chance > LIKELY:
         yield PlausibilityWarning(
             "unexplained_braking_force",
             log,
-            response.share,
+            motor.share,
             (MISSING, FORCE),
             (
                 "a motor or an engine that brakes along with the pedal",
@@ -87,21 +113,102 @@ def response_warnings(log: str, response: BrakeResponse | None) -> Iterator[Plau
         )
 
 
-def motor_chance(share: float, sigma: float) -> float:
-    """Chance [1] that something brakes beside the pressure.
+class Motor(NamedTuple):
+    """What may brake beside the pressure, over the usual brake force [1].
 
-    ``share`` its force over the usual brake force [1], as measured with ``sigma``. Weighed: a force
-    that is usual, to either side, against that of a motor, which brakes.
-
-    >>> [round(motor_chance(0.08, sigma), 2) for sigma in (0.01, 0.04)]
-    [1.0, 0.26]
+    ``chance`` that it is there [1]; its ``share`` as measured, if so; ``square`` the mean of the
+    square of the share, where one that is not there counts as zero.
     """
-    if share <= 0.0:
-        return 0.0
-    usual, motor = (math.hypot(sigma, spread) for spread in (USUAL_FORCE, MOTOR))
-    log_odds = math.log(2.0 * MOTORS * usual / motor)
-    log_odds += 0.5 * share**2 * (usual**-2.0 - motor**-2.0)
-    return 1.0 / (1.0 + math.exp(-min(log_odds, 700.0)))
+
+    chance: float
+    share: float
+    square: float
+
+
+def motor_of(response: BrakeResponse) -> Motor:
+    """Weigh what is usual against a motor, which brakes.
+
+    A motor acts from the first pressure on and brakes until the car stands, or hands over to the
+    brakes before; or it follows the pedal, which no first pressure shows, and hands over. A run
+    that is not braked down to 3 m/s tells nothing of the handing over.
+
+    >>> at_first, late = (BrakeResponse(1.0, 0.0, 0.01, 400.0, 0.0, 0.06, s) for s in (0.01, 0.03))
+    >>> [round(motor_of(response).chance, 2) for response in (at_first, late)]
+    [0.9, 0.38]
+    """
+    at_once = _as_measured(response.share, response.share_sigma)
+    slow = Seen(response.fading, math.hypot(response.fading_sigma, USUAL_FADING))
+    kinds = (
+        (LASTING, at_once),
+        (FOLLOWING, slow),
+        (1.0 - LASTING - FOLLOWING, _together(at_once, slow)),
+    )
+    odds = [part * _odds(seen) for part, seen in kinds]
+    total = sum(odds)
+    chance = MOTORS * total / (1.0 + MOTORS * total)
+    share, square = (
+        sum(one * of(seen) for one, (_, seen) in zip(odds, kinds, strict=True)) / total
+        for of in (_measured, _square)
+    )
+    return Motor(chance, share, chance * square)
+
+
+class Seen(NamedTuple):
+    """A force over the usual brake force [1], and its ``sigma`` where no motor brakes [1]."""
+
+    share: float
+    sigma: float
+
+
+def _as_measured(share: float, sigma: float) -> Seen:
+    """A force without pressure, less what its measurement takes as usual before, `FORCE_BEFORE`.
+
+    One of which the run says nothing is measured as zero, as well as `UNKNOWN` says.
+    """
+    kept = min((sigma / FORCE_BEFORE) ** 2, 1.0 - (FORCE_BEFORE / UNKNOWN) ** 2)
+    return Seen(share / (1.0 - kept), math.hypot(sigma / math.sqrt(1.0 - kept), USUAL_FORCE))
+
+
+def _together(one: Seen, other: Seen) -> Seen:
+    """One force that was measured twice."""
+    of_one, of_other = one.sigma**2, other.sigma**2
+    total = of_one + of_other
+    share = (of_other * one.share + of_one * other.share) / total
+    return Seen(share, math.sqrt(of_one * of_other / total))
+
+
+def _odds(seen: Seen) -> float:
+    """How much likelier a motor makes a force than what is usual does.
+
+    A usual force has both signs, that of a motor is half of a normal distribution beside it. With
+    u the sigma of what is usual, M that of a motor, h = hypot(u, M) and Phi the normal
+    distribution: 2 u/h exp(x^2/2 (1/u^2 - 1/h^2)) Phi(x M/(u h)).
+    """
+    x, u = seen
+    h = math.hypot(u, MOTOR)
+    exponent = min(0.5 * x**2 * (u**-2.0 - h**-2.0), MOST)
+    normal = 0.5 * math.erfc(-x * MOTOR / (u * h * math.sqrt(2.0)))
+    return 2.0 * u / h * normal * math.exp(exponent)
+
+
+def _measured(seen: Seen) -> float:
+    return seen.share
+
+
+def _square(seen: Seen) -> float:
+    """Mean of the square of a motor's share, as it was seen.
+
+    With m = x M^2/h^2 and s = u M/h, those of the normal distribution that the share has above
+    zero, and t = m/s: s^2 + m^2 + m s phi(t)/Phi(t) (Johnson, Kotz and Balakrishnan, Continuous
+    Univariate Distributions, vol. 1, section 10.1).
+    """
+    x, u = seen
+    h = math.hypot(u, MOTOR)
+    s = u * MOTOR / h
+    t = max(x / u * MOTOR / h, FAR)
+    m = s * t
+    ratio = math.exp(-0.5 * t**2) / math.sqrt(0.5 * math.pi) / math.erfc(-t / math.sqrt(2.0))
+    return s**2 + m**2 + m * s * ratio
 
 
 def pressure_warnings(log: str, s: Signals) -> Iterator[PlausibilityWarning]:

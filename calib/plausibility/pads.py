@@ -130,6 +130,11 @@ def level_warnings(log: str, level: float, sigma: float) -> Iterator[Plausibilit
             (
                 "more load than on the ramp" if level < 0.0 else "less load than on the ramp",
                 "the scale or the zero of p_mc or a_x, in one of the runs",
+                *(
+                    ("a motor that brakes along and was not there on the ramp",)
+                    if level > 0.0
+                    else ()
+                ),
                 "pads that were wet or hot in one of the runs",
             ),
             "weigh the car and state its mass with --mass; check p_mc and a_x; if all of this is "

@@ -1,27 +1,28 @@
 """All that one run says against its sensors, from fit and estimate alike."""
 
 from calib.logs.log import Log
-from calib.physics.effects.effects import Effects
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.accelerometer import accelerometer_warnings
 from calib.plausibility.brakes import pressure_warnings, response_warnings
 from calib.plausibility.channels import channel_warnings
 from calib.signals.accelerometer import Accelerometer
 from calib.signals.axle_signals import Signals
-from calib.signals.brake_balance import brake_balance
-from calib.signals.brake_response import brake_response
+from calib.signals.brake_response import BrakeResponse
 from calib.warning import PlausibilityWarning
 
 
 def run_warnings(
-    log: Log, s: Signals, vehicle: Vehicle, effects: Effects, sensor: Accelerometer
+    log: Log,
+    s: Signals,
+    vehicle: Vehicle,
+    sensor: Accelerometer,
+    response: BrakeResponse | None,
 ) -> tuple[PlausibilityWarning, ...]:
     """Warnings on a run.
 
     ``s`` its signals as read, known effects taken out; ``vehicle`` with the pads that are expected;
-    ``effects`` known resistance; ``sensor`` the accelerometer as judged over the run.
+    ``sensor`` the accelerometer as judged over the run; ``response`` of its brakes to the pressure.
     """
-    response = brake_response(s, brake_balance(vehicle, effects, s))
     return (
         *channel_warnings(log, vehicle, s),
         *pressure_warnings(log.name, s),

@@ -1,20 +1,25 @@
 """How the brakes of a run answer the pressure: how late, and with what force besides.
 
-    demanded brake force = level (1 + trend t) N(t - delay) + force [braked] + rest
+    demanded brake force = level (1 + trend t) N(t - delay) + force [braked] - fading [slow] + rest
 
 N is the brake force of nominal pads. A motor that brakes with the pedal, or a zero of the pressure
 that is too low, is force without pressure: `force` above zero. A pressure below which nothing
-happens is `force` below zero. Pads that fade are in the trend, a bias of the accelerometer or an
-unknown resistance in the rest. The delay is a shift of the pressure or a first-order lag, whichever
-fits better. Uses the whole run, so it is no part of a causal estimate. Wrong where the brake force
-is limited, by ABS or on the rear axle: it looks like force without pressure.
+happens is `force` below zero. A motor hands over to the brakes before the car stands; where nobody
+raises the pressure for it, a force goes with the speed: `fading` above zero. It shows a motor that
+follows the pedal, too, which is no force without pressure. Pads that fade are in the trend, a bias
+of the accelerometer or an unknown resistance in the rest. The delay is a shift of the pressure or a
+first-order lag, whichever fits better. Uses the whole run, so it is no part of a causal estimate.
+Wrong where the brake force is limited, by ABS or on the rear axle: it looks like force without
+pressure.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.physics.effects.regenerative_torque import FADE_OUT
 from calib.physics.lag import first_order
 from calib.signals.axle_signals import Signals
 from calib.signals.brake_balance import BrakeBalance
@@ -42,10 +47,19 @@ FORCE = 0.05
 """Standard deviation of the force over the usual brake force before the run [1]."""
 GROUP = 0.2
 """Time over which residuals are averaged to see how they are correlated [s]."""
+LASTING = 1.3
+"""How much more noise that lasts 0.1 s errs over half a second than its means over `GROUP` say:
+1/sqrt(1 - (1 - e^-2)/2), by the variance of the mean of a first-order process."""
 AFTER = 0.5
 """Time after a release that still tells of the brakes [s]; later the engine may drive."""
 SLOW = 4.0
-"""Speed [m/s] below which nothing is used: the car jerks at standstill."""
+"""Speed [m/s] below which only what is braked is used: a gearbox makes the car creep."""
+GONE = 1.0
+"""Speed [m/s] at which a motor has handed over to the brakes, and below which nothing is used: the
+car jerks at standstill."""
+FADING = 1.0
+"""Standard deviation of the force that goes with the speed, over the usual brake force, before the
+run [1]: nearly nothing is known."""
 LEAST = 1.0
 """Time of braking that is needed [s]."""
 AGE = 10.0
@@ -58,7 +72,8 @@ class BrakeResponse:
 
     ``level`` the pads over the nominal ones [1]; ``delay`` is above zero where the deceleration
     comes after the pressure. ``share`` is ``force`` over the median demanded brake force [1],
-    ``share_sigma`` its standard deviation.
+    ``share_sigma`` its standard deviation. ``fading`` the force that goes as the car gets slow over
+    the same [1], with ``fading_sigma``: `FADING` where the run does not show it.
     """
 
     level: float
@@ -68,6 +83,8 @@ class BrakeResponse:
     force_sigma: float
     share: float
     share_sigma: float
+    fading: float = 0.0
+    fading_sigma: float = FADING
 
 
 def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
@@ -75,13 +92,14 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     size = max(1, round(STEP / s.sample_time))
     step = size * s.sample_time
     active = forces.active.astype(float)
-    time, nominal, demanded, braked, use = (
+    time, nominal, demanded, braked, slow, use = (
         block_mean(x, size)
         for x in (
             s.time,
             forces.nominal_f + forces.nominal_r,
             forces.balance.demanded,
             active,
+            active * np.clip((FADE_OUT - s.speed) / (FADE_OUT - GONE), 0.0, 1.0),
             _useful(s, forces.active).astype(float),
         )
     )
@@ -91,43 +109,49 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     age = (time - float(time[inside].mean())) / AGE
     y = demanded[inside]
     usual = float(np.median(y[braked[inside] > 0.5]))
+    one = np.ones_like(time)
     tried, late, on = _tried(time, nominal, braked, step)
-    best = _best(tried, np.stack([late, late * age, on, np.ones_like(late)], -1)[:, inside], y)
+    others = (np.broadcast_to(x, late.shape) for x in (one, slow))
+    best = _best(tried, np.stack([late, late * age, on, *others], -1)[:, inside], y)
     kind, delay = KINDS[best >= tried.size - LAGS.size], float(tried[best])
     for _ in range(REFINED):
         n, applied = (_delayed(time, x, kind, delay) for x in (nominal, braked))
         slope = (first_order(time, n, step) - n) / step  # by the delay
-        A = np.column_stack([n, n * age, applied, np.ones(time.size), slope])[inside]
+        A = np.column_stack([n, n * age, applied, one, -slow, slope])[inside]
         free = np.linalg.lstsq(A, y, rcond=None)[0]
         level = float(free[0])
         if not (level > 0.0 and usual > 0.0):
             return None
         variance = _variance(y - A @ free)
-        solution, sigma = _with_usual(A, y, variance, level * SPREAD, FORCE * usual, delay)
-        delay += float(solution[4]) / level
+        spread = {2: FORCE * usual, 4: FADING * usual, 5: level * SPREAD}
+        solution, sigma = _with_usual(A, y, variance, spread, USUAL - delay)
+        delay += float(solution[5]) / level
     return BrakeResponse(
         level=float(solution[0]),
         delay=delay,
-        delay_sigma=float(sigma[4]) / level,
+        delay_sigma=float(sigma[5]) / level,
         force=float(solution[2]),
         force_sigma=float(sigma[2]),
         share=float(solution[2]) / usual,
         share_sigma=float(sigma[2]) / usual,
+        fading=float(solution[4]) / usual,
+        fading_sigma=LASTING * float(sigma[4]) / usual,
     )
 
 
 def _with_usual(
-    A: Array, y: Array, variance: float, spread: float, force: float, delay: float
+    A: Array, y: Array, variance: float, spread: Mapping[int, float], later: float
 ) -> tuple[Array, Array]:
-    """Least squares with what is usual: no force, the delay `USUAL`; solution and sigma, (5,).
+    """Least squares with what is usual; solution and sigma, (6,).
 
-    ``spread`` standard deviation of the last column's factor, ``force`` [N] of that of the third.
+    ``spread`` standard deviation around zero of the factors of single columns; the last one is the
+    delay, which is usually ``later`` [s].
     """
     precision = A.T @ A / variance
     side = A.T @ y / variance
-    precision[2, 2] += force**-2.0
-    precision[4, 4] += spread**-2.0
-    side[4] += (USUAL - delay) / SPREAD / spread
+    for column, sigma in spread.items():
+        precision[column, column] += sigma**-2.0
+    side[5] += later / SPREAD / spread[5]
     covariance = np.linalg.inv(precision)
     return covariance @ side, np.sqrt(np.diag(covariance))
 
@@ -143,7 +167,8 @@ def _useful(s: Signals, active: Mask) -> Mask:
     """The lead-in, and from the first braking on all that is braked or has just been, (n,)."""
     if not active.any():
         return np.zeros_like(active)
-    return np.asarray((s.lead_in | (since(s.time, active) < AFTER)) & (s.speed > SLOW))
+    fast = (s.lead_in | (since(s.time, active) < AFTER)) & (s.speed > SLOW)
+    return np.asarray(fast | (active & (s.speed > GONE)))
 
 
 def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Array, Array, Array]:
@@ -163,7 +188,7 @@ def _tried(time: Array, nominal: Array, braked: Array, step: float) -> tuple[Arr
 def _best(delays: Array, columns: Array, y: Array) -> int:
     """The most probable of the delays: the least residual, weighed with what is usual.
 
-    ``columns`` (m, n, 4) of what ``y`` (n,) is made of, with each delay.
+    ``columns`` (m, n, 5) of what ``y`` (n,) is made of, with each delay.
     """
     size = np.sqrt(np.sum(columns**2, axis=1, keepdims=True))
     unit = columns / np.where(size > 0.0, size, 1.0)

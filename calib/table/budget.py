@@ -9,6 +9,7 @@
     unlike_pads    whether they changed since the ramp, and front against rear
     cars           how cars of one model differ: in a table that is the mean of several
     ramp           what an older table left open and does not split
+    motor          one that may have braked along and is not logged: of a stop
     noise          sensors, road, what no tyre curve follows
 
 Not counted: the centre of gravity, areas and radii of the brakes, which are taken as the vehicle
@@ -38,6 +39,8 @@ ADVICE = {
     "rear pads",
     "cars": "fit a table of this car, or merge more cars",
     "ramp": "fit the table again: this one does not say what its pads rest on",
+    "motor": "log T_drive_f and T_drive_r, zero in a car without a motor, or brake hard and down "
+    "to a standstill, which shows a motor",
     "noise": "brake longer, with finer wheel speeds",
 }
 """What shrinks each part: an entry in the vehicle file, or a drive."""

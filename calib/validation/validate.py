@@ -36,6 +36,7 @@ from calib.validation.axles import (
 )
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
+from calib.validation.motor import with_motor
 from calib.validation.roads import Road, roads_of
 from calib.validation.warnings import limit_warnings, warnings_of
 from calib.warning import PlausibilityWarning
@@ -222,6 +223,7 @@ def validate_one(
         *locked_wheels(log.name, seen),
         *crossed_warnings(log.name, crossed),
     )
+    result = with_motor(log, result, _of_ramps(table))
     if other is not None and other.log_odds > SURE:
         result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
     if crossed is not None and crossed.sure:

@@ -25,7 +25,7 @@ Mask = NDArray[np.bool_]
 def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
     """Warnings on one log, from what its whole run says."""
     plan = e.plan
-    of_run = run_warnings(log, e.read, plan.nominal, plan.known.effects, e.accelerometer)
+    of_run = run_warnings(log, e.read, plan.nominal, e.accelerometer, e.response)
     return (*of_run, *_pads(log.name, e))
 
 

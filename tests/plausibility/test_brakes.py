@@ -1,16 +1,19 @@
 """What is said of the pressure and of force without it."""
 
+from statistics import NormalDist
+
 import numpy as np
 import pytest
 
-from calib.plausibility.brakes import pressure_warnings, response_warnings
+from calib.plausibility.brakes import motor_of, pressure_warnings, response_warnings
 from calib.signals.axle_signals import signals
 from calib.signals.brake_response import BrakeResponse
 from tests.support.reference_car import CAR, REAL, noisy, stop
 
 
-def response(delay=0.0, share=0.0, sigma=0.01):
-    return BrakeResponse(1.0, delay, sigma, 5000.0 * share, 5000.0 * sigma, share, sigma)
+def response(delay=0.0, share=0.0, sigma=0.01, **fading):
+    of_share = (5000.0 * share, 5000.0 * sigma, share, sigma)
+    return BrakeResponse(1.0, delay, sigma, *of_share, **fading)
 
 
 @pytest.mark.parametrize(
@@ -19,7 +22,12 @@ def response(delay=0.0, share=0.0, sigma=0.01):
         (response(), []),
         (response(share=0.02), []),
         (response(share=0.06), ["unexplained_braking_force"]),
-        (response(share=0.06, sigma=0.03), []),
+        (response(share=0.05, sigma=0.03), []),
+        (response(fading=0.09, fading_sigma=0.02), ["unexplained_braking_force"]),
+        (response(fading=0.09, fading_sigma=0.06), []),
+        (response(fading=0.04, fading_sigma=0.02), []),
+        (response(share=0.04, fading=0.06, fading_sigma=0.02), ["unexplained_braking_force"]),
+        (response(fading=-0.09, fading_sigma=0.02), []),
         (response(share=-0.03), []),
         (response(share=-0.08), ["braking_force_missing"]),
         (response(delay=0.15), ["pressure_lag"]),
@@ -30,6 +38,44 @@ def response(delay=0.0, share=0.0, sigma=0.01):
 )
 def test_only_what_is_large_and_sure_is_named(seen, codes):
     assert [one.code for one in response_warnings("log", seen)] == codes
+
+
+def chance_by_counting(share, sigma, fading, fading_sigma):
+    """Chance and mean square of a motor's share, by weighing a fine grid of shares."""
+    m = np.linspace(0.0, 0.8, 8001)
+    half = 2.0 * NormalDist(0.0, 0.1).pdf(0.0) * np.exp(-0.5 * (m / 0.1) ** 2) * (m[1] - m[0])
+    half[0] *= 0.5
+
+    def seen(true, measured, sigma):
+        return np.exp(-0.5 * ((measured - true) / sigma) ** 2)
+
+    at_once = [seen(x, share, np.hypot(sigma, 0.015)) for x in (m, 0.0)]
+    slow = [seen(x, fading, np.hypot(fading_sigma, 0.02)) for x in (m, 0.0)]
+    kinds = 0.4 * at_once[0] * slow[1] + 0.2 * at_once[1] * slow[0] + 0.4 * at_once[0] * slow[0]
+    none, motor = at_once[1] * slow[1], 0.1 * half * kinds
+    total = none + motor.sum()
+    return motor.sum() / total, (motor * m**2).sum() / total
+
+
+@pytest.mark.parametrize("share", [-0.05, 0.0, 0.03, 0.1])
+@pytest.mark.parametrize("fading", [-0.05, 0.0, 0.05, 0.15])
+@pytest.mark.parametrize(("sigma", "fading_sigma"), [(0.01, 0.02), (0.03, 1.3)])
+def test_a_motor_is_weighed_as_by_counting_all_shares(share, fading, sigma, fading_sigma):
+    """`response` has the share with what is usual before the run, 0.05, counted in."""
+    known = 1.0 / (sigma**-2.0 + 0.05**-2.0)
+    counted = share * known / sigma**2
+    seen = response(share=counted, sigma=known**0.5, fading=fading, fading_sigma=fading_sigma)
+    chance, square = chance_by_counting(share, sigma, fading, fading_sigma)
+    found = motor_of(seen)
+    assert found.chance == pytest.approx(chance, rel=1e-3)
+    assert found.square == pytest.approx(square, rel=1e-3)
+
+
+def test_a_run_that_tells_nothing_leaves_what_is_thought_of_motors():
+    """Odds of one in ten, and 0.1 as the root of the mean square of their share."""
+    found = motor_of(response(sigma=0.05))
+    assert found.chance == pytest.approx(0.1 / 1.1, rel=0.02)
+    assert found.square == pytest.approx(0.1**2 * 0.1 / 1.1, rel=0.05)
 
 
 def test_the_side_of_the_delay_decides_who_is_late():

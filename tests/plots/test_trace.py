@@ -9,6 +9,7 @@ from calib.physics.vehicle_file import read_vehicle
 from calib.plots.result import read_result
 from calib.plots.trace import from_result
 from calib.validation.results import write_result
+from calib.validation.validate import validate
 from tests.plots.conftest import SEDAN, traced
 from tests.support.stored_results import made_result
 
@@ -103,8 +104,9 @@ def test_a_vehicle_adds_nominal_pads_and_the_sum():
     assert found.force_sum_nominal == pytest.approx(found.force_sum - 2 * 10.0 / 0.322)
 
 
-def test_what_validate_writes_is_what_was_estimated(sedan, transition, trace, tmp_path):
-    write_result(estimate(sedan, transition), tmp_path / "stop.parquet")
+def test_what_validate_writes_is_what_is_drawn(sedan, transition, trace, tmp_path):
+    (validated,) = validate(sedan, [transition])
+    write_result(validated.estimate, tmp_path / "stop.parquet")
     found = from_result(read_result(tmp_path / "stop.parquet"))
     for name in ("pad", "lower", "upper", "torque", "force"):
         a, b = getattr(found.rear, name), getattr(trace.rear, name)
@@ -118,7 +120,8 @@ def test_each_sample_is_valid_or_has_a_reason(trace):
 
 
 def test_pads_of_a_result_are_counted_as_by_the_validation(sedan, transition, trace, tmp_path):
-    write_result(estimate(sedan, transition), tmp_path / "stop.parquet")
+    (validated,) = validate(sedan, [transition])
+    write_result(validated.estimate, tmp_path / "stop.parquet")
     found = from_result(read_result(tmp_path / "stop.parquet"))
     for stored, judged in zip(found.pads, trace.pads, strict=True):
         assert stored.mean == pytest.approx(judged.mean, rel=1e-3)

@@ -95,6 +95,45 @@ def test_the_answer_does_not_depend_on_scale(pads, mass):
     assert one.share == pytest.approx(other.share, rel=1e-6)
 
 
+def stopping(force):
+    """Brakes to 1 m/s, with a force besides [N] that goes from 3 m/s on; noise of z 0.005 g."""
+    speed = np.maximum(22.0 - 4.3 * np.clip(TIME - 1.5, 0.0, None), 0.5)
+    fades = force * np.clip(speed - 1.0, 0.0, 2.0) / 2.0 * (pedal(TIME) > 200.0)
+    return run(made() + fades, speed=speed)
+
+
+@pytest.mark.parametrize("force", [0.0, 400.0, 800.0])
+def test_a_force_that_goes_as_the_car_gets_slow(force):
+    answer = brake_response(*stopping(force))
+    usual = np.median(made(force=force)[400:1200])
+    assert answer.fading_sigma < 0.03
+    assert answer.fading == pytest.approx(force / usual, abs=3.0 * answer.fading_sigma)
+    assert answer.force == pytest.approx(force, abs=3.5 * answer.force_sigma)
+
+
+def test_brakes_that_follow_the_pressure_and_fade_with_the_speed_show_no_force_without_it():
+    """A motor in proportion to the pressure: only the end of the stop tells it."""
+    s, forces = stopping(0.0)
+    speed = s.speed
+    share = 0.15 * np.clip(speed - 1.0, 0.0, 2.0) / 2.0
+    along = BrakeBalance(
+        forces.nominal_f,
+        forces.nominal_r,
+        made_balance(forces.balance.demanded + share * made()),
+        forces.active,
+    )
+    answer = brake_response(s, along)
+    assert abs(answer.share) < 3.0 * answer.share_sigma
+    assert answer.fading == pytest.approx(0.15 / 1.15, abs=3.0 * answer.fading_sigma)
+    assert answer.fading > 4.0 * answer.fading_sigma
+
+
+def test_of_a_run_that_stays_fast_nothing_is_said_of_a_force_that_goes():
+    answer = brake_response(*run(made(force=800.0)))
+    assert answer.fading == 0.0
+    assert answer.fading_sigma > 0.9
+
+
 def test_nothing_is_said_of_a_run_without_braking():
     s, forces = run(made())
     none = np.zeros_like(forces.active)

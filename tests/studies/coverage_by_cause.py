@@ -16,6 +16,7 @@ import argparse
 import sys
 import zlib
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -97,12 +98,12 @@ def row(cause: str, keep_v: bool, table: Table, log: Log) -> Row:
     )
 
 
-def report(found: list[Row], with_v: bool) -> None:
-    """Print the table."""
+def printed(found: list[Row], causes: Sequence[str], with_v: bool) -> None:
+    """Print the table, one line for each of the ``causes``."""
     print(f"\n{'with' if with_v else 'without'} v")
     print(f"{'cause':20} {'stops':>5} {'refused':>7} {'coverage f/r':>13} {'valid':>6} "
           f"{'rms f/r %':>12} {'warned':>7} {'unwarned f/r':>13}   codes")  # fmt: skip
-    for cause in CAUSES:
+    for cause in causes:
         part = [r for r in found if (r.cause, r.with_v) == (cause, with_v)]
         if not part:
             continue
@@ -158,7 +159,7 @@ def main() -> None:
     told = ", mass known to 0.5 %" if asked.weighed else ""
     print(f"{asked.cars} cars a cause, seed {asked.seed}{told}")
     for with_v in (True, False):
-        report(found, with_v)
+        printed(found, list(CAUSES), with_v)
 
 
 if __name__ == "__main__":

@@ -87,6 +87,7 @@ class Plant:
     grade : sine of the slope [1], positive uphill; the accelerometer feels it.
     motor : torque of a motor at both wheels of the front and of the rear axle together [N m],
         negative where it slows, at a time [s]; None for a car that rolls freely.
+    motor_share : share of that torque that the motor gives at a speed [m/s]; all of it if None.
     hydraulic_lag : time constant [s] of the wheels' pressures behind that of the master cylinder.
     curvature : of the path [1/m] at a time [s], positive to the left; straight if None.
     relaxation : way [m] over which a tyre builds up its force: sigma d lambda'/dt = v (lambda -
@@ -108,6 +109,7 @@ class Plant:
     pitch_felt: float = 0.0
     grade: float = 0.0
     motor: Callable[[float], tuple[float, float]] | None = None
+    motor_share: Callable[[float], float] | None = None
     hydraulic_lag: float = 0.0
     curvature: Callable[[float], float] | None = None
     relaxation: float = 0.0
@@ -129,6 +131,13 @@ class Moment:
     deflecting: tuple[float, ...]
 
 
+def motor_torque(plant: Plant, t: float, v: float) -> tuple[float, float]:
+    """Torque of a motor at both wheels of each axle [N m], at a time [s] and a speed [m/s]."""
+    front, rear = plant.motor(t) if plant.motor else (0.0, 0.0)
+    share = plant.motor_share(v) if plant.motor_share else 1.0
+    return share * front, share * rear
+
+
 def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) -> Moment:
     """Forces at one instant. Without a pitch mode the load transfer is solved for, not lagged."""
     car, v = plant.vehicle, max(state[V], 0.1)
@@ -146,7 +155,7 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     turn = STRAIGHT
     if plant.curvature:
         turn = cornering(car, plant.tyre, plant.curvature(t), v)
-    motor = [0.5 * torque for torque in plant.motor(t)] if plant.motor else [0.0, 0.0]
+    motor = [0.5 * torque for torque in motor_torque(plant, t, v)]
     z = state[TRANSFER]
     for _ in range(1 if plant.pitch_frequency else 8):
         half = [
@@ -301,7 +310,8 @@ def _channels(
             run[f"p_{w}"] = np.array([p[i] for p in pressures])
     for k, side in enumerate("fr"):
         if plant.motor:
-            run[f"T_drive_{side}"] = np.array([plant.motor(t)[k] for t in time.tolist()])
+            torques = zip(time.tolist(), states[V].tolist(), strict=True)
+            run[f"T_drive_{side}"] = np.array([motor_torque(plant, t, v)[k] for t, v in torques])
         run[f"true_mu_pad_{side}"] = np.array([mu(t)[k] for t in time.tolist()])
     return run
 

@@ -35,6 +35,16 @@ def test_a_motor_brakes_by_its_torque_over_the_radius():
     assert run["omega_fl"][100] < run["omega_rl"][100]  # it is in front that it brakes
 
 
+def test_a_motor_gives_what_its_share_leaves_it_at_a_speed():
+    plant = replace(IDEAL, motor=lambda t: (-160.0, 0.0), motor_share=lambda v: 0.01 * v)
+    run = drive(plant, no_pressure, 25.0, **COASTING)
+    assert run["T_drive_f"] == pytest.approx(-1.6 * run["v"])
+    assert run["T_drive_r"] == pytest.approx(np.zeros_like(run["v"]))
+    inertia = sum(2 * a.wheel_inertia / a.rolling_radius**2 for a in (CAR.front, CAR.rear))
+    rate = 1.6 / CAR.front.rolling_radius / (CAR.mass + inertia)
+    assert run["v"][-1] == pytest.approx(25.0 * math.exp(-rate * run["time"][-1]), rel=1e-4)
+
+
 def test_pitch_tilts_the_accelerometer():
     dip = math.radians(2.0)
     braked = [

@@ -43,9 +43,9 @@ def refused(table, log):
 
 
 def weak(plant, share, seed=3):
-    """A stop with front pads of ``share`` of their friction on the ramp."""
+    """A whole stop with front pads of ``share`` of their friction on the ramp."""
     pads = share * CAR.front.pad_friction, CAR.rear.pad_friction
-    return noisy(stop(with_pads(plant, *pads)), seed)
+    return noisy(stop(with_pads(plant, *pads), duration=20.0), seed)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -85,7 +85,7 @@ def test_weak_front_pads_are_estimated(table, plant, share):
     log = weak(plant, share)
     (found,) = validate(table, [log])
     e = found.estimate
-    assert found.figures["valid_share"] > 0.85
+    assert found.figures["valid_share"] > 0.75
     for axle, truth in ((e.front, share), (e.rear, 1.0)):
         held = (axle.change_lower < truth) & (truth < axle.change_upper)
         assert np.mean(held[e.valid]) > 0.9

@@ -317,7 +317,11 @@ def test_summary_holds_everything_and_is_json(table, wet, passed):
     for side in ("front", "rear"):
         parts = first["budget"][side]
         half = Z95 * math.sqrt(sum(x**2 for x in parts.values()))
-        assert math.sinh(half) == pytest.approx(passed.figures[f"interval_{side[0]}"], rel=2e-3)
+        axle, valid = getattr(passed.estimate, side), passed.estimate.valid
+        widths = np.sort(0.5 * np.log(axle.upper / axle.lower)[valid])
+        assert half == pytest.approx(widths[(widths.size - 1) // 2], rel=1e-9)
+        width = np.median((0.5 * (axle.upper - axle.lower) / axle.pad_friction)[valid])
+        assert passed.figures[f"interval_{side[0]}"] == pytest.approx(width, rel=1e-9)
         assert first["budget"]["largest"][side]["part"] == max(parts, key=parts.get)
     assert first["digest"] == wet.digest
     assert first["rms_error_by_method"]["kalman"]["front"] == passed.baselines["kalman"][0]

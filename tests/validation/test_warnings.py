@@ -167,7 +167,7 @@ def test_a_table_with_a_motor_on_its_ramp_leaves_nothing_valid(fitted):
     """What braked beside the pressure on the ramp stands in the table, so in every stop."""
     motor = PlausibilityWarning("unexplained_braking_force", "ramp", 0.15, (-0.05, 0.045), (), "")
     drag = replace(motor, code="unexplained_drag", measured=0.6)
-    little = replace(motor, measured=0.08)
+    little = replace(motor, measured=0.05)
     stopped = noisy(stop(WET), 1)
     for warning, valid in ((motor, False), (drag, False), (little, True)):
         of_ramp = replace(warning, log=fitted.provenance.logs[0].name)

@@ -1,0 +1,96 @@
+"""What a motor that is not logged leaves open of the pads, in the intervals of an estimate.
+
+    lower end of ln mu of an axle:   variance + 2 s (E[m^2] + m_0^2/2) (F_usual/F_axle)^2
+                                              + 2 (D^2 + D_0^2)/F^2
+
+m is the share of the usual brake force F_usual that a motor may have, zero where there is none
+(`calib.plausibility.brakes.motor_of`); it acts on one axle, with the chance s on this one. F_axle
+and F are the brake forces of the axle and of both, D the drag that slowed the car before it braked
+and may go on: its slip is zeroed there, so it moves both axles. m_0 and D_0 are those that a fit
+has named on its ramps: they stand in the table, and the car has them, or one of two of m_0.
+
+A motor makes pads seem stronger, so the upper end stays. It is rare and large: the end with 2.5 %
+beyond it is 2.2 (a motor for sure, half of a normal distribution) to 3.6 (one of ten) times the
+root of E[m^2] away, and not 1.96 times; hence the 2. Uses the whole run.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.estimation.axle_estimate import AxleEstimate
+from calib.estimation.estimator import Estimate
+from calib.estimation.gates import still_narrow
+from calib.estimation.pads import lowered
+from calib.logs.log import Log
+from calib.names import G
+from calib.plausibility.brakes import motor_of
+from calib.statistics.intervals import Z95
+from calib.warning import PlausibilityWarning
+
+Array = NDArray[np.float64]
+
+FRONT = 0.7
+"""Share of the motors that brake the front axle [1]: most cars with a small one are driven there
+(our estimate). One at the rear makes its pads seem a third better, and is named for that."""
+
+ON_RAMP = 0.5
+"""Chance that what a fit has named on a ramp is a motor [1]: `LIKELY` at least, and a force that is
+not there on one of ten good cars (`tests/studies/coverage_by_cause.py`, seed 6613)."""
+
+LEAST = 1.0
+"""Brake force of an axle [N] below which it is counted as this: one that is not braked."""
+
+LOGGED = ("T_drive_f", "T_drive_r")
+
+
+def with_motor(log: Log, e: Estimate, of_ramps: Sequence[PlausibilityWarning] = ()) -> Estimate:
+    """The estimate, its intervals and ``valid`` with a motor that ``log`` may not show.
+
+    ``of_ramps`` what the fit of the table said of its ramps. As it is where the torques of both
+    axles are logged, or the run brakes too little to tell, and where it does not brake.
+    """
+    if e.response is None or not e.braked.any() or all(name in log for name in LOGGED):
+        return e
+    on_ramp = _largest(of_ramps, "unexplained_braking_force")
+    drags = float(e.accelerometer.drag[-1]), _largest(of_ramps, "unexplained_drag") / G
+    car = e.plan.nominal
+    forces = [
+        np.where(e.braked, np.maximum(2.0 * of.torque / axle.rolling_radius, LEAST), np.inf)
+        for axle, of in ((car.front, e.front), (car.rear, e.rear))
+    ]
+    both = forces[0] + forces[1]
+    usual = float(np.median(both[e.braked]))
+    drag = car.weight * math.hypot(*drags) / both
+    square = motor_of(e.response).square + ON_RAMP * on_ramp**2
+    front, rear = (
+        lowered(axle, 2.0 * (share * square * (usual / force) ** 2 + drag**2))
+        for axle, share, force in zip((e.front, e.rear), (FRONT, 1.0 - FRONT), forces, strict=True)
+    )
+    judged = still_narrow(e.plan.gates, e.valid, e.refused, (front, rear))
+    return replace(
+        e,
+        front=front,
+        rear=rear,
+        valid=judged.valid,
+        refused=judged.refused,
+        motor=(_more(front, e.front), _more(rear, e.rear)),
+    )
+
+
+def _largest(warnings: Sequence[PlausibilityWarning], code: str) -> float:
+    """The largest that was measured by the warnings of a code, 0 without any."""
+    return max((warning.measured for warning in warnings if warning.code == code), default=0.0)
+
+
+def _more(now: AxleEstimate, before: AxleEstimate) -> Array:
+    """What the variance of an axle has grown by (n,) [1], not below zero by rounding."""
+    return np.maximum(_variance(now) - _variance(before), 0.0)
+
+
+def _variance(axle: AxleEstimate) -> Array:
+    """Variance of the logarithm of a pad friction (n,) with an interval of this width [1]."""
+    return np.asarray((np.log(axle.upper / axle.lower) / (2.0 * Z95)) ** 2)
