@@ -32,17 +32,17 @@ from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
 from calib.diagnosis.judged import judged_logs
 from calib.diagnosis.predict import ObservedRun, predict, run_of
 from calib.diagnosis.progress import Tell, silent
-from calib.diagnosis.prove import Step, Withdrawn, prove
+from calib.diagnosis.prove import Proved, Step, Withdrawn, prove
 from calib.diagnosis.radii import with_free_radii
 from calib.diagnosis.regroup import regrouped
 from calib.diagnosis.remainder import Remainder, range_of
 from calib.diagnosis.search import unresolved
-from calib.diagnosis.sides import with_even_sides
+from calib.diagnosis.sides import LARGEST, with_even_sides
 from calib.diagnosis.unexplained import UnexplainedTerm, place_of_rest
 from calib.diagnosis.warnings import log_warnings, unexplained_warnings
 from calib.errors import ModelError
 from calib.logs.log import Log
-from calib.physics.effects.effect import acts_on_wheels
+from calib.physics.effects.effect import acts_on_wheels, slows
 from calib.physics.effects.effects import Effects
 from calib.physics.model import Model
 from calib.physics.own_effects.own_effect import definition
@@ -190,18 +190,10 @@ def diagnose(
     """
     tell("checking the logs", 0, 1)
     warnings = checked(vehicle, calibration, holdout)
-    evened, sides = with_even_sides([*sorted(calibration, key=lambda log: log.digest), *holdout])
-    ordered, holdout = evened[: len(calibration)], evened[len(calibration) :]
-    tell("fitting the model without effects", 0, 1)
-    known_to_all = map if vehicle.effects.own else mapped
-    problem = problem_of(vehicle, [run_of(log) for log in ordered], tell, known_to_all)
-    searched = decide(fit(problem, (), np.zeros(BASE)))
-    decision = by_log(with_free_radii(searched))
-    problem = decision.base.problem
-    held = hold_outs_of(decision.best, holdout)
-    decision = confirm(decision, held.problem)
-    proved = prove(held, decision)
-    decision, stands = proved.decision, proved.decision.verdict in ("named", "ambiguous")
+    sides, proved = _proved(vehicle, calibration, holdout, tell, mapped)
+    held, decision = proved.held, proved.decision
+    problem, holdout = decision.base.problem, list(held.logs)
+    stands = decision.verdict in ("named", "ambiguous")
     left_of = decision.best if stands else decision.base
     unexplained = place_of_rest(left_of, held) if proved.rest else None
     tell("asking what these logs could not show", 0, 1)
@@ -254,6 +246,50 @@ def checked(
     require_axles(vehicle, logs, judged)
     require_own_pressure(judged)
     return log_warnings(judged)
+
+
+def _proved(
+    vehicle: Vehicle, calibration: list[Log], holdout: list[Log], tell: Tell, mapped: Mapped
+) -> tuple[dict[str, float], Proved]:
+    """How the sides of each axle differed [1] before they were made even, and what is proved then.
+
+    A difference that tyres of one age do not make is made even if nothing that slows the car is
+    missing then: it is no brake that drags.
+    """
+    logs = [*sorted(calibration, key=lambda log: log.digest), *holdout]
+
+    def proved(evened: list[Log]) -> Proved:
+        return _searched(
+            vehicle, evened[: len(calibration)], evened[len(calibration) :], tell, mapped
+        )
+
+    usual, sides = with_even_sides(logs)
+    unlike, all_sides = with_even_sides(logs, LARGEST)
+    if sides != all_sides:
+        found = proved(unlike)
+        if _rolls_freely(found):
+            return all_sides, found
+    return sides, proved(usual)
+
+
+def _rolls_freely(found: Proved) -> bool:
+    """Whether nothing is left, and nothing named slows the car."""
+    best = found.decision.best
+    known = best.problem.vehicle.effects
+    slowed = any(slows(definition(known, name)) for name in best.names)
+    return found.decision.verdict != "unknown" and not found.rest and not slowed
+
+
+def _searched(
+    vehicle: Vehicle, calibration: list[Log], holdout: list[Log], tell: Tell, mapped: Mapped
+) -> Proved:
+    """The explanation of the calibration logs, as far as it holds on the hold-outs."""
+    tell("fitting the model without effects", 0, 1)
+    known_to_all = map if vehicle.effects.own else mapped
+    problem = problem_of(vehicle, [run_of(log) for log in calibration], tell, known_to_all)
+    decision = by_log(with_free_radii(decide(fit(problem, (), np.zeros(BASE)))))
+    held = hold_outs_of(decision.best, holdout)
+    return prove(held, confirm(decision, held.problem))
 
 
 def by_log(decision: Decision) -> Decision:

@@ -104,11 +104,13 @@ class Step:
 class Proved:
     """A decision with what speaks for it.
 
-    ``before`` and ``after`` are the replays without effects and with those of the decision;
-    ``left`` what remains in the latter, ``rest`` whether that, or what remains in the innovations,
-    is significant; ``withdrawn`` what did not hold; ``steps`` the course of the search.
+    ``held`` the hold-outs; ``before`` and ``after`` are their replays without effects and with
+    those of the decision; ``left`` what remains in the latter, ``rest`` whether that, or what
+    remains in the innovations, is significant; ``withdrawn`` what did not hold; ``steps`` the
+    course of the search.
     """
 
+    held: HoldOuts
     decision: Decision
     before: tuple[Log, ...]
     after: tuple[Log, ...]
@@ -122,7 +124,7 @@ def prove(held: HoldOuts, decision: Decision) -> Proved:
     """Withdraw what makes the hold-outs worse, then add effects while that makes them better."""
     before = held.replayed(decision.base)
     bare = held.left(decision.base, before)
-    present = Proved(decision, before, before, bare, True, (), (_step(decision.base, bare),))
+    present = Proved(held, decision, before, before, bare, True, (), (_step(decision.base, bare),))
     if decision.verdict in ("named", "ambiguous"):
         present = _confirmed(held, present, bare)
     elif decision.verdict == "no_gap" and bare.significant:
@@ -181,8 +183,8 @@ def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
         holds = not (_grown(bare, left) and _grown(*_at_best(held, tried)))
     else:
         of_form = gain(base, best) < FURTHER or _at_bound(best)
-        before, after = _at_best(held, tried)
-        holds = not of_form and after.size < WORSE * before.size
+        without, with_them = _at_best(held, tried)
+        holds = not of_form and with_them.size < WORSE * without.size
     return tried if holds else _withdrawn(tried, bare, _closed(tried, bare))
 
 

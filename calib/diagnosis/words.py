@@ -6,6 +6,7 @@ from calib.diagnosis.diagnose import Diagnosis, Named
 from calib.diagnosis.drives import Drive
 from calib.diagnosis.groups import LogGroup
 from calib.diagnosis.printed import in_shown, percent, span, with_unit
+from calib.diagnosis.sides import USUAL
 from calib.diagnosis.unexplained import FREQUENCY, SLIP, WHEEL_ANGLE, UnexplainedTerm, held_from
 from calib.names import AXLE_NAMES
 from calib.physics.own_effects.own_effect import definition
@@ -289,11 +290,18 @@ def sides(found: Diagnosis) -> str:
     ]
     if not told:
         return ""
-    return (
+    even = (
         f"While nothing brakes, the wheel speeds of one axle differ by {'; '.join(told)}. They "
-        "were made even: tyres of one axle differ by as much. A brake that drags on the slower "
-        "wheel looks the same, and its drag is then named as something else: feel whether a disc "
-        "is hot."
+        "were made even: "
+    )
+    if any(abs(off) > USUAL for off in found.sides.values()):
+        return (
+            f"{even}tyres of one age differ by up to 0.1 %, and nothing that slows the car, as a "
+            "brake that drags would, is missing. Compare the tyres and their pressures."
+        )
+    return (
+        f"{even}tyres of one axle differ by as much. A brake that drags on the slower wheel looks "
+        "the same, and its drag is then named as something else: feel whether a disc is hot."
     )
 
 

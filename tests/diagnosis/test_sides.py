@@ -3,7 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.sides import with_even_sides
+from calib.diagnosis import words
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.sides import LARGEST, with_even_sides
 from tests.support.hidden.cases import draw
 
 
@@ -36,6 +38,27 @@ def test_more_than_tyres_make_is_left_in():
     logs = [changed(log, {"rl": 1.003}) for log in draw("none", 11).calibration]
     for log, even in zip(logs, with_even_sides(logs)[0], strict=True):
         assert np.array_equal(even["omega_rl"], log["omega_rl"])
+    assert with_even_sides(logs, LARGEST)[1]["r"] == pytest.approx(-0.003, abs=2e-4)
+
+
+@pytest.mark.parametrize("names", [(), ("hydraulic_lag",)])
+def test_a_new_tyre_beside_an_old_one_hides_nothing(names):
+    """It makes the mean of its axle larger, too: that is a mismatch of the axles."""
+    case = draw("single", 11, names=names) if names else draw("none", 11)
+    runs = [
+        [changed(log, {"rl": 1.003}) for log in logs] for logs in (case.calibration, case.holdout)
+    ]
+    found = diagnose(case.vehicle, *runs)
+    assert found.verdict == "named"
+    assert {effect.name for effect in found.effects} == {*names, "rolling_radius_mismatch"}
+    assert "Compare the tyres" in words.sides(found)
+
+
+def test_a_wheel_whose_brake_drags_is_no_new_tyre():
+    case = draw("outside", 3, names=("seized_wheel",))
+    found = diagnose(case.vehicle, [*case.calibration], [*case.holdout])
+    assert found.verdict == "unknown"
+    assert found.sides["r"] == 0.0
 
 
 def test_logs_that_never_roll_freely_stay_as_they_are():
