@@ -12,10 +12,8 @@ One more effect, whichever helps most, is allowed to both: what is hidden must n
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from calib.checks.gates import require_right_slip, wrong_slip
-from calib.diagnosis.candidate import BASE, Candidate, fit, problem_of
+from calib.diagnosis.candidate import Candidate, fit, problem_of
 from calib.diagnosis.judged import JudgedLog
 from calib.diagnosis.predict import run_of
 from calib.diagnosis.search import added, refine
@@ -54,7 +52,8 @@ def _with_another(at: Candidate) -> Candidate:
 
 
 def _fitted(vehicle: Vehicle, logs: Sequence[Log]) -> Candidate:
-    return fit(problem_of(vehicle, [run_of(log) for log in logs]), (), np.zeros(BASE))
+    problem = problem_of(vehicle, [run_of(log) for log in logs])
+    return fit(problem, (), problem.start)
 
 
 def _exchanged(log: Log) -> Log:

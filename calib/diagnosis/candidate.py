@@ -27,6 +27,7 @@ from calib.diagnosis.channels import (
 from calib.diagnosis.predict import ObservedRun, predict
 from calib.diagnosis.progress import Tell, silent
 from calib.diagnosis.secant import columns, least_squares
+from calib.physics.effects import aerodynamic_drag
 from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.own_effects.own_effect import definition
@@ -59,6 +60,14 @@ RADIUS_SIGMA, RADIUS_RANGE = 0.01, 0.05
 """Prior on the logarithm of the rolling radii over those of the file, and its largest value, where
 they are free: tyres wear by 2 % of their radius, and heat, load and pressure change it by 0.5 %."""
 
+DRAG, SHARE = "aerodynamic_drag", "load_share"
+
+_SHARE = {p.name: p for p in aerodynamic_drag.EFFECT.card.parameters}[SHARE]
+USUAL_SHARE, SHARE_SIGMA = _SHARE.typical, 2.0 * _SHARE.spread
+SHARE_RANGE = _SHARE.high - _SHARE.typical
+"""Share of a drag that moves load [1]: the middle of its prior, its spread and its range, for a
+drag that is known and one that is found alike."""
+
 QUIETER = 0.9
 """Share of a channel's noise below which it counts as quieter with an explanation than without."""
 
@@ -76,7 +85,8 @@ class Problem:
     independent pieces of work.
 
     The effects of ``vehicle`` are known: they act in every candidate. ``free_radius`` says whether
-    the rolling radii are one of the base parameters, beside those of the file.
+    the rolling radii are one of the base parameters, beside those of the file. Another one is how
+    much load a known drag moves, where the file does not say.
     """
 
     vehicle: Vehicle
@@ -94,7 +104,24 @@ class Problem:
     @property
     def base_size(self) -> int:
         """Number of base parameters, the first ones of every vector."""
-        return BASE + self.free_radius
+        return BASE + self.free_radius + self.free_share
+
+    @property
+    def start(self) -> Array:
+        """Where a fit of the base parameters alone begins, (`base_size`,)."""
+        return np.zeros(self.base_size)
+
+    @property
+    def base_sigma(self) -> Array:
+        """Standard deviations (`base_size`,) of their priors."""
+        radius, share = [RADIUS_SIGMA] * self.free_radius, [SHARE_SIGMA] * self.free_share
+        return np.array([*BASE_SIGMA, *radius, *share])
+
+    @cached_property
+    def free_share(self) -> bool:
+        """Whether a drag is known, but not how much load it moves."""
+        known = self.vehicle.effects.parameters.get(DRAG)
+        return known is not None and SHARE not in known
 
     def parameters_of(self, name: str) -> int:
         """Number of parameters of an effect."""
@@ -275,7 +302,7 @@ def unpack(problem: Problem, names: tuple[str, ...], x: Array) -> tuple[Base, Ef
 
     A parameter is in units of its spread and counts from its origin, see `origins`.
     """
-    known = problem.vehicle.effects
+    known = _with_share(problem, x)
     found, i = {}, problem.base_size
     for name in names:
         card = definition(known, name).card
@@ -284,8 +311,19 @@ def unpack(problem: Problem, names: tuple[str, ...], x: Array) -> tuple[Base, Ef
             values[p.name] = origin + float(x[i]) * p.spread
             i += 1
         found[name] = values
-    base = base_of(problem.vehicle, x[: problem.base_size])
+    base = base_of(problem.vehicle, x[: BASE + problem.free_radius])
     return base, known.with_(Effects(found))
+
+
+def _with_share(problem: Problem, x: Array) -> Effects:
+    """The known effects, with the load that a known drag moves by the vector."""
+    known = problem.vehicle.effects
+    if not problem.free_share:
+        return known
+    share = USUAL_SHARE + float(x[BASE + problem.free_radius])
+    return replace(
+        known, parameters={**known.parameters, DRAG: {**known.parameters[DRAG], SHARE: share}}
+    )
 
 
 def origins(known: Effects, card: Card) -> tuple[float, ...]:
@@ -294,7 +332,8 @@ def origins(known: Effects, card: Card) -> tuple[float, ...]:
     Else the neutral value for a strength, the typical value for any other parameter.
     """
     if card.name in known:
-        return tuple(known.parameters[card.name][p.name] for p in card.parameters)
+        given = known.parameters[card.name]
+        return tuple(given.get(p.name, p.typical) for p in card.parameters)
     return (card.neutral, *(p.typical for p in card.parameters[1:]))
 
 
@@ -304,6 +343,8 @@ def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
     high = [PADS, PADS, 2.0, 2.0, 0.18, 0.2, 0.7, 1.0, 0.2]
     if problem.free_radius:
         low, high = [*low, -RADIUS_RANGE], [*high, RADIUS_RANGE]
+    if problem.free_share:
+        low, high = [*low, -SHARE_RANGE], [*high, SHARE_RANGE]
     known = problem.vehicle.effects
     for name in names:
         card = definition(known, name).card
@@ -316,7 +357,7 @@ def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
 def prior_rows(problem: Problem, names: tuple[str, ...], x: Array) -> Array:
     """Residuals of the weak priors; the strengths have none."""
     i = problem.base_size
-    rows = [*(x[:BASE] / BASE_SIGMA), *(x[BASE:i] / RADIUS_SIGMA)]
+    rows = [*(x[:i] / problem.base_sigma)]
     for name in names:
         count = problem.parameters_of(name)
         rows += [float(v) / SECOND_SIGMA for v in x[i + 1 : i + count]]
@@ -337,8 +378,8 @@ def _with_priors(problem: Problem, names: tuple[str, ...], J: Array, size: int) 
 
 def widths(problem: Problem, size: int) -> Array:
     """Usual change of each element of the vector (``size``,), as a scale of steps."""
-    radius = np.full(problem.base_size - BASE, RADIUS_SIGMA)
-    return np.concatenate([np.full(BASE, 0.1), radius, np.ones(size - problem.base_size)])
+    others = problem.base_sigma[BASE:]
+    return np.concatenate([np.full(BASE, 0.1), others, np.ones(size - problem.base_size)])
 
 
 @dataclass(frozen=True)

@@ -287,7 +287,7 @@ def _searched(
     tell("fitting the model without effects", 0, 1)
     known_to_all = map if vehicle.effects.own else mapped
     problem = problem_of(vehicle, [run_of(log) for log in calibration], tell, known_to_all)
-    decision = by_log(with_free_radii(decide(fit(problem, (), np.zeros(BASE)))))
+    decision = by_log(with_free_radii(decide(fit(problem, (), problem.start))))
     held = hold_outs_of(decision.best, holdout)
     return prove(held, confirm(decision, held.problem))
 

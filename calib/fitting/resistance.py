@@ -108,8 +108,18 @@ def identify(vehicle: Vehicle, runs: list[tuple[Blocks, float]]) -> Resistance:
     covariance = np.linalg.inv(A.T @ A)
     values = np.maximum(solution, 0.0)
     sigma = np.sqrt(np.diag(covariance))
+    given_too = {name: effects.parameters.get(name, {}) for name in RESISTANCE}
+    found, within = _resistance(values), _resistance(sigma)
     return Resistance(
-        effects=others.with_(Effects(_resistance(values), sigma=_resistance(sigma))),
+        effects=others.with_(
+            Effects(
+                {name: {**given_too[name], **found[name]} for name in RESISTANCE},
+                sigma={
+                    name: {**dict.fromkeys(given_too[name], 0.0), **within[name]}
+                    for name in RESISTANCE
+                },
+            )
+        ),
         covariance=(
             (float(covariance[0, 0]), float(covariance[0, 1])),
             (float(covariance[1, 0]), float(covariance[1, 1])),

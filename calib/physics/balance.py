@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.names import G
-from calib.physics.effects.combined import total_axle_moment, total_body_force
+from calib.physics.effects.combined import body_load_shift, total_axle_moment, total_body_force
 from calib.physics.effects.effects import Effects
 from calib.physics.forces import axle_loads, braking_sum
 from calib.physics.history import Motion, at_rest
@@ -28,10 +28,10 @@ Array = NDArray[np.float64]
 class ForceBalance:
     """Forces of a run [N], shapes (n,).
 
-    ``load_f``, ``load_r`` axle loads (6), (7); ``moment_f``, ``moment_r`` moments on the wheels
-    besides the brake, inertia and drive included, as a force at the road; ``drive_f``, ``drive_r``
-    the drive's part of them; ``body`` forces that slow the body directly; ``tyre_sum`` sum of all
-    tyre forces (5), (17).
+    ``load_f``, ``load_r`` axle loads (6), (7), by the height at which known effects slow the body;
+    ``moment_f``, ``moment_r`` moments on the wheels besides the brake, inertia and drive included,
+    as a force at the road; ``drive_f``, ``drive_r`` the drive's part of them; ``body`` forces that
+    slow the body directly; ``tyre_sum`` sum of all tyre forces (5), (17).
     """
 
     load_f: Array
@@ -82,9 +82,10 @@ def force_balance(
         for axle, moment, rate in zip(axles, moments, spin, strict=True)
     )
     body = total_body_force(vehicle, effects, motion)
+    shifted = vehicle.weight * body_load_shift(vehicle, effects, history)
     return ForceBalance(
-        load_f=load_f,
-        load_r=load_r,
+        load_f=load_f - shifted,
+        load_r=load_r + shifted,
         moment_f=moment_f + drive_f,
         moment_r=moment_r + drive_r,
         drive_f=drive_f,

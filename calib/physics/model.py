@@ -102,6 +102,8 @@ def _believable(card: Card, values: Mapping[str, float], where: str) -> dict[str
             )
     for key, known in cards.items():
         if key not in values:
+            if known.default is not None:
+                continue
             raise ModelError(
                 f"key {key!r} is missing", where=where, expected=f"a value for {key!r}"
             )

@@ -57,7 +57,10 @@ def test_confusion_and_drives_are_told_with_units(named):
         "unit": "sigma",
     }]  # fmt: skip
     assert told["would_show"] == [{
-        "effect": "aerodynamic_drag", "usual_size": {"drag_area": {"value": 0.65, "unit": "m^2"}},
+        "effect": "aerodynamic_drag",
+        "usual_size": {
+            "drag_area": {"value": 0.65, "unit": "m^2"}, "load_share": {"value": 0.5, "unit": "1"}
+        },
         "drive": "coast", "sigma": 48.0, "clear": True,
     }]  # fmt: skip
 

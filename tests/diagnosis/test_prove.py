@@ -64,7 +64,7 @@ def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn():
     calibration = [noisy(ramp(IDEAL), 1), noisy(stop(IDEAL), 2)]
     problem = problem_of(CAR, [run_of(log) for log in calibration])
     base = fit(problem, (), np.zeros(BASE))
-    wrong = fit(problem, ("aerodynamic_drag",), np.concatenate([base.x, [1.0]]), steps=1)
+    wrong = fit(problem, ("aerodynamic_drag",), np.concatenate([base.x, [1.0, 0.0]]), steps=1)
     assert wrong.effects.parameters["aerodynamic_drag"]["drag_area"] > 0.2
     held = hold_outs_of(base, [noisy(stop(IDEAL, pressure=15e5), 3)])
     proved = prove(held, Decision("named", base, wrong, ()))

@@ -63,12 +63,13 @@ def test_effects_of_the_vehicle_file_are_where_a_vector_counts_from():
     case = draw("none", 11)
     car = declared(case, 0.7)
     problem = problem_of(car, [run_of(case.calibration[0])])
-    _, plain = unpack(problem, (), np.zeros(BASE))
-    assert plain.parameters == car.effects.parameters
-    _, moved = unpack(problem, ("aerodynamic_drag", "accelerometer_bias"), np.ones(BASE + 2))
+    _, plain = unpack(problem, (), problem.start)
+    assert plain.parameters == {"aerodynamic_drag": {"drag_area": 0.7, "load_share": 0.5}}
+    ones = np.ones(problem.base_size + 3)
+    _, moved = unpack(problem, ("aerodynamic_drag", "accelerometer_bias"), ones)
     spread = moved.parameters["aerodynamic_drag"]["drag_area"] - 0.7
     low, _ = bounds(problem, ("aerodynamic_drag",))
-    assert low[-1] == pytest.approx(-0.7 / spread)
+    assert low[-2] == pytest.approx(-0.7 / spread)
     assert set(moved.parameters) == {"aerodynamic_drag", "accelerometer_bias"}
 
 

@@ -59,7 +59,8 @@ def test_reads_every_section_in_si(tmp_path):
     model = read(tmp_path, WHOLE, KNOWN)
     assert (model.pad_friction_f, model.pad_friction_r) == (0.30, pytest.approx(0.34))
     assert model.tyre == MagicFormula(20.0, 0.5, 1.5, 0.1, 0.3, 0.25, 0.04)
-    assert model.effects == Effects({"aerodynamic_drag": {"drag_area": pytest.approx(0.66)}})
+    drag = {"drag_area": pytest.approx(0.66), "load_share": 1.0}  # (6) where it is not given
+    assert model.effects == Effects({"aerodynamic_drag": drag})
     assert model.surfaces == (Surface(60.0, "m", 0.8, 0.5), Surface(4.5, "s", 1.0, 1.0))
 
 
@@ -102,7 +103,9 @@ models = st.builds(
         parameters=st.fixed_dictionaries(
             {},
             optional={
-                "aerodynamic_drag": st.fixed_dictionaries({"drag_area": st.floats(0.0, 5.0)}),
+                "aerodynamic_drag": st.fixed_dictionaries(
+                    {"drag_area": st.floats(0.0, 5.0), "load_share": st.floats(-0.5, 1.5)}
+                ),
                 "rolling_resistance": st.fixed_dictionaries({"coefficient": st.floats(0.0, 0.04)}),
             },
         ),

@@ -115,6 +115,12 @@ def total_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) ->
     return total
 
 
+def body_load_shift(vehicle: Vehicle, effects: Effects, history: RunHistory) -> Array:
+    """The part of `total_load_shift` by effects that are a force on the body: where it acts."""
+    slow = [name for name in effects.names if definition(effects, name).body_force is not None]
+    return total_load_shift(vehicle, effects.only(*slow), history)
+
+
 def total_body_force(vehicle: Vehicle, effects: Effects, motion: Motion) -> Array:
     """Sum of the forces that slow the body directly [N] (n,)."""
     total = 0.0 * motion.v

@@ -48,7 +48,10 @@ class Counterpart:
 
 
 COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
-    "aerodynamic_drag": {"drag_area": Counterpart(lambda h: h.drag_area)},
+    "aerodynamic_drag": {
+        "drag_area": Counterpart(lambda h: h.drag_area),
+        "load_share": Counterpart(lambda h: 0.0),  # its loads follow the tyre forces alone
+    },
     "rolling_resistance": {"coefficient": Counterpart(lambda h: h.rolling, 0.08)},
     "road_grade": {"grade": Counterpart(lambda h: math.sin(math.atan(h.grade)))},
     "engine_drag": {"drag_torque": Counterpart(lambda h: h.engine_torque, 0.06)},
