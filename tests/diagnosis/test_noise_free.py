@@ -58,7 +58,13 @@ def test_the_noise_that_was_assumed_is_told(ideal):
 def test_three_effects_of_a_real_car_are_named_with_intervals_that_hold_them():
     found = diagnose(CAR, *logs(REAL))
     told = {name: p.ci95 for effect in found.effects for name, p in effect.parameters.items()}
-    truth = {"drag_area": 0.66, "load_share": 1.0, "coefficient": 0.011, "radius_mismatch": 0.0008}
+    truth = {
+        "drag_area": 0.66,
+        "load_share": 1.0,
+        "coefficient": 0.011,
+        "rolling_growth": 0.0,
+        "radius_mismatch": 0.0008,
+    }
     assert told.keys() == truth.keys()
     assert all(told[name][0] <= true <= told[name][1] for name, true in truth.items())
     assert found.unexplained is None

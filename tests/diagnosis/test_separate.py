@@ -27,10 +27,8 @@ def rivals():
     runs = [run_of(log) for log in case.calibration if log.name.startswith("step")]
     problem = problem_of(case.vehicle, runs)
     base = fit(problem, (), np.zeros(BASE))
-    pair = [
-        fit(problem, (name,), np.concatenate([base.x, start]))
-        for name, start in (("aerodynamic_drag", [0.5, 0.0]), ("rolling_resistance", [0.5]))
-    ]
+    start = np.concatenate([base.x, [0.5, 0.0]])
+    pair = [fit(problem, (n,), start) for n in ("aerodynamic_drag", "rolling_resistance")]
     return case.vehicle, problem, pair
 
 

@@ -106,7 +106,9 @@ models = st.builds(
                 "aerodynamic_drag": st.fixed_dictionaries(
                     {"drag_area": st.floats(0.0, 5.0), "load_share": st.floats(-0.5, 1.5)}
                 ),
-                "rolling_resistance": st.fixed_dictionaries({"coefficient": st.floats(0.0, 0.04)}),
+                "rolling_resistance": st.fixed_dictionaries(
+                    {"coefficient": st.floats(0.0, 0.04), "rolling_growth": st.floats(-0.2, 0.5)}
+                ),
             },
         ),
         terms=st.lists(

@@ -38,8 +38,15 @@ def test_the_heavier_axle_has_more_of_it():
     assert rear < front
 
 
+def test_may_grow_with_the_square_of_the_speed():
+    """0.9 of it at a standstill, and 1.8 of it at 60 m/s, by 0.1 (9 - 1)."""
+    motion = made_motion([0.0, 20.0, 60.0], *(np.full(3, x) for x in (10e3, 7e3)))
+    front, _ = EFFECT.axle_moment(VEHICLE, {"coefficient": 0.01, "rolling_growth": 0.1}, motion)
+    assert front == pytest.approx(100.0 * VEHICLE.front.rolling_radius * np.array([0.9, 1.0, 1.8]))
+
+
 @given(st.floats(0.0, 70.0))
-def test_does_not_depend_on_speed(v):
+def test_does_not_depend_on_speed_without_a_growth(v):
     assert moments(VEHICLE, 0.01, 0.3, v) == moments(VEHICLE, 0.01, 0.3)
 
 
