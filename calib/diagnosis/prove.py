@@ -257,18 +257,25 @@ def _helping(held: HoldOuts, present: Proved, options: list[Candidate]) -> Prove
         if not _closes_most(present, option, judged[1]):
             continue
         rivals = tuple(o for o in options if o is not option)
-        return _without_spare(held, _added(present, option, rivals, judged))
+        return _without_spare(held, present, _added(present, option, rivals, judged))
     return None
 
 
-def _without_spare(held: HoldOuts, present: Proved) -> Proved:
-    """The explanation without effects that stood for the one that was added last."""
+def _without_spare(held: HoldOuts, before: Proved, present: Proved) -> Proved:
+    """The explanation without effects that stood for the one that was added last.
+
+    Or without that one, if the effects ``before`` it explain as much in another fit: they had come
+    to a minimum that is not the lowest.
+    """
     at = present.decision.best
     fewer = _spared(at)
     judged = None if fewer is at else _judged(held, fewer)
-    if judged is None or at.names[-1] not in fewer.names or _grown(present.left, judged[1]):
+    if judged is None or _grown(present.left, judged[1]):
         return present
-    return _added(present, fewer, (), judged)
+    if at.names[-1] in fewer.names:
+        return _added(present, fewer, (), judged)
+    lower = gain(before.decision.best, fewer) > FURTHER_REPLAYED
+    return _added(before, fewer, (), judged) if lower else present
 
 
 def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:

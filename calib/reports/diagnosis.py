@@ -128,7 +128,8 @@ def _steps(found: Diagnosis) -> list[tuple[str, ...]]:
         what += [f"without {words.listed(change.removed)}"] if change.removed else []
         now = change.step
         error, left = f"{now.innovation:.3f}", f"{now.left:.2f}"
-        rows.append((", ".join(what), error, f"{-change.gain:+.3f}", left, f"{-change.fall:+.2f}"))
+        shown = ", ".join(what) or "the same, fitted anew"
+        rows.append((shown, error, f"{-change.gain:+.3f}", left, f"{-change.fall:+.2f}"))
     return rows
 
 

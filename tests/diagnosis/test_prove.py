@@ -90,6 +90,16 @@ def test_replays_must_become_better_or_stay_at_the_noise(before, after, expected
     assert better(before, after) is expected
 
 
+def test_no_effect_is_named_for_a_better_fit_of_those_before_it():
+    """A motor and a delay: their first fit ends beside the lowest minimum, and a ripple leaves it."""
+    case = draw("double", 1360008)
+    found = answer(case)
+    assert {effect.name for effect in found.effects} == set(case.effects)
+    assert found.steps[-1].names == found.steps[-2].names
+    assert found.steps[-1].innovation < found.steps[-2].innovation
+    assert "fitted anew" in report_html(found, "car")
+
+
 def test_a_second_effect_is_asked_for_where_nothing_significant_is_left():
     """A lag of a_x beside a delay that explains three hundred times as much."""
     case = draw("double", 1330013)

@@ -4,7 +4,6 @@ from calib.physics.effects.effect import Array, Card, Effect, Parameter, Paramet
 from calib.physics.history import Motion
 from calib.physics.vehicle import Vehicle
 
-
 SPEED = 20.0
 """Speed [m/s] at which the coefficient is the whole resistance."""
 
