@@ -281,14 +281,15 @@ def _without_spare(held: HoldOuts, before: Proved, present: Proved) -> Proved:
 def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:
     """Whether a further effect explains most of what is left, where that is seen.
 
-    That is in the replays or in the innovations. Where the replays have something left, a gain in
-    the innovations counts only so far as the form of the effects before cannot have left it, or if
-    it leaves next to nothing. An effect that turns with the wheels is not seen in replays at all.
+    That is in the replays or in the innovations; in replays with nothing significant left, only
+    beside a gain that no difference in form brings. Where they have something left, a gain in the
+    innovations counts only so far as the form of the effects before cannot have left it, or if it
+    leaves next to nothing. An effect that turns with the wheels is not seen in replays at all.
     """
     at = present.decision.best
     brought = gain(at, option)
     faint = max(FURTHER_REPLAYED, FURTHER_OF_ALL * gain(present.decision.base, at))
-    if present.left.significant and brought > faint:
+    if brought > (faint if present.left.significant else FURTHER):
         share = MOST if brought > FURTHER else MOST_REPLAYED
         if left.size < (1.0 - share) * present.left.size:
             return True

@@ -91,7 +91,7 @@ def test_replays_must_become_better_or_stay_at_the_noise(before, after, expected
 
 
 def test_no_effect_is_named_for_a_better_fit_of_those_before_it():
-    """A motor and a delay: their first fit ends beside the lowest minimum, and a ripple leaves it."""
+    """A motor and a delay, first fitted beside the lowest minimum: a ripple finds it."""
     case = draw("double", 1360008)
     found = answer(case)
     assert {effect.name for effect in found.effects} == set(case.effects)
