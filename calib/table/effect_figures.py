@@ -25,7 +25,8 @@ class EffectFigure:
     def __str__(self) -> str:
         low, high = self.ci95
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.name} {self.value.value:.4g}{unit} (95 %: {low:.4g} to {high:.4g})"
+        within = f"95 %: {low:.4g} to {high:.4g}" if low < high else "given"
+        return f"{self.name} {self.value.value:.4g}{unit} ({within})"
 
 
 def effect_figures(table: Table) -> Iterator[EffectFigure]:

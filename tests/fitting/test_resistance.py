@@ -111,6 +111,14 @@ def test_without_coasting_it_is_what_is_usual():
     assert not found.known
 
 
+def test_the_load_share_of_a_known_drag_is_kept_as_it_is_given(coast):
+    given = {"drag_area": 0.66, "load_share": 0.2}
+    car = replace(VEHICLE, effects=Effects({"aerodynamic_drag": given}))
+    found = identify(car, [seen(coast)]).effects
+    assert found.parameters["aerodynamic_drag"]["load_share"] == 0.2
+    assert found.sigma["aerodynamic_drag"]["load_share"] == 0.0
+
+
 def test_known_effects_are_kept(coast):
     told = replace(
         CAR,

@@ -28,6 +28,11 @@ def test_no_drag_is_negative():
     assert one.ci95 == pytest.approx((0.0, 0.196), abs=1e-4)
 
 
+def test_a_value_that_was_given_has_no_interval():
+    (one,) = effect_figures(with_drag(0.66, 0.0))
+    assert str(one) == "drag_area 0.66 m^2 (given)"
+
+
 def test_an_effect_whose_file_was_not_given_has_si_units():
     own = {"mine": DefinedIn("mine.py", "ab" * 32)}
     table = made_table()
