@@ -93,11 +93,14 @@ def test_replays_must_become_better_or_stay_at_the_noise(before, after, expected
 def test_no_effect_is_named_for_a_better_fit_of_those_before_it():
     """A motor and a delay, first fitted beside the lowest minimum: a ripple finds it."""
     case = draw("double", 1360008)
-    found = answer(case)
-    assert {effect.name for effect in found.effects} == set(case.effects)
-    assert found.steps[-1].names == found.steps[-2].names
-    assert found.steps[-1].innovation < found.steps[-2].innovation
-    assert "fitted anew" in report_html(found, "car")
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
+    base = fit(problem, (), problem.start)
+    beside = added(added(base, "hydraulic_delay"), "regenerative_torque")
+    proved = prove(hold_outs_of(base, list(case.holdout)), Decision("named", base, beside, ()))
+    assert proved.decision.best.names == beside.names
+    assert proved.steps[-1].names == beside.names
+    assert proved.steps[-1].innovation < beside.reduced - 0.05
+    assert not proved.rest
 
 
 def test_a_second_effect_is_asked_for_where_nothing_significant_is_left():

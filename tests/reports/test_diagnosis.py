@@ -92,6 +92,13 @@ def test_a_step_that_spares_an_effect_says_so(named):
     ]  # fmt: skip
 
 
+def test_a_step_with_the_same_effects_is_a_better_fit_of_them(named):
+    steps = (*named.steps, Step(named.steps[-1].names, 0.875, 0.25))
+    assert rows(read(replace(named, steps=steps)), "The course")[-1] == [
+        "the same, fitted anew", "0.875", "-0.125", "0.25", "+0.00"
+    ]  # fmt: skip
+
+
 def test_a_name_with_which_the_hold_outs_are_no_better_is_not_blue(named):
     worse = replace(named, gap=replace(named.gap, after=8.5, closed=-0.03))
     page = read(worse)
