@@ -129,7 +129,7 @@ def _steps(found: Diagnosis) -> list[tuple[str, ...]]:
         now = change.step
         error, left = f"{now.innovation:.3f}", f"{now.left:.2f}"
         shown = ", ".join(what) or "the same, fitted anew"
-        rows.append((shown, error, f"{-change.gain:+.3f}", left, f"{-change.fall:+.2f}"))
+        rows.append((shown, error, f"{0.0 - change.gain:+.3f}", left, f"{0.0 - change.fall:+.2f}"))
     return rows
 
 
