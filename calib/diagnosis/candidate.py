@@ -78,6 +78,9 @@ a braked disc."""
 SECOND_SIGMA = 2.0
 """Prior on the further parameters of an effect, in spreads of their cards."""
 
+AT_BOUND = 0.01
+"""Share of a parameter's range that counts as its bound."""
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -352,6 +355,14 @@ def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
             low.append((p.low - origin) / p.spread)
             high.append((p.high - origin) / p.spread)
     return np.array(low) - 1e-9, np.array(high) + 1e-9
+
+
+def at_bound(at: Candidate) -> bool:
+    """Whether a parameter of an effect has come to an end of its range."""
+    own = slice(at.problem.base_size, at.x.size)
+    low, high = (ends[own] for ends in bounds(at.problem, at.names))
+    margin = AT_BOUND * (high - low)
+    return bool(np.any((at.x[own] < low + margin) | (at.x[own] > high - margin)))
 
 
 def prior_rows(problem: Problem, names: tuple[str, ...], x: Array) -> Array:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, fit, without_its_noise
+from calib.diagnosis.candidate import Candidate, at_bound, fit, without_its_noise
 from calib.diagnosis.chance import chance_of
 from calib.diagnosis.channels import CHANNELS
 from calib.diagnosis.search import refine
@@ -142,12 +142,23 @@ def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, flo
         if second_earns(first, pairs[0]):
             return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
         return Decision("unknown", base, pairs[0], tuple(pairs[1:]), faint=faint)
+    if pairs and strange(base) and _replaces(first, pairs[0]):
+        return Decision(standing(base, pairs[0], pairs[1:]), base, pairs[0], tuple(pairs[1:]))
     verdict = standing(base, first, singles[1:])
     if verdict == "unknown" and not strange(base) and gain(base, first) < SECOND:
         # too weak here for an excess; the hold-outs may excite it more
         shown = "ambiguous" if confusable(first, singles[1:]) else "named"
         faint = faint or Decision(shown, base, first, tuple(singles[1:]), first=base)
     return Decision(verdict, base, first, tuple(singles[1:]), faint=faint)
+
+
+def _replaces(first: Candidate, pair: Candidate) -> bool:
+    """Whether a pair explains all, and a single effect of as many parameters ends at its bound.
+
+    A delay and a lag, of one parameter each, look like an oscillation without overshoot.
+    """
+    explains_more = pair.reduced < min(quiet(pair), first.reduced - CONFUSABLE)
+    return explains_more and pair.x.size <= first.x.size and at_bound(first)
 
 
 def _faint(base: Candidate, first: Candidate, pairs: list[Candidate]) -> Decision | None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, bounds, fit_without
+from calib.diagnosis.candidate import Candidate, at_bound, fit_without
 from calib.diagnosis.confirm import beyond_form, chi2_by_run, helps, squares
 from calib.diagnosis.decide import (
     FAINT_SECOND,
@@ -70,9 +70,6 @@ STEP = 0.3
 WORSE = 1.05
 """Growth of the lasting errors of the replays with which no further effect is tried: an effect that
 has no part in them, such as a ripple, changes nothing there while another one is missing."""
-
-AT_BOUND = 0.01
-"""Share of a parameter's range that counts as its bound."""
 
 BETTER, CHANCE = 0.9, 0.3
 """Replays have become better if less than this share of their lasting errors is left; where they
@@ -182,18 +179,10 @@ def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
     if _gap(base, bare):
         holds = not (_grown(bare, left) and _grown(*_at_best(held, tried)))
     else:
-        of_form = gain(base, best) < FURTHER or _at_bound(best)
+        of_form = gain(base, best) < FURTHER or at_bound(best)
         without, with_them = _at_best(held, tried)
         holds = not of_form and with_them.size < WORSE * without.size
     return tried if holds else _withdrawn(tried, bare, _closed(tried, bare))
-
-
-def _at_bound(at: Candidate) -> bool:
-    """Whether a parameter of an effect has come to an end of its range."""
-    own = slice(at.problem.base_size, at.x.size)
-    low, high = (ends[own] for ends in bounds(at.problem, at.names))
-    margin = AT_BOUND * (high - low)
-    return bool(np.any((at.x[own] < low + margin) | (at.x[own] > high - margin)))
 
 
 def _grown(before: Remainder, after: Remainder) -> bool:
