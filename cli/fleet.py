@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 DOCUMENT, REPORT = "fleet.json", "report.html"
 SHOWN = 10
-"""Number of logs apart that are printed; fleet.json has all."""
+"""Number of logs apart, and of recordings with copies, that are printed; fleet.json has all."""
 
 app = command_group(
     "Evaluate many cars together.", "brake-cal fleet report checked/results.parquet --out fleet"
@@ -153,6 +153,10 @@ def _report(found: "Summary") -> None:
     for failure in found.failures:
         others = f" (also {', '.join(failure.logs[1:])})" if failure.count > 1 else ""
         emit(f"{failure.count} x {failure.message}{others}")
+    for group in found.copies[:SHOWN]:
+        emit(f"one recording, counted {len(group)} times: {', '.join(group)}")
+    if len(found.copies) > SHOWN:
+        emit(f"and {len(found.copies) - SHOWN} more recordings with copies, see fleet.json")
     for look in found.looks:
         if look.drifts:
             name = plain(look.metric.name, look.metric.unit).name

@@ -83,11 +83,13 @@ def _table(rows: list[Row], columns: tuple[ResultColumn, ...], schema: Any) -> A
 class FleetFile:
     """An open results file: its ``logs`` and columns of ``metrics``; values are read on demand.
 
-    ``order``: row indices in the order of the line, (n,); ``ordered_by`` names this order.
+    ``order``: row indices in the order of the line, (n,); ``ordered_by`` names this order;
+    ``columns``: names of all.
     """
 
     path: Path
     logs: tuple[str, ...]
+    columns: tuple[str, ...]
     metrics: tuple[ResultColumn, ...]
     order: NDArray[np.int64]
     ordered_by: str
@@ -124,7 +126,14 @@ def open_fleet(path: Path, order: str | None = None) -> FleetFile:
     rows, ordered_by = _ordered(path, order, logs, schema.names)
     head = {column.name for column in HEAD}
     metrics = tuple(_column_of(field) for field in schema if field.name not in head)
-    return FleetFile(path, tuple(logs[i] for i in rows), metrics, np.asarray(rows), ordered_by)
+    return FleetFile(
+        path=path,
+        logs=tuple(logs[i] for i in rows),
+        columns=tuple(schema.names),
+        metrics=metrics,
+        order=np.asarray(rows),
+        ordered_by=ordered_by,
+    )
 
 
 def _ordered(

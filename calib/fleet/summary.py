@@ -99,7 +99,8 @@ class Shares:
 class Summary:
     """The whole fleet; ``status``: number of logs for each; ``apart``: the farthest first.
 
-    ``together``: number of judged metrics that say new things.
+    ``together``: number of judged metrics that say new things; ``copies``: names of logs that are
+    one and the same recording, by recording.
     """
 
     logs: tuple[str, ...]
@@ -110,6 +111,7 @@ class Summary:
     apart: tuple[Apart, ...]
     failures: tuple[Failure, ...]
     together: float = 1.0
+    copies: tuple[tuple[str, ...], ...] = ()
 
     @property
     def outliers(self) -> tuple[Outlier, ...]:
@@ -156,6 +158,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
         _apart(fleet, looks, judged.p),
         failures(fleet.logs, fleet.values("error")),
         judged.together,
+        copies(fleet.logs, fleet.values("digest")) if "digest" in fleet.columns else (),
     )
 
 
@@ -235,6 +238,19 @@ def failures(logs: tuple[str, ...], errors: Sequence[object]) -> tuple[Failure, 
             messages.setdefault(kind, error)
     ranked = sorted(groups.items(), key=lambda item: (-len(item[1]), item[0]))
     return tuple(Failure(messages[k], len(logs), tuple(logs[:EXAMPLES])) for k, logs in ranked)
+
+
+def copies(logs: tuple[str, ...], digests: Sequence[object]) -> tuple[tuple[str, ...], ...]:
+    """Logs of the same bytes, in groups, in their order: a recording that counts more than once.
+
+    >>> copies(("a", "b", "c", "d"), ("1", "2", "1", None))
+    (('a', 'c'),)
+    """
+    groups: dict[str, list[str]] = {}
+    for log, digest in zip(logs, digests, strict=True):
+        if isinstance(digest, str):
+            groups.setdefault(digest, []).append(log)
+    return tuple(tuple(group) for group in groups.values() if len(group) > 1)
 
 
 def kind_of(error: str, log: str) -> str:

@@ -70,6 +70,7 @@ def report_html(found: Summary, title: str, pictures: Mapping[str, Picture]) -> 
         headline=headline(found),
         status=[("logs", len(found.logs)), *found.status.items()],
         errors=[(f.message, f.count, ", ".join(f.logs)) for f in found.failures],
+        copies=[", ".join(group) for group in found.copies],
         too_few=_too_few(found),
         apart=len(found.apart),
         farthest=[
@@ -236,6 +237,7 @@ def document(found: Summary) -> dict[str, Any]:
         "status": found.status,
         "headline": headline(found),
         "errors": found.failures,
+        "copies": found.copies,
         "outliers": [
             {"log": o.log, "figure": o.metric, "value": o.value, "z": o.z, "p": o.p}
             for o in found.outliers

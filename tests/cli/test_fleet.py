@@ -3,6 +3,7 @@
 import json
 import os
 
+import pyarrow as pa
 import pytest
 
 from tests.support.fleet_results import results
@@ -21,6 +22,17 @@ def test_a_report_is_written_and_told(brake_cal, tmp_path):
         "report.html",
     ]
     assert json.loads((out / "fleet.json").read_text())["logs"] == 400
+
+
+def test_copies_of_a_recording_are_told(brake_cal, tmp_path):
+    digests = ([*"abacbbd", None], pa.string(), None)
+    path = results(tmp_path / "r.parquet", 8, extra={"digest": digests})
+    out = tmp_path / "out"
+    ran = brake_cal("fleet", "report", path, "--figure", "settling", "--out", out)
+    assert "one recording, counted 2 times: line/car1.csv, line/car3.csv\n" in ran.out
+    assert "counted 3 times: line/car2.csv, line/car5.csv, line/car6.csv\n" in ran.out
+    assert len(json.loads((out / "fleet.json").read_text())["copies"]) == 2
+    assert "line/car1.csv, line/car3.csv" in (out / "report.html").read_text()
 
 
 def test_a_folder_whose_name_is_not_utf8_is_a_title(brake_cal, tmp_path):

@@ -5,7 +5,7 @@ import pytest
 
 from calib.errors import InputError
 from calib.fleet.results import open_fleet
-from calib.fleet.summary import failures, kind_of, summarise
+from calib.fleet.summary import copies, failures, kind_of, summarise
 from calib.reports.fleet import described
 from tests.support.fleet_results import DRIFT_AT, OUTLIER, results
 
@@ -125,3 +125,13 @@ def test_every_row_is_where_its_log_is(found):
     pads = look(found, "pad_friction_f")
     at = int(np.argmax(pads.values))
     assert found.logs[pads.rows[at]] == f"line/car{OUTLIER + 1}.csv"
+
+
+def test_copies_of_a_recording_are_told():
+    logs, digests = ("1.csv", "2.csv", "3.csv", "4.csv"), ("a", "b", "a", None)
+    assert copies(logs, digests) == (("1.csv", "3.csv"),)
+    assert copies(logs, (None, None, "a", "b")) == ()
+
+
+def test_a_good_fleet_has_no_copies(found):
+    assert found.copies == ()
