@@ -175,8 +175,8 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
     arrives = line_pressure(effects, history_of(run))
     clamps = caliper_pressure(effects, history_of(run), *arrives)
     drive = (run.drive_f, run.drive_r)
-    bare = replace(car, effects=Effects())
-    lags = run.lags.of((bare, base.tyre), lambda: _wheel_lags(bare, base.tyre, run))
+    bare, tyre = replace(car, effects=Effects()), base.tyre
+    lags = run.lags.of((bare, tyre), lambda: _wheel_lags(bare, tyre, run))
     torques: list[Array] = []
     leans = any(term.driver == "deceleration" for term in effects.terms)
     for turn in range(PASSES_OF_TERM if leans else PASSES):
@@ -194,7 +194,7 @@ def predict(vehicle: Vehicle, base: Base, effects: Effects, run: ObservedRun) ->
             slips.append(slips[-1])
             continue
         load = np.maximum(loads[i], 1.0)
-        slip = _slip(car, base, (force, rates[i]), load, lags[i // 2]) * softer[i // 2]
+        slip = _slip(car, tyre, (force, rates[i]), load, lags[i // 2]) * softer[i // 2]
         slips.append(delayed(run.time, slip, late))
     a_true = -G * z
     last = _history(run, z, energy)
@@ -263,8 +263,7 @@ def _wheel_lags(car: Vehicle, tyre: MagicFormula, run: ObservedRun) -> tuple[Whe
     z, out = -run.a_x / G, []
     for axle, load in zip((car.front, car.rear), axle_loads(car, z), strict=True):
         relative = 2.0 * load / car.weight
-        edge = EDGE * tyre.peak_at(relative)
-        _, slope = tyre.rising(np.clip(z, -edge, edge), relative)
+        _, slope, _ = tyre.rising(z, relative, EDGE)
         tau = axle.wheel_inertia * run.v_smooth / axle.rolling_radius**2 / (0.5 * load * slope)
         out.append(WheelLag.of(tau, tyre.relaxation, run.v_smooth, run.step))
     return out[0], out[1]
@@ -307,17 +306,15 @@ def _balance(
 
 
 def _slip(
-    car: Vehicle, base: Base, force: tuple[Array, Array], load: Array, lag: WheelLag
+    car: Vehicle, tyre: MagicFormula, force: tuple[Array, Array], load: Array, lag: WheelLag
 ) -> Array:
     """Slip [1] of a wheel while its tyre carries a force [N] that has a rate [N/s].
 
     On the rising branch; forces past it are held there.
     """
-    relative = 4.0 * load / car.weight
-    carried, tyre = force[0] / load, base.tyre
-    edge = EDGE * tyre.peak_at(relative)
-    slip, slope = tyre.rising(np.clip(carried, -edge, edge), relative)
-    if base.relaxation == 0.0:
+    carried = force[0] / load
+    slip, slope, held = tyre.rising(carried, 4.0 * load / car.weight, EDGE)
+    if tyre.relaxation == 0.0:
         return slip
     change = (force[1] - carried * np.gradient(load, lag.step)) / load
-    return slip + np.where(np.abs(carried) < edge, lag.way * change / slope, 0.0)
+    return slip + np.where(held, 0.0, lag.way * change / slope)

@@ -84,10 +84,13 @@ def _free(tau: Array, way: Array) -> Elements:
     mean = -0.5 / way
     square = mean**2 - 1.0 / (tau * way)  # negative where the wheel swings
     root = np.maximum(np.sqrt(np.abs(square)), LEAST)
-    swing, swings = np.exp(mean), square < 0.0
-    one, other = np.exp(np.minimum(mean + root, 0.0)), np.exp(mean - root)
-    even = np.where(swings, swing * np.cos(root), 0.5 * (one + other))
-    odd = np.where(swings, swing * np.sin(root), 0.5 * (one - other)) / root
+    even, odd = np.empty_like(root), np.empty_like(root)
+    s = square < 0.0
+    swing = np.exp(mean[s])
+    even[s], odd[s] = swing * np.cos(root[s]), swing * np.sin(root[s])
+    one, other = np.exp(np.minimum(mean[~s] + root[~s], 0.0)), np.exp(mean[~s] - root[~s])
+    even[~s], odd[~s] = 0.5 * (one + other), 0.5 * (one - other)
+    odd /= root
     return even - odd * mean, odd, -odd / (tau * way), even + odd * mean
 
 

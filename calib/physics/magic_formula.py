@@ -78,14 +78,24 @@ class MagicFormula:
         """
         ratio = force / self.peak_at(relative_load)
         held = np.where(np.abs(ratio) <= 1.0, ratio, np.nan)
-        return self._bent(np.tan(np.arcsin(held) / self.shape), relative_load)
+        bx = np.tan(np.arcsin(held) / self.shape)
+        return self._bent(bx, self.peak_at(relative_load), self._load_factor(relative_load))
 
-    def rising(self, force: Array, relative_load: Array | float = 1.0) -> tuple[Array, Array]:
-        """Slip [1] that carries the normalised ``force`` [1] below the peak, and dF/dlambda [1]."""
-        sine = force / self.peak_at(relative_load)
+    def rising(
+        self, force: Array, relative_load: Array | float = 1.0, edge: float = 1.0
+    ) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """The rising branch, up to the share ``edge`` of the peak; forces past it are held there.
+
+        Slip [1] that carries the normalised ``force`` [1], dF/dlambda [1] there, and whether the
+        force is held.
+        """
+        peak, load = self.peak_at(relative_load), self._load_factor(relative_load)
+        share = force / peak
+        held = np.abs(share) >= edge
+        sine = np.clip(share, -edge, edge) if held.any() else share
         bx = np.tan(np.arcsin(sine) / self.shape)
-        slope = self._slope(bx, np.sqrt(1.0 - sine * sine), self._load_factor(relative_load))
-        return self._bent(bx, relative_load), slope
+        slope = self._slope(bx, np.sqrt(1.0 - sine * sine), load)
+        return self._bent(bx, peak, load), slope, held
 
     def leading(self, slip: Array, v: Array, time: Array) -> Array:
         """Slip [1] (n,) that the wheel has while ``slip`` (n,) carries the force.
@@ -100,7 +110,8 @@ class MagicFormula:
 
     def slip_at(self, fraction: float, relative_load: Array | float = 1.0) -> Array:
         """Slip [1] where C atan(B x) is ``fraction`` of pi/2; 1 is the peak itself."""
-        return self._bent(np.tan(0.5 * np.pi * fraction / self.shape), relative_load)
+        bx = np.tan(0.5 * np.pi * fraction / self.shape)
+        return self._bent(bx, self.peak_at(relative_load), self._load_factor(relative_load))
 
     def on_surface(self, stiffness_factor: Array | float, peak_factor: Array | float) -> Self:
         """Return the tyre on another surface: stiffness and peak times these factors [1]."""
@@ -123,9 +134,10 @@ class MagicFormula:
         bx = self._b(peak) * slip
         return bx * 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * self.bend * np.abs(bx)))
 
-    def _bent(self, bx: Array | float, relative_load: Array | float) -> Array:
-        x = bx * (1.0 + self.bend * np.abs(bx)) / self._b(self.peak_at(relative_load))
-        return np.asarray(x * self._load_factor(relative_load))
+    def _bent(self, bx: Array | float, peak: Array | float, load_factor: Array | float) -> Array:
+        """Slip where the formula has B x."""
+        x = bx * (1.0 + self.bend * np.abs(bx)) / self._b(peak)
+        return np.asarray(x * load_factor)
 
     def _load_factor(self, relative_load: Array | float) -> Array | float:
         return relative_load**self.load_exponent if self.load_exponent else 1.0

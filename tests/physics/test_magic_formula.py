@@ -115,6 +115,15 @@ def test_a_slip_leads_by_the_way_that_the_force_needs():
 def test_slip_and_slope_at_a_force_are_those_of_the_curve(bend):
     tyre = MagicFormula(28.0, 1.1, 1.6, 0.1, bend, peak_exponent=0.06)
     load = np.array([0.7, 1.0, 1.3])
-    slip, slope = tyre.rising(np.array([-0.6, 0.3, 0.9]), load)
+    slip, slope, held = tyre.rising(np.array([-0.6, 0.3, 0.9]), load)
+    assert not held.any()
     assert tyre.force(slip, load) == pytest.approx(np.array([-0.6, 0.3, 0.9]), rel=1e-9)
     assert slope == pytest.approx(tyre.slope(slip, load), rel=1e-9)
+
+
+def test_a_force_past_the_edge_is_held_there():
+    tyre, load = MagicFormula(28.0, 1.1, 1.6, peak_exponent=0.06), np.array([0.7, 1.3, 1.0])
+    slip, _, held = tyre.rising(np.array([-2.0, 5.0, 0.5]), load, 0.9)
+    assert held.tolist() == [True, True, False]
+    edge = 0.9 * np.array([-1.0, 1.0]) * tyre.peak_at(load[:2])
+    assert tyre.force(slip, load)[:2] == pytest.approx(edge, rel=1e-9)
