@@ -15,6 +15,8 @@ from typing import Any
 
 import typer
 
+from cli.project import STORE
+
 VARIABLE = "_BRAKE_CAL_COMPLETE"
 """Environment variable by which a shell asks: complete_bash, complete_zsh, complete_fish."""
 
@@ -65,8 +67,6 @@ def _versions(store: Path, names: Iterable[str]) -> list[str]:
 
 def _store(context: typer.Context) -> Path:
     """The store of the command line, of the settings file, or the usual one."""
-    from cli.options import STORE
-
     given = context.params.get("store")
     return Path(given) if given and Path(given) != STORE else _of_settings() or STORE
 

@@ -6,7 +6,8 @@ import typer
 
 import calib
 from cli.console import emit, emit_json
-from cli.options import STORE, By, Json, Reason, Store, TableVersion, example
+from cli.options import By, Json, Reason, Store, TableVersion, example
+from cli.project import STORE
 
 EPILOG = example(
     'brake-cal tables derive escort --set pad_friction_f=0.39 --reason "measured on the bench"'

@@ -8,7 +8,8 @@ import calib
 from cli.completion import table_names
 from cli.console import emit, emit_json
 from cli.grid import grid
-from cli.options import STORE, Json, Store, example
+from cli.options import Json, Store, example
+from cli.project import STORE
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid

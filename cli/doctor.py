@@ -11,8 +11,8 @@ import typer
 from calib import __version__
 from cli.console import emit, emit_json
 from cli.grid import grid
-from cli.options import STORE, Json, example
-from cli.project import find_project
+from cli.options import Json, example
+from cli.project import STORE, find_project
 
 if TYPE_CHECKING:
     from calib.qualification.doctor import Finding

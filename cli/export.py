@@ -8,8 +8,9 @@ import typer
 import calib
 from cli.completion import names_of
 from cli.console import emit, emit_json, say
-from cli.options import STORE, Force, Json, Store, TableVersion, example, grouped, out_file
+from cli.options import Force, Json, Store, TableVersion, example, grouped, out_file
 from cli.outputs import refuse_folder, refuse_foreign, refuse_overwriting, writing
+from cli.project import STORE
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:

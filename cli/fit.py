@@ -10,7 +10,6 @@ from cli.console import emit, emit_json, say, stages, warn
 from cli.inputs import channel_map_of, mass_of, tell_kin, tell_newest, with_own_effects
 from cli.logs import read, refuse_stdin
 from cli.options import (
-    STORE,
     Json,
     KnownModel,
     Map,
@@ -22,6 +21,7 @@ from cli.options import (
     example,
 )
 from cli.outputs import refuse_report, today, write_report
+from cli.project import STORE
 
 if TYPE_CHECKING:
     from calib.logs.log import Log

@@ -10,9 +10,9 @@ import typer
 from calib.fleet.command import Command
 from cli.completion import names_of, table_names
 from cli.inputs import channel_map_of, limits_of_stops, tables_of, vehicle_of
-from cli.options import NO_VEHICLE, STORE, Map, Store, limits_file, out_folder, vehicle_file
+from cli.options import NO_VEHICLE, Map, Store, limits_file, out_folder, vehicle_file
 from cli.outputs import ready_folder
-from cli.project import from_settings
+from cli.project import STORE, from_settings
 
 if TYPE_CHECKING:
     from calib.fleet.job import Job

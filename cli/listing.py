@@ -10,7 +10,8 @@ from cli.completion import names_of
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.inputs import require_day
-from cli.options import STORE, Json, Store, example
+from cli.options import Json, Store, example
+from cli.project import STORE
 
 if TYPE_CHECKING:
     from calib.store.listing import Row

@@ -15,8 +15,6 @@ import typer
 from cli.completion import table_names, table_versions
 from cli.project import from_settings
 
-STORE = Path("tables")
-"""Default of `Store`."""
 NO_VEHICLE = 'give --vehicle V.toml, or write vehicle = "V.toml" into brake-cal.toml'
 """What to do where a vehicle is needed and none was named."""
 

@@ -9,7 +9,6 @@ from cli.completion import table_names
 from cli.inputs import channel_map_of, limits_of_stops, tables_of, vehicle_of
 from cli.logs import is_stdin, named, read
 from cli.options import (
-    STORE,
     Force,
     Json,
     Map,
@@ -20,7 +19,7 @@ from cli.options import (
     vehicle_file,
 )
 from cli.outputs import refuse_no_picture, writing
-from cli.project import from_settings
+from cli.project import STORE, from_settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

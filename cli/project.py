@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 KEY = "cli.project"
 
+STORE = Path("tables")
+"""The store where neither the command line nor the settings file names one."""
+
 
 @dataclass(frozen=True)
 class Project:

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 from cli.console import emit, emit_json, say
 from cli.grid import grid
-from cli.options import STORE, Json, example
-from cli.project import find_project
+from cli.options import Json, example
+from cli.project import STORE, find_project
 
 if TYPE_CHECKING:
     from cli.project import Project

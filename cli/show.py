@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 import calib
 from cli.console import emit, emit_json
 from cli.grid import grid
-from cli.options import STORE, Json, Store, TableVersion, example
+from cli.options import Json, Store, TableVersion, example
 from cli.origin import origin_facts
+from cli.project import STORE
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid

@@ -7,8 +7,9 @@ import typer
 
 import calib
 from cli.console import emit, emit_json, say
-from cli.options import STORE, By, Json, Store, Version, example, refuse_bare
+from cli.options import By, Json, Store, Version, example, refuse_bare
 from cli.password import typed_password
+from cli.project import STORE
 
 if TYPE_CHECKING:
     from calib.store.signature import Signed

@@ -9,7 +9,8 @@ import calib
 from cli.completion import table_names
 from cli.console import emit, emit_json
 from cli.grid import grid
-from cli.options import STORE, By, Json, Reason, Store, Version, example, refuse_bare
+from cli.options import By, Json, Reason, Store, Version, example, refuse_bare
+from cli.project import STORE
 
 if TYPE_CHECKING:
     from calib.store.journal import Entry

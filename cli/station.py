@@ -23,7 +23,6 @@ from cli.inputs import (
 )
 from cli.logs import read, refuse_stdin
 from cli.options import (
-    STORE,
     By,
     Json,
     Map,
@@ -36,7 +35,7 @@ from cli.options import (
     out_folder,
 )
 from cli.outputs import ready_folder, refuse_overwriting, stems_of, writing
-from cli.project import from_settings
+from cli.project import STORE, from_settings
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:

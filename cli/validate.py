@@ -12,7 +12,6 @@ from cli.grid import grid
 from cli.inputs import channel_map_of, limits_of_stops, mass_of, vehicle_of, with_own_effects
 from cli.logs import named, read
 from cli.options import (
-    STORE,
     Json,
     KnownModel,
     Map,
@@ -35,7 +34,7 @@ from cli.outputs import (
     write_report,
     writing,
 )
-from cli.project import from_settings
+from cli.project import STORE, from_settings
 from cli.signed import Signing, check_signed
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ import calib
 from cli.completion import bare_names
 from cli.console import emit, emit_json, say
 from cli.grid import grid
-from cli.options import STORE, Json, PublicKey, Store, example
+from cli.options import Json, PublicKey, Store, example
+from cli.project import STORE
 
 if TYPE_CHECKING:
     from calib.store.store import StoreVerdict
