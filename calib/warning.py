@@ -7,6 +7,7 @@ from typing import Any
 UNITS = {
     "a_x_scale": "1",
     "a_x_offset": "m/s^2",
+    "a_x_against_v": "g",
     "a_x_late": "s",
     "unexplained_drag": "m/s^2",
     "unexplained_braking_force": "1",

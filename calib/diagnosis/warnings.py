@@ -13,6 +13,7 @@ from calib.warning import PlausibilityWarning
 
 SEARCHED = (
     "a_x_scale",
+    "a_x_against_v",
     "a_x_offset",
     "unexplained_drag",
     "unexplained_braking_force",

@@ -50,8 +50,8 @@ def weigh_ratio(x: Array, information: Parts) -> WeighedRatio:
     taken, real = (np.where(free, wide, declared) for declared in (narrow, scatter))
     precision = np.asarray(np.linalg.inv(covariance[np.ix_(at, at)]))
     weighed = weigh_hypotheses(
-        precision - np.diag(wide**-2.0),
-        precision @ x[at],
+        (precision - np.diag(wide**-2.0))[None],
+        (precision @ x[at])[None],
         taken,
         np.where(free, chance, 1.0 - chance).prod(axis=1),
     )

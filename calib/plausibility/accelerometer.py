@@ -14,12 +14,16 @@ SCALE = 0.025
 OFFSET = 0.05
 """Offset of a_x, or deceleration of the rolling car [m/s^2], that is not explained: 0.005 g."""
 
+SLOPE, LIKELY = 0.01, 0.5
+"""Disagreement by turns of a_x and v [g], and chance of a slope that changes [1], from which that
+is named: on level roads they disagree by 0.007 g with usual sensors."""
+
 LATE = 0.10
 """Delay of a_x against v [s] from which it is named: filters of sensors take 0.02 s."""
 
 
 def accelerometer_warnings(log: str, sensor: Accelerometer) -> Iterator[PlausibilityWarning]:
-    """Scale, offset, drag and delay as known at the end of the run."""
+    """Scale, slope, offset, drag and delay as known at the end of the run."""
     c, sigma = float(sensor.scale[-1]), math.sqrt(float(sensor.variance_scale[-1]))
     if abs(c) > SCALE and abs(c) > Z95 * sigma:
         yield PlausibilityWarning(
@@ -31,9 +35,23 @@ def accelerometer_warnings(log: str, sensor: Accelerometer) -> Iterator[Plausibi
                 "the scale of a_x",
                 "the unit or the clock of v",
                 "body pitch that a_x feels",
-                "a slope that changes",
             ),
             "fit and validate take it out; calibrate a_x against v",
+        )
+    apart = float(sensor.disagrees[-1])
+    if float(sensor.wanders[-1]) > LIKELY and apart > SLOPE:
+        yield PlausibilityWarning(
+            "a_x_against_v",
+            log,
+            apart,
+            (0.0, SLOPE),
+            (
+                "a slope that changes",
+                "v that drifts, is smoothed or is computed from other channels",
+                "a_x that drifts",
+            ),
+            "a_x is believed, which is right on a slope; brake on a road of one slope, and compare "
+            "v with another source",
         )
     bias, sigma = G * float(sensor.bias[-1]), G * math.sqrt(float(sensor.variance_bias[-1]))
     if abs(bias) > OFFSET and abs(bias) > sigma:

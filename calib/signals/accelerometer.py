@@ -9,10 +9,13 @@ The tyres carry W (zeta + grade): a grade is felt by the accelerometer and by th
 bias by the accelerometer alone. So the sum of bias and grade must be split before a_x may be put
 right, and the lead-in splits it: an unbraked car on a slope reads its resistance, one with a bias
 does not. What slows the car there besides the known resistance (an engine in gear, wind) is the
-third that could explain it. Each of the three is there or not; the eight cases are weighed by how
-well they predict what was measured, and what cannot be told widens the interval.
+third that could explain it. Each of the three is there or not. So is a grade that changes on the
+way, a random walk beside the noise: a_x feels it as the tyres do, and then only quick changes of z
+tell the scale. The sixteen cases are weighed by how well they predict what was measured, and what
+cannot be told widens the interval.
 
-Causal: every figure uses only what came before. Wrong where the grade changes within the log.
+Causal: every figure uses only what came before. A bias that changes within the log looks like a
+grade that does, and is taken for one.
 """
 
 from dataclasses import dataclass, fields
@@ -37,6 +40,9 @@ class AccelerometerPriors:
     off is 0.035 g, a road of 4 % is 0.04 g, an engine in gear at 2000 rpm 0.02 to 0.05 g.
     ``still_bias``, ``still_grade``, ``still_drag`` [g]: sigma where it is said not to be there.
     ``odds_bias``, ``odds_grade``, ``odds_drag``: how often each is there.
+    ``wander`` [g/s^0.5]: how far a grade that changes walks in a second; a crest of 6 km radius
+    changes it by 0.005 a second at 30 m/s, a bridge or a ramp by 0.02. ``odds_wander``: how often,
+    on roads that are chosen for such runs.
     ``lag`` [s]: how far v and a_x may be out of step.
     """
 
@@ -50,6 +56,8 @@ class AccelerometerPriors:
     odds_bias: float = 0.15
     odds_grade: float = 0.3
     odds_drag: float = 0.15
+    wander: float = 0.015
+    odds_wander: float = 0.03
     lag: float = 0.02
 
 
@@ -59,7 +67,8 @@ class Accelerometer:
 
     ``scale`` c [1], ``bias`` [g] and their ``variance_scale``, ``variance_bias``, ``covariance``;
     ``grade``, ``drag`` [g] as far as they are told apart; ``lag`` [s] by which a_x comes after v,
-    with ``variance_lag``.
+    with ``variance_lag``. ``wanders`` [1] how likely the grade changes on the way; ``disagrees``
+    [g] how much a_x and the slowing of v differ by turns so far, over a second, the scale aside.
     """
 
     scale: Array
@@ -71,6 +80,8 @@ class Accelerometer:
     drag: Array
     lag: Array
     variance_lag: Array
+    wanders: Array
+    disagrees: Array
 
     def at(self, blocks: NDArray[np.int64] | int) -> "Accelerometer":
         """As known at these blocks."""
@@ -88,6 +99,9 @@ class Accelerometer:
 
 GREATEST = 1.5
 """Deceleration [1] that no road car reaches: a block past it holds a glitch of a_x."""
+
+SECOND = 1.0
+"""Time over which a_x and v are compared [s]: the noise of v then counts for 0.002 g."""
 
 STEP = 4
 """Blocks from one judgement to the next: 0.2 s."""
@@ -109,14 +123,21 @@ def accelerometer(
     """
     p = priors or AccelerometerPriors()
     at = np.arange(0, b.end.size, STEP)
-    speed = _against_speed(b, density_z, density_v, p, at)
+    speeds = [_against_speed(b, density_z, density_v, p, at, walk) for walk in (0.0, p.wander)]
     d, variance_d = _on_lead_in(b, unexplained, sigma, density_z, at)
     # what is measured: (c, e, d); e = bias + grade, d = bias + drag
-    precision, vector = speed.precision.copy(), speed.vector.copy()
-    precision[:, 2, 2] += 1.0 / variance_d
-    vector[:, 2] += d / variance_d
-    weighed = _weighed(precision, vector, p)
-    rows = np.column_stack([*_columns(weighed), *speed.lag_of(weighed)])
+    precision, vector = (
+        np.stack([getattr(s, name) for s in speeds], 1) for name in ("precision", "vector")
+    )
+    precision[..., 2, 2] += 1.0 / variance_d[:, None]
+    vector[..., 2] += (d / variance_d)[:, None]
+    weighed = _weighed(precision, vector, np.stack([s.likelihood for s in speeds], 1), p)
+    wanders = weighed.weights[:, 1::2].sum(axis=1)
+    lags = [s.lag_of(weighed) for s in speeds]
+    lag, variance_lag = ((1.0 - wanders) * x + wanders * y for x, y in zip(*lags, strict=True))
+    variance_lag += (1.0 - wanders) * wanders * (lags[1][0] - lags[0][0]) ** 2
+    disagrees = _disagreement(b, weighed.mean[:, 0], at)
+    rows = np.column_stack([*_columns(weighed), lag, variance_lag, wanders, disagrees])
     return _held(rows, at, b.end.size)
 
 
@@ -124,12 +145,14 @@ def accelerometer(
 class AgainstSpeed:
     """What v says of (c, e, d) with the lag taken out, and of the lag where (c, e) are known.
 
-    ``precision`` (m, 3, 3), ``vector`` (m, 3); of the lag ``own`` precision [1/s^2], ``side`` [1/s]
-    and ``along`` (c, e), (m, 2), how the lag moves with them [1/s].
+    ``precision`` (m, 3, 3), ``vector`` (m, 3); ``likelihood`` (m,) its logarithm where c, e and d
+    are zero, up to a constant; of the lag ``own`` precision [1/s^2], ``side`` [1/s] and ``along``
+    (c, e), (m, 2), how the lag moves with them [1/s].
     """
 
     precision: Array
     vector: Array
+    likelihood: Array
     own: Array
     side: Array
     along: Array
@@ -144,32 +167,43 @@ class AgainstSpeed:
 
 
 def _against_speed(
-    b: Blocks, density_z: float, density_v: float, p: AccelerometerPriors, at: NDArray[np.int64]
+    b: Blocks,
+    density_z: float,
+    density_v: float,
+    p: AccelerometerPriors,
+    at: NDArray[np.int64],
+    wander: float,
 ) -> AgainstSpeed:
     """Information about (c, e, d) and the lag from v against the integral of z, at ``at``.
 
     The noise of v is white and that of the integral a random walk: their differences are a moving
-    average of order one, which a first-order filter makes white.
+    average of order one, which a first-order filter makes white. A grade that walks by ``wander``
+    [g/s^0.5] asks for second differences, of order two; e is then that at the start.
     """
     precision, vector = np.zeros((at.size, 3, 3)), np.zeros((at.size, 3))
     if b.v is None:
         none = np.zeros(at.size)
-        return AgainstSpeed(precision, vector, none + p.lag**-2.0, none, np.zeros((at.size, 2)))
+        along = np.zeros((at.size, 2))
+        return AgainstSpeed(precision, vector, none, none + p.lag**-2.0, none, along)
     from scipy.signal import lfilter
 
     h = b.length
     white, walk = density_v**2 / h, (G * density_z) ** 2 * h
-    ratio = walk / white
-    theta = 1.0 + 0.5 * ratio - float(np.sqrt(ratio + 0.25 * ratio**2))
-    sigma = float(np.sqrt(white / theta))
     gained = G * 0.5 * h * (b.z[1:] + b.z[:-1])
     usable = (b.speed > 2.0) & (np.abs(b.z) < GREATEST)
     usable = usable[1:] & usable[:-1]
     columns = np.stack(
         [np.diff(b.v) + gained, gained, np.full(gained.size, G * h), G * np.diff(b.z)]
     )
-    columns = lfilter([1.0], [1.0, -theta], np.where(usable, columns, 0.0)) / sigma
-    y, c, e, lag = columns
+    covariance = [2.0 * white + walk, -white]
+    counted = usable
+    if wander > 0.0:
+        columns = np.diff(columns, axis=1, prepend=0.0)
+        usable = usable & np.concatenate([[True], usable[:-1]])
+        covariance = [6.0 * white + 2.0 * walk + (G * h * wander) ** 2 * h, -4.0 * white - walk]
+        covariance.append(white)
+    average, sigma = moving_average(np.array(covariance))
+    y, c, e, lag = lfilter([1.0], average, np.where(usable, columns, 0.0)) / sigma
     pairs = {
         (i, j): _so_far(u * w)
         for i, u in enumerate((c, e, lag))
@@ -185,7 +219,22 @@ def _against_speed(
             value = pairs[i, j][at] - pairs[i, 2][at] * pairs[j, 2][at] / own
             precision[:, i, j] = precision[:, j, i] = value
     along = np.column_stack([pairs[i, 2][at] for i in range(2)])
-    return AgainstSpeed(precision, vector, own, right[2][at], along)
+    likelihood = -_so_far(0.5 * y**2 + counted * np.log(sigma))[at]
+    likelihood += 0.5 * (right[2][at] ** 2 / own - np.log(own))
+    return AgainstSpeed(precision, vector, likelihood, own, right[2][at], along)
+
+
+def moving_average(covariance: Array) -> tuple[Array, float]:
+    """Coefficients (q + 1,), the first is 1, and sigma of a moving average that can be undone.
+
+    From its ``covariance`` (q + 1,) at the distances 0 to q. Its spectrum is a polynomial whose
+    roots come in pairs z, 1/z: those within the unit circle are taken (Brockwell and Davis, Time
+    Series: Theory and Methods, section 3.1).
+    """
+    roots = np.roots(np.concatenate([covariance[:0:-1], covariance]))
+    inside = sorted(roots, key=abs)[: covariance.size - 1]
+    average = np.real(np.poly(inside))
+    return average, float(np.sqrt(covariance[-1] / average[-1]))
 
 
 def _so_far(x: Array) -> Array:
@@ -210,18 +259,46 @@ SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1
 """From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
 
 
-def _weighed(precision: Array, vector: Array, p: AccelerometerPriors) -> Mixture:
-    """Mixture over the eight cases of (c, bias, grade, drag), at m blocks."""
-    there = np.array(list(product((False, True), repeat=3)))
+def _weighed(precision: Array, vector: Array, likelihood: Array, p: AccelerometerPriors) -> Mixture:
+    """Mixture over the sixteen cases of (c, bias, grade, drag), at m blocks.
+
+    Of a steady grade and of one that walks: ``precision`` (m, 2, 3, 3), ``vector`` (m, 2, 3) and
+    ``likelihood`` (m, 2); the cases go by turns.
+    """
+    there = np.array(list(product((False, True), repeat=4)))
     still = (p.still_bias, p.still_grade, p.still_drag)
-    spread = np.where(there, (p.bias, p.grade, p.drag), still)
-    odds = np.array((p.odds_bias, p.odds_grade, p.odds_drag))
+    spread = np.where(there[:, :3], (p.bias, p.grade, p.drag), still)
+    odds = np.array((p.odds_bias, p.odds_grade, p.odds_drag, p.odds_wander))
+    walks = there[:, 3].astype(int)
     return weigh_hypotheses(
-        SENSED.T @ precision @ SENSED,
-        vector @ SENSED,
+        (SENSED.T @ precision @ SENSED)[:, walks],
+        (vector @ SENSED)[:, walks],
         np.column_stack([np.full(len(there), p.scale), spread]),
         np.where(there, odds, 1.0 - odds).prod(axis=1),
+        likelihood[:, walks],
     )
+
+
+def _disagreement(b: Blocks, scale: Array, at: NDArray[np.int64]) -> Array:
+    """Largest less smallest mean over a second of z less the slowing of v [g] so far, (m,).
+
+    Less what the ``scale`` (m,) explains, as it is known at ``at``.
+    """
+    whole = max(round(SECOND / b.length), 1)
+    if b.v is None or b.v.size <= whole:
+        return np.zeros(at.size)
+    lost = (b.v[whole:] - b.v[:-whole]) / (G * whole * b.length)
+    total = np.concatenate([[0.0], np.cumsum(0.5 * (b.z[1:] + b.z[:-1]))])
+    mean = (total[whole:] - total[:-whole]) / whole
+    usable = (b.speed > 2.0) & (np.abs(b.z) < GREATEST)
+    usable = usable[whole:] & usable[:-whole]
+    counted = usable & (np.arange(lost.size) < (at - whole)[:, None])
+    apart = lost + mean * (1.0 - scale[:, None])
+    most, least = (
+        chosen(np.where(counted, apart, away), axis=1)
+        for chosen, away in ((np.max, -np.inf), (np.min, np.inf))
+    )
+    return np.asarray(np.where(counted.any(axis=1), most - least, 0.0))
 
 
 def _columns(weighed: Mixture) -> tuple[Array, ...]:

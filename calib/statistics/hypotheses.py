@@ -20,19 +20,27 @@ class Mixture(NamedTuple):
     means: Array
 
 
-def weigh_hypotheses(information: Array, side: Array, sigma: Array, odds: Array) -> Mixture:
-    """Weigh explanations that differ in how far each unknown may be from zero.
+def weigh_hypotheses(
+    information: Array,
+    side: Array,
+    sigma: Array,
+    odds: Array,
+    likelihood: Array | float = 0.0,
+) -> Mixture:
+    """Weigh explanations that differ in how far each unknown may be from zero, or in their noise.
 
-    ``information`` (..., n, n) and ``side`` (..., n) of the measurement alone: the unknowns that
-    fit it best solve information x = side. ``sigma`` (k, n) of the unknowns under each explanation,
-    independent and around zero; ``odds`` (k,) of the explanations beforehand, up to a factor. The
-    weights follow from the marginal likelihoods; mean and covariance are those of the mixture.
+    ``information`` (..., k, n, n) and ``side`` (..., k, n) of the measurement alone: the unknowns
+    that fit it best solve information x = side; k may be 1 where the explanations have one noise.
+    ``sigma`` (k, n) of the unknowns under each explanation, independent and around zero; ``odds``
+    (k,) of the explanations beforehand, up to a factor. ``likelihood`` (..., k) the logarithm of
+    the measurement's likelihood where all unknowns are zero, up to a common constant. The weights
+    follow from the marginal likelihoods; mean and covariance are those of the mixture.
     """
     prior = sigma**-2.0
-    total = information[..., None, :, :] + prior[:, :, None] * np.eye(prior.shape[1])
+    total = information + prior[:, :, None] * np.eye(prior.shape[1])
     covariance = np.linalg.inv(total)
-    means = np.einsum("...kij,...j->...ki", covariance, side)
-    evidence = 0.5 * np.einsum("...i,...ki->...k", side, means)
+    means = np.einsum("...kij,...kj->...ki", covariance, np.broadcast_to(side, total.shape[:-1]))
+    evidence = 0.5 * np.sum(side * means, axis=-1) + likelihood
     evidence += 0.5 * (np.log(prior).sum(axis=1) - np.linalg.slogdet(total)[1]) + np.log(odds)
     weights = np.exp(evidence - evidence.max(axis=-1, keepdims=True))
     weights /= weights.sum(axis=-1, keepdims=True)

@@ -29,7 +29,10 @@ def weighed_fit(seed, cases):
     own = covariance[np.ix_(DEPART, DEPART)]
     precision = np.linalg.inv(own)
     weighed = weigh_hypotheses(
-        precision - np.diag(WIDE**-2.0), precision @ x[DEPART], cases, np.ones(len(cases))
+        (precision - np.diag(WIDE**-2.0))[None],
+        (precision @ x[DEPART])[None],
+        cases,
+        np.ones(len(cases)),
     )
     along = covariance[:, DEPART] @ precision
     spread = covariance + along @ (weighed.covariance - own) @ along.T

@@ -12,7 +12,8 @@ BLOCKS = 100
 
 def sensor(**values):
     """An accelerometer that is right, but for ``values``; sigma 0.1 %, 0.0005 g, 5 ms."""
-    fields = dict.fromkeys(("scale", "bias", "covariance", "grade", "drag", "lag"), 0.0)
+    names = ("scale", "bias", "covariance", "grade", "drag", "lag", "wanders", "disagrees")
+    fields = dict.fromkeys(names, 0.0)
     known = {"variance_scale": 1e-6, "variance_bias": 2.5e-7, "variance_lag": 2.5e-5}
     fields |= {**known, **values}
     return Accelerometer(**{name: np.full(BLOCKS, value) for name, value in fields.items()})
@@ -35,6 +36,7 @@ def test_a_sensor_that_is_right_is_not_warned_about():
         ({"bias": -0.03}, "a_x_offset", 0.03 * G),
         ({"drag": 0.03}, "unexplained_drag", 0.03 * G),
         ({"lag": 0.15}, "a_x_late", 0.15),
+        ({"wanders": 0.9, "disagrees": 0.03}, "a_x_against_v", 0.03),
     ],
 )
 def test_a_wrong_sensor_is_named_with_what_was_measured(wrong, code, measured):
@@ -51,3 +53,5 @@ def test_what_is_not_sure_is_not_warned_about():
     assert codes(sensor(scale=0.04, variance_scale=9e-4)) == []
     assert codes(sensor(bias=0.03, variance_bias=1.6e-3)) == []
     assert codes(sensor(lag=0.15, variance_lag=2.5e-3)) == []
+    assert codes(sensor(wanders=0.2, disagrees=0.03)) == []
+    assert codes(sensor(wanders=0.9, disagrees=0.005)) == []

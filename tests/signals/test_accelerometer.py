@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.names import G
-from calib.signals.accelerometer import accelerometer
+from calib.signals.accelerometer import accelerometer, moving_average
 from calib.signals.blocks import Blocks
 
 STEP, COUNT, LEAD = 0.05, 160, 30
@@ -19,8 +19,9 @@ BRAKED = TIME > STEP * LEAD
 def run(seed=0, *, scale=0.0, bias=0.0, grade=0.0, drag=0.0, lag=0.0, noisy=True):
     """1.5 s of rolling, then a stop at 0.4 g; returns the blocks and what the tyres feel in z [1].
 
-    ``scale`` of the reading, ``bias`` [g]; ``grade`` [g], uphill positive; ``drag`` [g] besides the
-    known resistance while the car rolls; ``lag`` [s] by which v is late.
+    ``scale`` of the reading, ``bias`` [g]; ``grade`` [g], uphill positive, one number or one for
+    each block; ``drag`` [g] besides the known resistance while the car rolls; ``lag`` [s] by which
+    v is late.
     """
     rng = np.random.default_rng(seed)
     felt = np.where(BRAKED, 0.4, RESIST + drag)
@@ -66,7 +67,7 @@ def test_a_good_sensor_is_left_alone():
 def test_a_scale_is_taken_out(scale):
     b, felt = run(scale=scale)
     sensor = judged(b)
-    assert sensor.corrected(felt * (1.0 + scale))[-1] == pytest.approx(0.4, rel=0.015)
+    assert sensor.corrected(felt * (1.0 + scale))[-1] == pytest.approx(0.4, rel=0.02)
     assert np.sqrt(sensor.variance_scale[-1]) < 0.01
 
 
@@ -130,3 +131,28 @@ def test_the_sigma_is_that_of_the_errors():
         error = sensor.corrected(read) - felt
         inside.append(abs(error[-1]) < 1.96 * sensor.sigma(read)[-1])
     assert 0.9 < np.mean(inside) < 0.995
+
+
+@pytest.mark.parametrize("size", [-0.04, 0.03])
+@pytest.mark.parametrize("turns", [0.6, 0.8])
+def test_a_slope_that_changes_is_felt_by_the_tyres_and_is_no_scale(size, turns):
+    b, felt = run(grade=size * np.sin(turns * TIME))
+    sensor = judged(b)
+    assert sensor.wanders[-1] > 0.99
+    assert sensor.disagrees[-1] > abs(size)
+    error = (sensor.corrected(felt) - felt)[BRAKED][40:]
+    assert np.mean(np.abs(error) < 1.96 * sensor.sigma(felt)[BRAKED][40:]) > 0.9
+    assert np.all(np.abs(error) < 0.4 * 0.04)
+
+
+def test_a_steady_slope_and_a_wrong_sensor_are_no_slope_that_changes():
+    for hidden in ({}, {"grade": 0.03}, {"scale": 0.03}, {"bias": 0.03}, {"lag": 0.02}):
+        assert judged(run(**hidden)[0]).wanders[-1] < 0.3
+
+
+def test_a_moving_average_has_the_covariance_it_is_made_of():
+    for made in ([1.0, -0.7], [1.0, -1.2, 0.4]):
+        covariance = 2.0 * np.correlate(made, made, "full")[len(made) - 1 :]
+        average, sigma = moving_average(covariance)
+        assert average == pytest.approx(made)
+        assert sigma**2 == pytest.approx(2.0)
