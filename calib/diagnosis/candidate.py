@@ -357,12 +357,18 @@ def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
     return np.array(low) - 1e-9, np.array(high) + 1e-9
 
 
-def at_bound(at: Candidate) -> bool:
-    """Whether a parameter of an effect has come to an end of its range."""
-    own = slice(at.problem.base_size, at.x.size)
-    low, high = (ends[own] for ends in bounds(at.problem, at.names))
+def at_bound(at: Candidate) -> tuple[str, ...]:
+    """The effects of which a parameter has come to an end of its range."""
+    low, high = bounds(at.problem, at.names)
     margin = AT_BOUND * (high - low)
-    return bool(np.any((at.x[own] < low + margin) | (at.x[own] > high - margin)))
+    ended = (at.x < low + margin) | (at.x > high - margin)
+    found, i = [], at.problem.base_size
+    for name in at.names:
+        count = at.problem.parameters_of(name)
+        if ended[i : i + count].any():
+            found.append(name)
+        i += count
+    return tuple(found)
 
 
 def prior_rows(problem: Problem, names: tuple[str, ...], x: Array) -> Array:

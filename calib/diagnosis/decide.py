@@ -158,7 +158,7 @@ def _replaces(first: Candidate, pair: Candidate) -> bool:
     A delay and a lag, of one parameter each, look like an oscillation without overshoot.
     """
     explains_more = pair.reduced < min(quiet(pair), first.reduced - CONFUSABLE)
-    return explains_more and pair.x.size <= first.x.size and at_bound(first)
+    return explains_more and pair.x.size <= first.x.size and bool(at_bound(first))
 
 
 def _faint(base: Candidate, first: Candidate, pairs: list[Candidate]) -> Decision | None:

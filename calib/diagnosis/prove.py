@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.candidate import Candidate, at_bound, fit_without
 from calib.diagnosis.confirm import beyond_form, chi2_by_run, helps, squares
 from calib.diagnosis.decide import (
+    CONFUSABLE,
     FAINT_SECOND,
     FLOOR,
     SECOND_OF_ALL,
@@ -119,6 +120,14 @@ class Proved:
 
 def prove(held: HoldOuts, decision: Decision) -> Proved:
     """Withdraw what makes the hold-outs worse, then add effects while that makes them better."""
+    found = _found_with(held, decision)
+    return (
+        found if found.decision.verdict not in ("named", "ambiguous") else _exchanged(held, found)
+    )
+
+
+def _found_with(held: HoldOuts, decision: Decision) -> Proved:
+    """What is proved, as far as effects are only added."""
     before = held.replayed(decision.base)
     bare = held.left(decision.base, before)
     present = Proved(held, decision, before, before, bare, True, (), (_step(decision.base, bare),))
@@ -179,7 +188,7 @@ def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
     if _gap(base, bare):
         holds = not (_grown(bare, left) and _grown(*_at_best(held, tried)))
     else:
-        of_form = gain(base, best) < FURTHER or at_bound(best)
+        of_form = gain(base, best) < FURTHER or bool(at_bound(best))
         without, with_them = _at_best(held, tried)
         holds = not of_form and with_them.size < WORSE * without.size
     return tried if holds else _withdrawn(tried, bare, _closed(tried, bare))
@@ -265,6 +274,25 @@ def _without_spare(held: HoldOuts, before: Proved, present: Proved) -> Proved:
         return _added(present, fewer, (), judged)
     lower = gain(before.decision.best, fewer) > FURTHER_REPLAYED
     return _added(before, fewer, (), judged) if lower else present
+
+
+def _exchanged(held: HoldOuts, present: Proved) -> Proved:
+    """The explanation with a simpler effect in place of one that ends at its bound, if that fits.
+
+    Beside a motor, a lag and a delay look like an oscillation without overshoot and a delay.
+    """
+    at = present.decision.best
+    for name in at_bound(at):
+        for option in refine(fit_without(at, name), TRIED):
+            if option.x.size >= at.x.size or gain(at, option) < CONFUSABLE:
+                continue
+            judged = _judged(held, option)
+            if judged is None or _grown(present.left, judged[1]):
+                continue
+            if not refuted(present.decision.base, option):
+                exchanged = _added(present, option, (at,), judged)
+                return replace(exchanged, rest=present.rest and remains(option, judged[1]))
+    return present
 
 
 def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calib.diagnosis.candidate import BASE, fit, problem_of
+from calib.diagnosis.candidate import BASE, at_bound, fit, problem_of
 from calib.diagnosis.decide import Decision
 from calib.diagnosis.diagnose import Diagnosis, diagnose
 from calib.diagnosis.document import to_dict
@@ -115,3 +115,19 @@ def test_a_second_effect_is_asked_for_where_nothing_significant_is_left():
     proved = prove(held, Decision("named", base, first, ()))
     assert proved.decision.best.names == ("hydraulic_delay", "accelerometer_lag")
     assert (proved.decision.verdict, proved.rest) == ("named", False)
+
+
+def test_an_effect_that_ends_at_its_bound_is_exchanged_for_a_simpler_one():
+    """A lag and a delay beside a motor, first taken for an oscillation without overshoot."""
+    case = draw("triple", 1450000)
+    assert set(case.effects) == {"hydraulic_lag", "hydraulic_delay", "regenerative_torque"}
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration[:8]])
+    base = fit(problem, (), problem.start)
+    oscillating = base
+    for name in ("hydraulic_oscillation", "regenerative_torque", "hydraulic_delay"):
+        oscillating = added(oscillating, name)
+    assert "hydraulic_oscillation" in at_bound(oscillating)
+    held = hold_outs_of(base, list(case.holdout[:2]))
+    proved = prove(held, Decision("named", base, oscillating, ()))
+    assert set(proved.decision.best.names) == set(case.effects)
+    assert proved.decision.best.reduced < oscillating.reduced
