@@ -172,6 +172,17 @@ class Candidate:
     scatter: float
 
     @property
+    def parameters(self) -> int:
+        """Number of fitted parameters; of an effect that the vehicle file has, its strength alone.
+
+        What else that one has is given or, as the load that a drag moves, among the base
+        parameters.
+        """
+        known = self.problem.vehicle.effects
+        own = (1 if name in known else self.problem.parameters_of(name) for name in self.names)
+        return self.problem.base_size + sum(own)
+
+    @property
     def reduced(self) -> float:
         """Mean squared innovation [1]; 1 if the model explains everything but noise."""
         return self.chi2 / self.count
@@ -303,14 +314,15 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
 def unpack(problem: Problem, names: tuple[str, ...], x: Array) -> tuple[Base, Effects]:
     """Base and effects from a vector: the base, then the parameters of the effects.
 
-    A parameter is in units of its spread and counts from its origin, see `origins`.
+    A parameter is in units of its spread and counts from its origin, see `origins`. The load that a
+    known drag moves is that of the drag's own parameters where these are found anew.
     """
-    known = _with_share(problem, x)
+    known, given = _with_share(problem, x), problem.vehicle.effects
     found, i = {}, problem.base_size
     for name in names:
         card = definition(known, name).card
         values = {}
-        for p, origin in zip(card.parameters, origins(known, card), strict=True):
+        for p, origin in zip(card.parameters, origins(given, card), strict=True):
             values[p.name] = origin + float(x[i]) * p.spread
             i += 1
         found[name] = values
@@ -358,16 +370,20 @@ def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
 
 
 def at_bound(at: Candidate) -> tuple[str, ...]:
-    """The effects of which a parameter has come to an end of its range."""
+    """The effects of which a parameter has come to an end of its range.
+
+    A share of one axle ends where the physics does: all of it is a result like any other.
+    """
     low, high = bounds(at.problem, at.names)
     margin = AT_BOUND * (high - low)
     ended = (at.x < low + margin) | (at.x > high - margin)
     found, i = [], at.problem.base_size
     for name in at.names:
-        count = at.problem.parameters_of(name)
-        if ended[i : i + count].any():
+        parameters = definition(at.problem.vehicle.effects, name).card.parameters
+        own = ended[i : i + len(parameters)]
+        if any(end and not p.share for end, p in zip(own, parameters, strict=True)):
             found.append(name)
-        i += count
+        i += len(parameters)
     return tuple(found)
 
 

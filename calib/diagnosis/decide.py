@@ -158,7 +158,7 @@ def _replaces(first: Candidate, pair: Candidate) -> bool:
     A delay and a lag, of one parameter each, look like an oscillation without overshoot.
     """
     explains_more = pair.reduced < min(quiet(pair), first.reduced - CONFUSABLE)
-    return explains_more and pair.x.size <= first.x.size and bool(at_bound(first))
+    return explains_more and pair.parameters <= first.parameters and bool(at_bound(first))
 
 
 def _faint(base: Candidate, first: Candidate, pairs: list[Candidate]) -> Decision | None:
@@ -210,7 +210,7 @@ def seconds(singles: list[Candidate]) -> list[Candidate]:
 
 def simplest_first(found: list[Candidate]) -> list[Candidate]:
     """Best first; every further parameter must gain `PARAMETER`."""
-    return sorted(found, key=lambda candidate: candidate.reduced + PARAMETER * candidate.x.size)
+    return sorted(found, key=lambda candidate: candidate.reduced + PARAMETER * candidate.parameters)
 
 
 def second_earns(first: Candidate, pair: Candidate) -> bool:
@@ -262,6 +262,6 @@ def confusable(best: Candidate, rivals: list[Candidate] | tuple[Candidate, ...])
         rival
         for rival in rivals
         if rival.reduced - best.reduced < CONFUSABLE
-        and (rival.x.size <= best.x.size or rival.reduced < best.reduced - CONFUSABLE)
+        and (rival.parameters <= best.parameters or rival.reduced < best.reduced - CONFUSABLE)
         and len(rival.names) <= len(best.names)
     ]

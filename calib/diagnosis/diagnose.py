@@ -15,7 +15,7 @@ from calib.diagnosis.agreement import half_widths
 from calib.diagnosis.axles import require_axles
 from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, problem_of
 from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
-from calib.diagnosis.confirm import chi2_by_run, confirm, count_of
+from calib.diagnosis.confirm import confirm, count_of
 from calib.diagnosis.confusion import Confusion, confusion_of
 from calib.diagnosis.decide import Decision, confusable, decide, explains, gain
 from calib.diagnosis.doubts import base_half_widths
@@ -78,8 +78,8 @@ class Where:
 class Named:
     """An effect that was accepted, with its evidence.
 
-    ``gain`` fall of the mean squared innovation that it brings on the calibration logs,
-    ``gain_holdout`` on the hold-outs; ``runner_up`` the next best name and its gain;
+    ``gain`` rise of the mean squared innovation of the calibration logs without it, all else
+    unchanged, ``gain_holdout`` of the hold-outs; ``runner_up`` the next best name and its gain;
     ``indistinguishable_from`` names that fit the data as well; ``separate_by`` the feasible test
     that would distinguish them.
     """
@@ -323,7 +323,6 @@ def named(
     nearest = None if confusion is None else confusion.pair(0, 1)
     separate = "" if nearest is None else f"{nearest.drive} ({nearest.sigma:.0f} sigma apart)"
     like = confusable(best, decision.rivals)
-    held_gain = chi2_by_run(held, decision.base).sum() - chi2_by_run(held, best).sum()
     out, i = [], problem.base_size
     for name in best.names:
         parameters = {}
@@ -341,7 +340,7 @@ def named(
                 parameters=parameters,
                 where=where_of(problem, best, name),
                 gain=gain_without(problem, best, name),
-                gain_holdout=float(held_gain / count_of(held, best)),
+                gain_holdout=gain_without(held, best, name),
                 runner_up=None
                 if runner is None
                 else (" + ".join(runner.names), gain(decision.base, runner)),
@@ -353,8 +352,9 @@ def named(
 
 
 def gain_without(problem: Problem, best: Candidate, name: str) -> float:
-    """Rise of the mean squared innovation when the effect is removed."""
-    return problem.chi2(best.base, best.without(name)) / best.count - best.reduced
+    """Rise of the mean squared innovation of a problem's runs when the effect is removed."""
+    rise = problem.chi2(best.base, best.without(name)) - problem.chi2(best.base, best.effects)
+    return rise / count_of(problem, best)
 
 
 def where_of(problem: Problem, best: Candidate, name: str) -> Where:

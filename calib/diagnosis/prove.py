@@ -284,7 +284,7 @@ def _exchanged(held: HoldOuts, present: Proved) -> Proved:
     at = present.decision.best
     for name in at_bound(at):
         for option in refine(fit_without(at, name), TRIED):
-            if option.x.size >= at.x.size or gain(at, option) < CONFUSABLE:
+            if option.parameters >= at.parameters or gain(at, option) < CONFUSABLE:
                 continue
             judged = _judged(held, option)
             if judged is None or _grown(present.left, judged[1]):
@@ -325,7 +325,7 @@ def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:
 def _options(at: Candidate) -> list[Candidate]:
     """The best further effects that are worth their parameters."""
     fitted = simplest_first(refine(at, TRIED))
-    return [c for c in fitted if gain(at, c) > FAINT_SECOND * (c.x.size - at.x.size)]
+    return [c for c in fitted if gain(at, c) > FAINT_SECOND * (c.parameters - at.parameters)]
 
 
 def _helpful(held: HoldOuts, present: Proved, option: Candidate) -> bool:
@@ -402,7 +402,7 @@ def _spared(at: Candidate) -> Candidate:
     """The explanation without effects that are not worth their parameters."""
     for name in at.names:
         fewer = fit_without(at, name)
-        price = FAINT_SECOND * (at.x.size - fewer.x.size)
+        price = FAINT_SECOND * (at.parameters - fewer.parameters)
         if fewer.reduced - at.reduced < price:
             return _spared(fewer)
     return at

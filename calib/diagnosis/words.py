@@ -329,7 +329,7 @@ def known(found: Diagnosis) -> str:
     """Effects of the vehicle file, which every explanation has; empty if it has none."""
     named = {effect.name for effect in found.effects}
     told = []
-    effects = found.model_before.effects
+    effects = found.model_before.vehicle.effects
     for name, values in effects.parameters.items():
         units = {p.name: p.unit for p in definition(effects, name).card.parameters}
         numbers = (

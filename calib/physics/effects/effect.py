@@ -29,7 +29,8 @@ class Parameter:
 
     ``typical`` and ``spread`` are the mean and one standard deviation over passenger cars, and the
     size at which a diagnosis starts to look for it. ``default`` is the value where a file does not
-    give one, for a parameter that older files do not have; None: it must be given.
+    give one, for a parameter that older files do not have; None: it must be given. ``share``
+    whether it divides something between the axles, from nothing to all.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Parameter:
     typical: float
     spread: float
     default: float | None = None
+    share: bool = False
 
 
 @dataclass(frozen=True)

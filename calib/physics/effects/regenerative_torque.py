@@ -58,7 +58,7 @@ EFFECT = Effect(
         parameters=(
             Parameter("regen_torque", "N*m", 0.0, 3000.0, 170.0, 110.0),
             Parameter("regen_power", "W", 1e3, 200e3, 15e3, 8e3),
-            Parameter("regen_rear_share", "1", 0.0, 1.0, 0.5, 0.5),
+            Parameter("regen_rear_share", "1", 0.0, 1.0, 0.5, 0.5, share=True),
             Parameter("regen_onset", "Pa", 0.02e5, 10e5, BITE, 0.5e5, default=BITE),
             Parameter("regen_span", "Pa", 0.1e5, 15e5, 3e5, 3e5, default=BLEND * BITE),
         ),

@@ -26,6 +26,17 @@ def test_a_sensor_whose_zero_reads_too_low_is_a_threshold_below_zero(low, true, 
             assert found == pytest.approx([true], abs=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("share", "front", "rear"),
+    [(0.0, 2e5, 0.0), (0.25, 2e5, 1e5), (0.5, 2e5, 2e5), (1.0, 0.0, 2e5)],
+)
+def test_an_axle_has_its_share_of_the_threshold(share, front, rear):
+    history = made_history(1, p_mc=np.array([30e5]))
+    given = {"threshold": 2e5, "threshold_rear_share": share}
+    found = pressures("brake_threshold_pressure", history, **given)
+    assert [float(p[0]) for p in found] == pytest.approx([30e5 - front, 30e5 - rear])
+
+
 def test_noise_at_rest_stays_without_a_mean():
     noise = np.random.default_rng(0).normal(0.0, 0.1e5, 1000)
     history = made_history(1000, p_mc=np.concatenate([noise[:500], -noise[:500]]))

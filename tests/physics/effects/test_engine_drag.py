@@ -13,6 +13,12 @@ def test_the_front_axle_has_all_of_it():
     assert np.array_equal(rear, [0.0, 0.0])
 
 
+def test_a_share_of_it_is_at_the_rear():
+    parameters = {"drag_torque": 120.0, "drag_rear_share": 0.75}
+    front, rear = EFFECT.axle_moment(SEDAN, parameters, made_motion([5.0, 40.0]))
+    assert (front.tolist(), rear.tolist()) == ([30.0, 30.0], [90.0, 90.0])
+
+
 def test_it_grows_with_the_speed_by_the_share_of_its_parameter():
     grows = {"drag_torque": 100.0, "drag_growth": 0.01}
     front, _ = EFFECT.axle_moment(SEDAN, grows, made_motion([10.0, 20.0, 35.0]))
