@@ -34,6 +34,7 @@ from calib.validation.axles import (
     crossed_wheels,
     judge_axles,
 )
+from calib.validation.followed import followed
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.metrics import baseline_errors, score, truth_of
 from calib.validation.motor import with_motor
@@ -223,7 +224,7 @@ def validate_one(
         *locked_wheels(log.name, seen),
         *crossed_warnings(log.name, crossed),
     )
-    result = with_motor(log, result, _of_ramps(table))
+    result = followed(with_motor(log, result, _of_ramps(table)))
     if other is not None and other.log_odds > SURE:
         result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
     if crossed is not None and crossed.sure:

@@ -1,0 +1,57 @@
+"""Where the brakes follow the pressure closely enough for pad friction to be their ratio.
+
+    |delay| |p'|/p of the last half second        against half the width of the interval
+
+Pad friction is torque over pressure, and brakes, filters and clocks make the one late against the
+other. While a pressure is held that is nothing. While a foot pumps at 1.5 Hz, brakes that follow
+after 30 ms make the friction swing by a fifth, and the level, which remembers half a second, swings
+behind it. Uses the whole run for the delay.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.estimation.axle_estimate import AxleEstimate
+from calib.estimation.estimator import Estimate
+from calib.signals.filters import centred_mean, since
+
+Array = NDArray[np.float64]
+
+WHY = "the pressure moves faster than the brakes follow"
+
+LARGEST = 2.2
+"""Error over the half width of an interval past which that is no longer trusted. A foot that holds
+its pressure stays below 1. One that pumps comes to 2 to 6, and from about 2.5 on the intervals of
+the front pads hold the truth in less than 80 % of the samples."""
+
+SMOOTHED = 0.1
+"""Time over which the pressure's change is averaged [s]: longer than the noise of a sensor, shorter
+than a foot."""
+
+REMEMBERED = 0.5
+"""Time for which the level remembers what moved [s], `calib.estimation.pad_level`."""
+
+
+def followed(e: Estimate) -> Estimate:
+    """The estimate without the samples in which the pressure moves too fast; see `WHY`.
+
+    As it is where the run brakes too little to tell how late the brakes are.
+    """
+    if e.response is None:
+        return e
+    p = np.maximum(e.pressure_f, e.pressure_r)
+    count = max(round(SMOOTHED / e.read.sample_time), 1)
+    moves = centred_mean(np.gradient(p, e.read.sample_time), count, held_ends=True)
+    error = abs(e.response.delay) * np.abs(moves) / np.maximum(p, e.plan.gates.pressure)
+    least = np.minimum(_half_width(e.front), _half_width(e.rear))
+    settled = e.braked & (since(e.time, ~e.braked) > e.plan.gates.settle)
+    fast = settled & (error > LARGEST * least)
+    late = e.braked & (since(e.time, fast) < REMEMBERED)
+    return replace(e, valid=e.valid & ~late, refused={**e.refused, WHY: late})
+
+
+def _half_width(axle: AxleEstimate) -> Array:
+    """Half the width of the 95 % interval of the logarithm of pad friction (n,) [1]."""
+    return np.asarray(0.5 * np.log(axle.upper / axle.lower))
