@@ -81,6 +81,9 @@ SECOND_SIGMA = 2.0
 AT_BOUND = 0.01
 """Share of a parameter's range that counts as its bound."""
 
+DIVIDED = 0.1
+"""How far a share of an axle is from nothing, from all and from its usual value to be odd [1]."""
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -385,6 +388,18 @@ def at_bound(at: Candidate) -> tuple[str, ...]:
             found.append(name)
         i += len(parameters)
     return tuple(found)
+
+
+def divided(at: Candidate) -> tuple[str, ...]:
+    """The effects that act on both axles in an odd share, as few cars' engines do."""
+    return tuple(
+        name
+        for name in at.names
+        for p in definition(at.problem.vehicle.effects, name).card.parameters
+        if p.share
+        and min(abs(at.effects.parameters[name][p.name] - x) for x in (p.low, p.high, p.typical))
+        > DIVIDED
+    )
 
 
 def prior_rows(problem: Problem, names: tuple[str, ...], x: Array) -> Array:

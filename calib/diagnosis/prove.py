@@ -15,10 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, at_bound, fit_without
+from calib.diagnosis.candidate import Candidate, at_bound, divided, fit_without
 from calib.diagnosis.confirm import beyond_form, chi2_by_run, helps, squares
 from calib.diagnosis.decide import (
-    CONFUSABLE,
     FAINT_SECOND,
     FLOOR,
     SECOND_OF_ALL,
@@ -277,14 +276,16 @@ def _without_spare(held: HoldOuts, before: Proved, present: Proved) -> Proved:
 
 
 def _exchanged(held: HoldOuts, present: Proved) -> Proved:
-    """The explanation with a simpler effect in place of one that ends at its bound, if that fits.
+    """The explanation with a simpler effect in place of an odd one, if it fits as well.
 
-    Beside a motor, a lag and a delay look like an oscillation without overshoot and a delay.
+    Odd is one that ends at its bound, or acts on both axles in an odd share. Beside a motor, a lag
+    and a delay look like an oscillation without overshoot and a delay. An engine at both axles
+    looks like rolling resistance.
     """
     at = present.decision.best
-    for name in at_bound(at):
+    for name in dict.fromkeys((*at_bound(at), *divided(at))):
         for option in refine(fit_without(at, name), TRIED):
-            if option.parameters >= at.parameters or gain(at, option) < CONFUSABLE:
+            if option.parameters >= at.parameters or simplest_first([at, option])[0] is at:
                 continue
             judged = _judged(held, option)
             if judged is None or _grown(present.left, judged[1]):

@@ -103,7 +103,7 @@ class Estimate:
     ``accelerometer`` its scale and offset, by block; ``factor_f``, ``factor_r`` what known effects
     did to the pad friction, which is given without them [1]; ``notes`` name the baselines left out;
     ``basis`` what an uncertainty budget is made from; ``motor`` variance of the logarithm of the
-    pad friction, front and rear, that a motor adds to it, (n,) each [1].
+    pad friction, front and rear, that a motor adds to it, (n,) each [1]; ``load`` that of a load.
     """
 
     plan: Plan
@@ -133,6 +133,7 @@ class Estimate:
     notes: tuple[str, ...] = field(default=())
     basis: Basis | None = None
     motor: tuple[Array, Array] | None = None
+    load: tuple[Array, Array] | None = None
 
     def __repr__(self) -> str:
         count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"

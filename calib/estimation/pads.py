@@ -76,16 +76,26 @@ def lowered(axle: AxleEstimate, variance: Array) -> AxleEstimate:
 
     The lower ends of the intervals move, the upper ones stay.
     """
-
-    def end(lower: Array, value: Array) -> Array:
-        sigma = np.log(value / lower) / Z95
-        return np.asarray(value * np.exp(-_half_width(np.sqrt(sigma**2 + variance))))
-
     return replace(
         axle,
-        lower=end(axle.lower, axle.pad_friction),
-        change_lower=end(axle.change_lower, axle.change),
+        lower=axle.pad_friction / _moved(axle.pad_friction / axle.lower, variance),
+        change_lower=axle.change / _moved(axle.change / axle.change_lower, variance),
     )
+
+
+def raised(axle: AxleEstimate, variance: Array) -> AxleEstimate:
+    """The same upwards: the upper ends of the intervals move, the lower ones stay."""
+    return replace(
+        axle,
+        upper=axle.pad_friction * _moved(axle.upper / axle.pad_friction, variance),
+        change_upper=axle.change * _moved(axle.change_upper / axle.change, variance),
+    )
+
+
+def _moved(ratio: Array, variance: Array) -> Array:
+    """Ratio of an interval's end and its middle, above 1, with more ``variance`` (n,)."""
+    sigma = np.log(ratio) / Z95
+    return np.asarray(np.exp(_half_width(np.sqrt(sigma**2 + variance))))
 
 
 def _changes(

@@ -9,6 +9,7 @@ import numpy as np
 from calib.signals.axle_signals import Signals
 from calib.signals.brake_response import FORCE as FORCE_BEFORE
 from calib.signals.brake_response import USUAL, BrakeResponse
+from calib.statistics.half_normal import likelihood_ratio, mean_square
 from calib.warning import PlausibilityWarning
 
 FORCE = 0.045
@@ -53,14 +54,8 @@ ZERO = 0.5e5
 """Pressure of the rolling car [Pa] from which it is named: the zero of sensors of 250 bar drifts by
 0.2 % of their range."""
 
-MOST = 300.0
-"""Largest exponent of odds: more is sure."""
-
 UNKNOWN = 1.0
 """Sigma of a share of which a run says nothing [1]."""
-
-FAR = -5.0
-"""Standard deviations below zero from which a share is as good as none."""
 
 BAR = 1e5
 
@@ -178,17 +173,8 @@ def _together(one: Seen, other: Seen) -> Seen:
 
 
 def _odds(seen: Seen) -> float:
-    """How much likelier a motor makes a force than what is usual does.
-
-    A usual force has both signs, that of a motor is half of a normal distribution beside it. With
-    u the sigma of what is usual, M that of a motor, h = hypot(u, M) and Phi the normal
-    distribution: 2 u/h exp(x^2/2 (1/u^2 - 1/h^2)) Phi(x M/(u h)).
-    """
-    x, u = seen
-    h = math.hypot(u, MOTOR)
-    exponent = min(0.5 * x**2 * (u**-2.0 - h**-2.0), MOST)
-    normal = 0.5 * math.erfc(-x * MOTOR / (u * h * math.sqrt(2.0)))
-    return 2.0 * u / h * normal * math.exp(exponent)
+    """How much likelier a motor makes a force than what is usual does, which has both signs."""
+    return likelihood_ratio(seen.share, seen.sigma, MOTOR)
 
 
 def _measured(seen: Seen) -> float:
@@ -196,19 +182,8 @@ def _measured(seen: Seen) -> float:
 
 
 def _square(seen: Seen) -> float:
-    """Mean of the square of a motor's share, as it was seen.
-
-    With m = x M^2/h^2 and s = u M/h, those of the normal distribution that the share has above
-    zero, and t = m/s: s^2 + m^2 + m s phi(t)/Phi(t) (Johnson, Kotz and Balakrishnan, Continuous
-    Univariate Distributions, vol. 1, section 10.1).
-    """
-    x, u = seen
-    h = math.hypot(u, MOTOR)
-    s = u * MOTOR / h
-    t = max(x / u * MOTOR / h, FAR)
-    m = s * t
-    ratio = math.exp(-0.5 * t**2) / math.sqrt(0.5 * math.pi) / math.erfc(-t / math.sqrt(2.0))
-    return s**2 + m**2 + m * s * ratio
+    """Mean of the square of a motor's share, as it was seen."""
+    return mean_square(seen.share, seen.sigma, MOTOR)
 
 
 def pressure_warnings(log: str, s: Signals) -> Iterator[PlausibilityWarning]:

@@ -77,7 +77,7 @@ def with_motor(log: Log, e: Estimate, of_ramps: Sequence[PlausibilityWarning] = 
         rear=rear,
         valid=judged.valid,
         refused=judged.refused,
-        motor=(_more(front, e.front), _more(rear, e.rear)),
+        motor=(more(front, e.front), more(rear, e.rear)),
     )
 
 
@@ -86,7 +86,7 @@ def _largest(warnings: Sequence[PlausibilityWarning], code: str) -> float:
     return max((warning.measured for warning in warnings if warning.code == code), default=0.0)
 
 
-def _more(now: AxleEstimate, before: AxleEstimate) -> Array:
+def more(now: AxleEstimate, before: AxleEstimate) -> Array:
     """What the variance of an axle has grown by (n,) [1], not below zero by rounding."""
     return np.maximum(_variance(now) - _variance(before), 0.0)
 

@@ -36,6 +36,7 @@ from calib.validation.axles import (
 )
 from calib.validation.followed import followed
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
+from calib.validation.load import with_load
 from calib.validation.metrics import baseline_errors, score, truth_of
 from calib.validation.motor import with_motor
 from calib.validation.roads import Road, roads_of
@@ -224,7 +225,8 @@ def validate_one(
         *locked_wheels(log.name, seen),
         *crossed_warnings(log.name, crossed),
     )
-    result = followed(with_motor(log, result, _of_ramps(table)))
+    result = with_motor(log, result, _of_ramps(table))
+    result = followed(with_load(result, stated=mass is not None))
     if other is not None and other.log_odds > SURE:
         result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
     if crossed is not None and crossed.sure:
