@@ -295,8 +295,11 @@ def _searched(
 def by_log(decision: Decision) -> Decision:
     """The decision with what differs from log to log, pads and road or the discs' first heat.
 
-    Only where nothing explains the logs without: the better one of the two.
+    Only where nothing explains the logs without, a faint second effect neither: the better one of
+    the two.
     """
+    if decision.faint is not None and explains(decision.faint):
+        return decision
     found = (regrouped(decision), with_start_heats(decision))
     return min(found, key=lambda other: (not explains(other), other.best.reduced))
 

@@ -57,7 +57,7 @@ def find(asked: str) -> list[Page]:
     Case, an ending ``.md``, and the difference of ``-``, ``_`` and blank do not count.
     """
     name = plain_name(asked)
-    exact = [one for one in contents() if one.name == name]
+    exact = [one for one in (front(), *contents()) if one.name == name]
     return exact or [one for one in contents() if name and one.name.startswith(name)]
 
 
