@@ -11,6 +11,7 @@ called so.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import takewhile
 
 import numpy as np
 
@@ -131,6 +132,32 @@ def grade(rng: Rng) -> Hidden:
     return Hidden(car=car)
 
 
+def hills(rng: Rng) -> Hidden:
+    """Stops over crests and through dips, 1 to 4 % up and down within 80 to 250 m: the vertical
+    curves of main roads (RAL: radii of 3 to 10 km) and, at the short end, of bridges and ramps."""
+    drawn = [(rng.uniform(0.01, 0.04), rng.uniform(80.0, 250.0), rng.uniform(0.0, 6.28))
+             for _ in range(16)]  # fmt: skip
+
+    def car(role: str, p: Plant, *_: object) -> Plant:
+        if role != STOP:
+            return p
+        size, length, phase = drawn.pop()
+        return replace(p, hills=lambda x: size * math.sin(2.0 * math.pi * x / length + phase))
+
+    return Hidden(car=car)
+
+
+def passenger(rng: Rng) -> Hidden:
+    """Somebody of 75 kg in the stops, in half of the cars two; nobody states it."""
+    load = 75.0 * float(rng.integers(1, 3))
+
+    def car(role: str, p: Plant, *_: object) -> Plant:
+        more = load / p.vehicle.mass if role == STOP else 0.0
+        return replace(p, mass_scale=p.mass_scale * (1.0 + more))
+
+    return Hidden(car=car)
+
+
 def radius_over_load(rng: Rng) -> Hidden:
     """0.2 to 1 % per 100 % of load: the coefficients BREFF, DREFF and FREFF of common tyre files
     give about 0.4 (Pacejka, Tyre and Vehicle Dynamics, ch. 4, A4 of the MF-Tyre manual)."""
@@ -241,8 +268,9 @@ def quantisation(rng: Rng) -> Hidden:
 
 
 def everything(rng: Rng) -> Hidden:
-    """All that is above, together."""
-    return together([draw(rng) for name, draw in CAUSES.items() if draw is not everything])
+    """All that stands before it, together."""
+    before = takewhile(lambda draw: draw is not everything, CAUSES.values())
+    return together([draw(rng) for draw in before])
 
 
 def grip(p: Plant) -> float:
@@ -300,4 +328,6 @@ CAUSES: dict[str, Callable[[Rng], Hidden]] = {
     "tone ring": tone_ring,
     "quantisation": quantisation,
     "everything": everything,
+    "hills": hills,
+    "passenger": passenger,
 }

@@ -85,6 +85,7 @@ class Plant:
     pitch_damping : its damping ratio [1].
     pitch_felt : angle by which the nose dips per g [rad]; it tilts the accelerometer.
     grade : sine of the slope [1], positive uphill; the accelerometer feels it.
+    hills : what is added to it at a distance [m]; None on a road of one slope.
     motor : torque of a motor at both wheels of the front and of the rear axle together [N m],
         negative where it slows, at a time [s]; None for a car that rolls freely.
     motor_share : share of that torque that the motor gives at a speed [m/s]; all of it if None.
@@ -108,6 +109,7 @@ class Plant:
     pitch_damping: float = 0.3
     pitch_felt: float = 0.0
     grade: float = 0.0
+    hills: Callable[[float], float] | None = None
     motor: Callable[[float], tuple[float, float]] | None = None
     motor_share: Callable[[float], float] | None = None
     hydraulic_lag: float = 0.0
@@ -225,7 +227,8 @@ def drive(
         s = state.tolist()
         now = instant(plant, t, s, tuple(trace(t) for trace in traces))
         follow = omega_n**2 * (now.z - s[TRANSFER]) - 2.0 * plant.pitch_damping * omega_n * s[RATE]
-        body = [-GRAVITY * (now.z + plant.grade), s[V], s[RATE], follow]
+        uphill = plant.grade + (plant.hills(s[X]) if plant.hills else 0.0)
+        body = [-GRAVITY * (now.z + uphill), s[V], s[RATE], follow]
         return [*body, *now.spin, *now.deflecting]
 
     def stopped(t: float, state: np.ndarray) -> float:

@@ -114,3 +114,13 @@ def test_a_locked_wheel_stands_and_does_not_turn_backwards():
     assert run["omega_fl"][-1] == pytest.approx(0.0, abs=0.2)
     assert min(run[f"omega_{w}"].min() for w in ("fl", "fr", "rl", "rr")) > -0.01
     assert run["v"][-1] > 2.0
+
+
+def test_hills_are_the_slope_of_the_way():
+    """What a coasting car loses in speed is what it gains in height: v^2/2 + g h."""
+    hilly = replace(IDEAL, hills=lambda x: 0.02 * math.sin(x / 30.0))
+    run = drive(hilly, no_pressure, 25.0, **COASTING)
+    way = np.concatenate([[0.0], np.cumsum(0.5 * (run["v"][1:] + run["v"][:-1]) / 100.0)])
+    height = 0.02 * 30.0 * (1.0 - np.cos(way / 30.0))
+    assert 0.5 * run["v"] ** 2 + GRAVITY * height == pytest.approx(0.5 * 25.0**2, rel=2e-3)
+    assert np.max(np.abs(run["a_x"])) < 0.02  # the wheels alone push
