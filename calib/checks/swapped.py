@@ -29,5 +29,8 @@ def what_to_check(less: str, *, mirrored: bool = True) -> str:
         f"does a motor or the engine brake the {less} wheels? log T_drive_{less[0]}, or switch "
         "regeneration off; does an all-wheel drive couple the axles? open it"
     )
-    pads = f"are the {_OTHER[less]} pads weak (wet, hot, glazed or new)?"
+    pads = (
+        f"are the {_OTHER[less]} pads weak (wet, hot, glazed or new), or does ABS work on the "
+        f"{less} wheels?"
+    )
     return "; ".join((swap, drive, pads) if mirrored else (drive, swap, pads))

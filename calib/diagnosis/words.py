@@ -229,11 +229,20 @@ def unexplained(found: UnexplainedTerm) -> str:
     return f"{told} The calibration logs do not show it: it was placed with the hold-outs."
 
 
+TRIFLE = 0.01
+"""Share of what is left that a term must explain for its driver to be told [1]."""
+
+
 def _placed(found: UnexplainedTerm) -> str:
     text = (
         f"An empirical term on the {plain(found.term.place)} over {_driver(found.term.driver)} "
         f"explains {percent(found.explained)} of the remaining gap."
     )
+    if found.explained < TRIFLE:
+        text = (
+            f"It is placed on the {plain(found.term.place)}; no empirical term there, over "
+            "pressure, speed, temperature or time, explains 1 % of the remaining gap."
+        )
     if found.driver == WHEEL_ANGLE:
         text = (
             f"{percent(found.turning)} of the remaining gap goes with the angle of the "
