@@ -40,7 +40,8 @@ class AccelerometerPriors:
     off is 0.035 g, a road of 4 % is 0.04 g, an engine in gear at 2000 rpm 0.02 to 0.05 g.
     ``still_bias``, ``still_grade``, ``still_drag`` [g]: sigma where it is said not to be there.
     ``odds_bias``, ``odds_grade``, ``odds_drag``: how often each is there.
-    ``wander`` [g/s^0.5]: how far a grade that changes walks in a second; a crest of 6 km radius
+    ``still_wander`` [g/s^0.5]: how far any grade walks in a second: level tracks are even to 1 mm
+    in 2 m. ``wander`` [g/s^0.5]: how far one walks that changes; a crest of 6 km radius
     changes it by 0.005 a second at 30 m/s, a bridge or a ramp by 0.02. ``odds_wander``: how often,
     on roads that are chosen for such runs.
     ``lag`` [s]: how far v and a_x may be out of step.
@@ -56,6 +57,7 @@ class AccelerometerPriors:
     odds_bias: float = 0.15
     odds_grade: float = 0.3
     odds_drag: float = 0.15
+    still_wander: float = 0.0002
     wander: float = 0.015
     odds_wander: float = 0.03
     lag: float = 0.02
@@ -123,7 +125,9 @@ def accelerometer(
     """
     p = priors or AccelerometerPriors()
     at = np.arange(0, b.end.size, STEP)
-    speeds = [_against_speed(b, density_z, density_v, p, at, walk) for walk in (0.0, p.wander)]
+    speeds = [
+        _against_speed(b, density_z, density_v, p, at, walk) for walk in (p.still_wander, p.wander)
+    ]
     d, variance_d = _on_lead_in(b, unexplained, sigma, density_z, at)
     # what is measured: (c, e, d); e = bias + grade, d = bias + drag
     precision, vector = (
@@ -176,9 +180,9 @@ def _against_speed(
 ) -> AgainstSpeed:
     """Information about (c, e, d) and the lag from v against the integral of z, at ``at``.
 
-    The noise of v is white and that of the integral a random walk: their differences are a moving
-    average of order one, which a first-order filter makes white. A grade that walks by ``wander``
-    [g/s^0.5] asks for second differences, of order two; e is then that at the start.
+    The noise of v is white and that of the integral a random walk, and the grade walks by
+    ``wander`` [g/s^0.5]: second differences are then a moving average of order two, which a filter
+    makes white. e is that at the start.
     """
     precision, vector = np.zeros((at.size, 3, 3)), np.zeros((at.size, 3))
     if b.v is None:
@@ -195,13 +199,10 @@ def _against_speed(
     columns = np.stack(
         [np.diff(b.v) + gained, gained, np.full(gained.size, G * h), G * np.diff(b.z)]
     )
-    covariance = [2.0 * white + walk, -white]
-    counted = usable
-    if wander > 0.0:
-        columns = np.diff(columns, axis=1, prepend=0.0)
-        usable = usable & np.concatenate([[True], usable[:-1]])
-        covariance = [6.0 * white + 2.0 * walk + (G * h * wander) ** 2 * h, -4.0 * white - walk]
-        covariance.append(white)
+    columns = np.diff(columns, axis=1, prepend=0.0)
+    usable = usable & np.concatenate([[True], usable[:-1]])
+    turned = (G * h * wander) ** 2 * h
+    covariance = [6.0 * white + 2.0 * walk + turned, -4.0 * white - walk, white]
     average, sigma = moving_average(np.array(covariance))
     y, c, e, lag = lfilter([1.0], average, np.where(usable, columns, 0.0)) / sigma
     pairs = {
@@ -219,7 +220,7 @@ def _against_speed(
             value = pairs[i, j][at] - pairs[i, 2][at] * pairs[j, 2][at] / own
             precision[:, i, j] = precision[:, j, i] = value
     along = np.column_stack([pairs[i, 2][at] for i in range(2)])
-    likelihood = -_so_far(0.5 * y**2 + counted * np.log(sigma))[at]
+    likelihood = -_so_far(0.5 * y**2 + usable * np.log(sigma))[at]
     likelihood += 0.5 * (right[2][at] ** 2 / own - np.log(own))
     return AgainstSpeed(precision, vector, likelihood, own, right[2][at], along)
 

@@ -19,7 +19,6 @@ from dataclasses import replace
 import numpy as np
 
 from calib.estimation.estimator import Estimate
-from calib.estimation.gates import still_narrow
 from calib.estimation.pads import raised
 from calib.statistics.half_normal import log_likelihood_ratio, mean_square
 from calib.validation.motor import more
@@ -40,9 +39,10 @@ BEHIND = 2.0
 
 
 def with_load(e: Estimate, *, stated: bool) -> Estimate:
-    """The estimate, its intervals and ``valid`` with a load that nobody stated.
+    """The estimate, its intervals with a load that nobody stated.
 
-    ``stated`` whether the mass of this run was. As it is without a valid sample.
+    ``stated`` whether the mass of this run was. As it is without a valid sample. What is valid
+    stays so: a sample that would tell the pads of the car as stated is still of use.
     """
     if stated or e.basis is None or not e.valid.any():
         return e
@@ -50,15 +50,8 @@ def with_load(e: Estimate, *, stated: bool) -> Estimate:
     more_open = max(2.0 * square - e.plan.nominal.mass_tolerance**2, 0.0)
     one = np.full(e.time.size, more_open)
     front, rear = raised(e.front, one), raised(e.rear, BEHIND * one)
-    judged = still_narrow(e.plan.gates, e.valid, e.refused, (front, rear))
-    return replace(
-        e,
-        front=front,
-        rear=rear,
-        valid=judged.valid,
-        refused=judged.refused,
-        load=(more(front, e.front), more(rear, e.rear)),
-    )
+    load = (more(front, e.front), more(rear, e.rear))
+    return replace(e, front=front, rear=rear, load=load)
 
 
 def mean_square_of_load(level: float, sigma: float) -> float:

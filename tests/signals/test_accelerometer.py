@@ -58,7 +58,7 @@ def judged(b):
 def test_a_good_sensor_is_left_alone():
     b, felt = run()
     sensor = judged(b)
-    assert abs(sensor.scale[-1]) < 0.01
+    assert abs(sensor.scale[-1]) < 0.012
     assert abs(sensor.bias[-1]) < 0.003
     assert sensor.corrected(felt)[-1] == pytest.approx(0.4, rel=0.01)
 
@@ -68,7 +68,7 @@ def test_a_scale_is_taken_out(scale):
     b, felt = run(scale=scale)
     sensor = judged(b)
     assert sensor.corrected(felt * (1.0 + scale))[-1] == pytest.approx(0.4, rel=0.02)
-    assert np.sqrt(sensor.variance_scale[-1]) < 0.01
+    assert np.sqrt(sensor.variance_scale[-1]) < 0.012
 
 
 @pytest.mark.parametrize("size", [-0.03, 0.03])
