@@ -66,7 +66,7 @@ def test_a_page_begins_with_its_only_title(page):
         (" vehicle FILE ", ["vehicle_file"]),
         ("veh", ["vehicle_file"]),
         ("a", ["a2l", "accuracy"]),
-        ("index", []),
+        ("index", ["index"]),
         ("", []),
     ],
 )
