@@ -133,6 +133,14 @@ class Problem:
         """Number of parameters of an effect."""
         return len(definition(self.vehicle.effects, name).card.parameters)
 
+    def places(self, names: tuple[str, ...]) -> dict[str, slice]:
+        """Where the parameters of each effect stand in a vector, behind those of the base."""
+        found, i = {}, self.base_size
+        for name in names:
+            found[name] = slice(i, i + self.parameters_of(name))
+            i = found[name].stop
+        return found
+
     def whitened(self, base: Base, effects: Effects) -> list[list[Array]]:
         """Innovations by run and channel."""
         return [
@@ -380,14 +388,12 @@ def at_bound(at: Candidate) -> tuple[str, ...]:
     low, high = bounds(at.problem, at.names)
     margin = AT_BOUND * (high - low)
     ended = (at.x < low + margin) | (at.x > high - margin)
-    found, i = [], at.problem.base_size
-    for name in at.names:
+
+    def has_ended(name: str, own: slice) -> bool:
         parameters = definition(at.problem.vehicle.effects, name).card.parameters
-        own = ended[i : i + len(parameters)]
-        if any(end and not p.share for end, p in zip(own, parameters, strict=True)):
-            found.append(name)
-        i += len(parameters)
-    return tuple(found)
+        return any(end and not p.share for end, p in zip(ended[own], parameters, strict=True))
+
+    return tuple(name for name, own in at.problem.places(at.names).items() if has_ended(name, own))
 
 
 def divided(at: Candidate) -> tuple[str, ...]:
@@ -404,12 +410,9 @@ def divided(at: Candidate) -> tuple[str, ...]:
 
 def prior_rows(problem: Problem, names: tuple[str, ...], x: Array) -> Array:
     """Residuals of the weak priors; the strengths have none."""
-    i = problem.base_size
-    rows = [*(x[:i] / problem.base_sigma)]
-    for name in names:
-        count = problem.parameters_of(name)
-        rows += [float(v) / SECOND_SIGMA for v in x[i + 1 : i + count]]
-        i += count
+    rows = [*(x[: problem.base_size] / problem.base_sigma)]
+    for own in problem.places(names).values():
+        rows += [float(v) / SECOND_SIGMA for v in x[own][1:]]
     return np.asarray(rows)
 
 
@@ -498,12 +501,6 @@ def candidate_of(
 
 def fit_without(at: Candidate, name: str) -> Candidate:
     """An explanation fitted anew without one of its effects."""
-    i = at.problem.base_size
-    kept = [at.x[:i]]
-    for other in at.names:
-        count = at.problem.parameters_of(other)
-        if other != name:
-            kept.append(at.x[i : i + count])
-        i += count
-    names = tuple(other for other in at.names if other != name)
-    return fit(at.problem, names, np.concatenate(kept))
+    places = {n: own for n, own in at.problem.places(at.names).items() if n != name}
+    kept = [at.x[: at.problem.base_size], *(at.x[own] for own in places.values())]
+    return fit(at.problem, tuple(places), np.concatenate(kept))

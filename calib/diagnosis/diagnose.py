@@ -15,7 +15,7 @@ from calib.diagnosis.agreement import half_widths
 from calib.diagnosis.axles import require_axles
 from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, problem_of
 from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
-from calib.diagnosis.confirm import confirm, count_of
+from calib.diagnosis.confirm import confirm
 from calib.diagnosis.confusion import Confusion, confusion_of
 from calib.diagnosis.decide import Decision, confusable, decide, explains, gain
 from calib.diagnosis.doubts import base_half_widths
@@ -326,15 +326,16 @@ def named(
     nearest = None if confusion is None else confusion.pair(0, 1)
     separate = "" if nearest is None else f"{nearest.drive} ({nearest.sigma:.0f} sigma apart)"
     like = confusable(best, decision.rivals)
-    out, i = [], problem.base_size
-    for name in best.names:
+    held_chi2 = held.chi2(best.base, best.effects)
+    out = []
+    for name, own in problem.places(best.names).items():
         parameters = {}
-        for p in definition(problem.vehicle.effects, name).card.parameters:
+        card = definition(problem.vehicle.effects, name).card
+        for p, width in zip(card.parameters, half[own], strict=True):
             value = best.effects.parameters[name][p.name]
-            spread = float(half[i] * p.spread)
+            spread = float(width * p.spread)
             ends = (max(value - spread, p.low), min(value + spread, p.high))
             parameters[p.name] = ParameterEstimate(value, p.unit, ends)
-            i += 1
         others = sorted({n for c in like for n in c.names} - set(best.names))
         runner = next((c for c in decision.rivals if name not in c.names), None)
         out.append(
@@ -342,8 +343,8 @@ def named(
                 name=name,
                 parameters=parameters,
                 where=where_of(problem, best, name),
-                gain=gain_without(problem, best, name),
-                gain_holdout=gain_without(held, best, name),
+                gain=gain_without(problem, best, name, best.chi2),
+                gain_holdout=gain_without(held, best, name, held_chi2),
                 runner_up=None
                 if runner is None
                 else (" + ".join(runner.names), gain(decision.base, runner)),
@@ -354,10 +355,13 @@ def named(
     return tuple(out)
 
 
-def gain_without(problem: Problem, best: Candidate, name: str) -> float:
-    """Rise of the mean squared innovation of a problem's runs when the effect is removed."""
-    rise = problem.chi2(best.base, best.without(name)) - problem.chi2(best.base, best.effects)
-    return rise / count_of(problem, best)
+def gain_without(problem: Problem, best: Candidate, name: str, chi2: float) -> float:
+    """Rise of the mean squared innovation of a problem's runs when the effect is removed.
+
+    ``chi2`` sum of the squared innovations with it.
+    """
+    innovations = problem.flat(best.base, best.without(name))
+    return (float(innovations @ innovations) - chi2) / innovations.size
 
 
 def where_of(problem: Problem, best: Candidate, name: str) -> Where:

@@ -119,13 +119,12 @@ class Proved:
 
 def prove(held: HoldOuts, decision: Decision) -> Proved:
     """Withdraw what makes the hold-outs worse, then add effects while that makes them better."""
-    found = _found_with(held, decision)
-    return (
-        found if found.decision.verdict not in ("named", "ambiguous") else _exchanged(held, found)
-    )
+    found = _named_with(held, decision)
+    stands = found.decision.verdict in ("named", "ambiguous")
+    return _exchanged(held, found) if stands else found
 
 
-def _found_with(held: HoldOuts, decision: Decision) -> Proved:
+def _named_with(held: HoldOuts, decision: Decision) -> Proved:
     """What is proved, as far as effects are only added."""
     before = held.replayed(decision.base)
     bare = held.left(decision.base, before)

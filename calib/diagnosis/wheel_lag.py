@@ -88,8 +88,9 @@ def _free(tau: Array, way: Array) -> Elements:
     s = square < 0.0
     swing = np.exp(mean[s])
     even[s], odd[s] = swing * np.cos(root[s]), swing * np.sin(root[s])
-    one, other = np.exp(np.minimum(mean[~s] + root[~s], 0.0)), np.exp(mean[~s] - root[~s])
-    even[~s], odd[~s] = 0.5 * (one + other), 0.5 * (one - other)
+    s = ~s
+    one, other = np.exp(np.minimum(mean[s] + root[s], 0.0)), np.exp(mean[s] - root[s])
+    even[s], odd[s] = 0.5 * (one + other), 0.5 * (one - other)
     odd /= root
     return even - odd * mean, odd, -odd / (tau * way), even + odd * mean
 

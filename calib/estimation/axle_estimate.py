@@ -25,3 +25,8 @@ class AxleEstimate:
     change: Array
     change_lower: Array
     change_upper: Array
+
+    @property
+    def half_width(self) -> Array:
+        """Half the width of the 95 % interval of the logarithm of pad friction (n,) [1]."""
+        return np.asarray(0.5 * np.log(self.upper / self.lower))

@@ -92,6 +92,14 @@ def raised(axle: AxleEstimate, variance: Array) -> AxleEstimate:
     )
 
 
+def grown(now: AxleEstimate, before: AxleEstimate) -> Array:
+    """What the variance of the logarithm of pad friction has grown by (n,) [1].
+
+    Not below zero by rounding.
+    """
+    return np.maximum((now.half_width / Z95) ** 2 - (before.half_width / Z95) ** 2, 0.0)
+
+
 def _moved(ratio: Array, variance: Array) -> Array:
     """Ratio of an interval's end and its middle, above 1, with more ``variance`` (n,)."""
     sigma = np.log(ratio) / Z95

@@ -125,8 +125,10 @@ def accelerometer(
     """
     p = priors or AccelerometerPriors()
     at = np.arange(0, b.end.size, STEP)
+    compared = _compared(b)
     speeds = [
-        _against_speed(b, density_z, density_v, p, at, walk) for walk in (p.still_wander, p.wander)
+        _against_speed(b, compared, density_z, density_v, p, at, walk)
+        for walk in (p.still_wander, p.wander)
     ]
     d, variance_d = _on_lead_in(b, unexplained, sigma, density_z, at)
     # what is measured: (c, e, d); e = bias + grade, d = bias + drag
@@ -170,8 +172,34 @@ class AgainstSpeed:
         return -lag, 1.0 / self.own + spread / self.own**2
 
 
+Compared = tuple[Array, NDArray[np.bool_]]
+
+
+def _usable(b: Blocks) -> NDArray[np.bool_]:
+    """Blocks (k,) in which v and a_x are compared: the car moves, and a_x has no glitch."""
+    return np.asarray((b.speed > 2.0) & (np.abs(b.z) < GREATEST))
+
+
+def _compared(b: Blocks) -> Compared | None:
+    """Second differences of v + g int z dt, and what c, e and the lag make of it, (4, k - 1).
+
+    And where they are to be used, (k - 1,). None without v.
+    """
+    if b.v is None:
+        return None
+    gained = G * 0.5 * b.length * (b.z[1:] + b.z[:-1])
+    usable = _usable(b)
+    usable = usable[1:] & usable[:-1]
+    columns = np.stack(
+        [np.diff(b.v) + gained, gained, np.full(gained.size, G * b.length), G * np.diff(b.z)]
+    )
+    usable = usable & np.concatenate([[True], usable[:-1]])
+    return np.where(usable, np.diff(columns, axis=1, prepend=0.0), 0.0), usable
+
+
 def _against_speed(
     b: Blocks,
+    compared: Compared | None,
     density_z: float,
     density_v: float,
     p: AccelerometerPriors,
@@ -185,7 +213,7 @@ def _against_speed(
     makes white. e is that at the start.
     """
     precision, vector = np.zeros((at.size, 3, 3)), np.zeros((at.size, 3))
-    if b.v is None:
+    if compared is None:
         none = np.zeros(at.size)
         along = np.zeros((at.size, 2))
         return AgainstSpeed(precision, vector, none, none + p.lag**-2.0, none, along)
@@ -193,18 +221,11 @@ def _against_speed(
 
     h = b.length
     white, walk = density_v**2 / h, (G * density_z) ** 2 * h
-    gained = G * 0.5 * h * (b.z[1:] + b.z[:-1])
-    usable = (b.speed > 2.0) & (np.abs(b.z) < GREATEST)
-    usable = usable[1:] & usable[:-1]
-    columns = np.stack(
-        [np.diff(b.v) + gained, gained, np.full(gained.size, G * h), G * np.diff(b.z)]
-    )
-    columns = np.diff(columns, axis=1, prepend=0.0)
-    usable = usable & np.concatenate([[True], usable[:-1]])
+    columns, usable = compared
     turned = (G * h * wander) ** 2 * h
     covariance = [6.0 * white + 2.0 * walk + turned, -4.0 * white - walk, white]
     average, sigma = moving_average(np.array(covariance))
-    y, c, e, lag = lfilter([1.0], average, np.where(usable, columns, 0.0)) / sigma
+    y, c, e, lag = lfilter([1.0], average, columns) / sigma
     pairs = {
         (i, j): _so_far(u * w)
         for i, u in enumerate((c, e, lag))
@@ -291,7 +312,7 @@ def _disagreement(b: Blocks, scale: Array, at: NDArray[np.int64]) -> Array:
     lost = (b.v[whole:] - b.v[:-whole]) / (G * whole * b.length)
     total = np.concatenate([[0.0], np.cumsum(0.5 * (b.z[1:] + b.z[:-1]))])
     mean = (total[whole:] - total[:-whole]) / whole
-    usable = (b.speed > 2.0) & (np.abs(b.z) < GREATEST)
+    usable = _usable(b)
     usable = usable[whole:] & usable[:-whole]
     counted = usable & (np.arange(lost.size) < (at - whole)[:, None])
     apart = lost + mean * (1.0 - scale[:, None])

@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
 from calib.signals.filters import centred_mean, since
 
@@ -45,13 +44,8 @@ def followed(e: Estimate) -> Estimate:
     count = max(round(SMOOTHED / e.read.sample_time), 1)
     moves = centred_mean(np.gradient(p, e.read.sample_time), count, held_ends=True)
     error = abs(e.response.delay) * np.abs(moves) / np.maximum(p, e.plan.gates.pressure)
-    least = np.minimum(_half_width(e.front), _half_width(e.rear))
+    least = np.minimum(e.front.half_width, e.rear.half_width)
     settled = e.braked & (since(e.time, ~e.braked) > e.plan.gates.settle)
     fast = settled & (error > LARGEST * least)
     late = e.braked & (since(e.time, fast) < REMEMBERED)
     return replace(e, valid=e.valid & ~late, refused={**e.refused, WHY: late})
-
-
-def _half_width(axle: AxleEstimate) -> Array:
-    """Half the width of the 95 % interval of the logarithm of pad friction (n,) [1]."""
-    return np.asarray(0.5 * np.log(axle.upper / axle.lower))

@@ -19,9 +19,8 @@ from dataclasses import replace
 import numpy as np
 
 from calib.estimation.estimator import Estimate
-from calib.estimation.pads import raised
+from calib.estimation.pads import grown, raised
 from calib.statistics.half_normal import log_likelihood_ratio, mean_square
-from calib.validation.motor import more
 from calib.validation.warnings import pads_together
 
 LOADS, USUAL = 0.1, 0.06
@@ -50,7 +49,7 @@ def with_load(e: Estimate, *, stated: bool) -> Estimate:
     more_open = max(2.0 * square - e.plan.nominal.mass_tolerance**2, 0.0)
     one = np.full(e.time.size, more_open)
     front, rear = raised(e.front, one), raised(e.rear, BEHIND * one)
-    load = (more(front, e.front), more(rear, e.rear))
+    load = (grown(front, e.front), grown(rear, e.rear))
     return replace(e, front=front, rear=rear, load=load)
 
 

@@ -21,14 +21,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
 from calib.estimation.gates import still_narrow
-from calib.estimation.pads import lowered
+from calib.estimation.pads import grown, lowered
 from calib.logs.log import Log
 from calib.names import G
 from calib.plausibility.brakes import motor_of
-from calib.statistics.intervals import Z95
 from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
@@ -77,20 +75,10 @@ def with_motor(log: Log, e: Estimate, of_ramps: Sequence[PlausibilityWarning] = 
         rear=rear,
         valid=judged.valid,
         refused=judged.refused,
-        motor=(more(front, e.front), more(rear, e.rear)),
+        motor=(grown(front, e.front), grown(rear, e.rear)),
     )
 
 
 def _largest(warnings: Sequence[PlausibilityWarning], code: str) -> float:
     """The largest that was measured by the warnings of a code, 0 without any."""
     return max((warning.measured for warning in warnings if warning.code == code), default=0.0)
-
-
-def more(now: AxleEstimate, before: AxleEstimate) -> Array:
-    """What the variance of an axle has grown by (n,) [1], not below zero by rounding."""
-    return np.maximum(_variance(now) - _variance(before), 0.0)
-
-
-def _variance(axle: AxleEstimate) -> Array:
-    """Variance of the logarithm of a pad friction (n,) with an interval of this width [1]."""
-    return np.asarray((np.log(axle.upper / axle.lower) / (2.0 * Z95)) ** 2)
