@@ -81,15 +81,26 @@ def grouped(problem: Problem, at: Candidate) -> Problem | None:
 
 
 def placed(problem: Problem, runs: Sequence[ObservedRun], at: Candidate) -> tuple[ObservedRun, ...]:
-    """Further ``runs``, each on that ground of the ``problem`` on which it fits best."""
-    grounds = list(dict.fromkeys(run.ground for run in problem.runs))
-    return tuple(
-        min(
-            (replace(run, ground=ground) for ground in grounds),
-            key=lambda run: replace(problem, runs=(run,)).chi2(at.base, at.effects),
-        )
-        for run in runs
-    )
+    """Further ``runs``, each on that ground of the ``problem`` on which it fits best.
+
+    One that cannot show a difference, as a coast, is put on the reference.
+    """
+    grounds = dict.fromkeys(run.ground for run in problem.runs)
+    others = [ground for ground in grounds if ground != REFERENCE]
+    return tuple(_placed(problem, run, at, others) for run in runs)
+
+
+def _placed(
+    problem: Problem, run: ObservedRun, at: Candidate, others: Sequence[Ground]
+) -> ObservedRun:
+    def chi2(run: ObservedRun) -> float:
+        return replace(problem, runs=(run,)).chi2(at.base, at.effects)
+
+    usual = replace(run, ground=REFERENCE)
+    if not others:
+        return usual
+    best = min((replace(run, ground=ground) for ground in others), key=chi2)
+    return best if chi2(usual) - chi2(best) > PRICE else usual
 
 
 def groups_of(runs: Sequence[ObservedRun]) -> tuple[LogGroup, ...]:

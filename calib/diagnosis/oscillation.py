@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate
 from calib.diagnosis.channels import CHANNELS, STEP
 
 Array = NDArray[np.float64]
@@ -26,6 +25,10 @@ OF_BODY = ("a_x", "v")
 OVER_SLOWER = 2.0
 """Least power of a peak over that of the slower lines beside which it stands."""
 
+OVER_SLOWEST = 3.0
+"""Least power of a peak over that of the line below `SLOWEST`. What every application leaves, as a
+lag does, is in both; a swing of 0.5 Hz or more has at most a fifth there."""
+
 
 @dataclass(frozen=True)
 class Oscillation:
@@ -40,15 +43,17 @@ class Oscillation:
     body: bool
 
 
-def oscillation_of(at: Candidate, excess: float) -> Oscillation:
-    """The strongest line of the innovations of a candidate, with its two neighbours.
+def oscillation_of(whitened: list[list[Array]], excess: float) -> Oscillation:
+    """The strongest line of ``whitened`` innovations, with its two neighbours.
 
-    ``excess`` is what its sum of squares has beyond noise.
+    They are given by run, then by channel in the order of `CHANNELS`, each (n,), one every `STEP`;
+    ``excess`` is what their sum of squares has beyond noise.
     """
-    power = _power(at)
+    power = _power(whitened)
     lines = np.sum(power, axis=0)
     peak = SLOWEST + int(np.argmax(lines[SLOWEST:-1]))
-    if lines[peak] <= OVER_SLOWER * np.max(lines[: peak - 1]):
+    slower = OVER_SLOWER * np.max(lines[: peak - 1]), OVER_SLOWEST * lines[SLOWEST - 1]
+    if lines[peak] <= max(slower):
         return Oscillation(0.0, 0.0, body=False)
     near = slice(peak - 1, peak + 2)
     band = np.maximum(power[:, near], 0.0)
@@ -62,10 +67,10 @@ def oscillation_of(at: Candidate, excess: float) -> Oscillation:
     )
 
 
-def _power(at: Candidate) -> Array:
+def _power(whitened: list[list[Array]]) -> Array:
     """Power of the innovations by channel and line (6, `WINDOW` / 2 + 1), less that of noise."""
     power = np.zeros((len(CHANNELS), WINDOW // 2 + 1))
-    for run in at.whitened:
+    for run in whitened:
         for channel, x in enumerate(run):
             parts = x[: x.size // WINDOW * WINDOW].reshape(-1, WINDOW)
             # noise alone gives two per line: cosine and sine

@@ -152,7 +152,7 @@ def locate(at: Candidate, held: tuple[ObservedRun, ...] = ()) -> UnexplainedTerm
     plain = (f for f in nearly if f[2] == "constant" or held_from(_term(*f[1:5])) is not None)
     best = next(plain, fitted[0])
     turning, axle = _turning(problem, at, excess)
-    swing = oscillation_of(at, excess)
+    swing = oscillation_of(at.whitened, excess)
     least = max(float(best[0]), NO_TERM)
     term = _term(*best[1:5])
     driver, acts_on = term.driver, PLACES[term.place]

@@ -261,7 +261,7 @@ def _placed(found: UnexplainedTerm) -> str:
             if found.driver == SLIP
             else "brake control or a valve may hold it."
         )
-    if found.runners_up:
+    if found.runners_up and found.explained >= TRIFLE:
         place, driver, share = found.runners_up[0]
         text += (
             f" Next: {plain(place)} over {_driver(driver)}, {percent(share)}. "

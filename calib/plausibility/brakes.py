@@ -92,7 +92,7 @@ def response_warnings(log: str, response: BrakeResponse | None) -> Iterator[Plau
                 "a pressure below which the pads do not bite",
                 "pads that are wet at first",
             ),
-            "check the zero of p_mc; find the cause with `brake-cal diagnose`",
+            "check the zero of p_mc; `brake-cal diagnose` tells these causes apart",
         )
     late = response.delay
     if abs(late) > LAG and abs(late - USUAL) > SURE * response.delay_sigma:
