@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.fitting.parameters import AT, PRIORS, RampParameters
-from calib.fitting.ramp import RampRun
+from calib.fitting.ramp import OfRun, RampRun
 from calib.statistics.hypotheses import Mixture
 
 Array = NDArray[np.float64]
@@ -33,16 +33,17 @@ PART = RampParameters[str](
 )
 """The part of an uncertainty that the prior of each parameter belongs to."""
 
+PART_OF_RUN = OfRun("zeros", "zeros", "tyres", "unlike_pads", "unlike_pads")
+"""The same of what differs from run to run."""
+
 
 def information_parts(runs: list[RampRun], jacobian: Array) -> Parts:
     """Information J'J (k, k) by part; rows of ``jacobian`` as `identify` has them.
 
-    After the zeros come the tyres of each ramp with one axle only. The lead-in says where eta and
-    slip are zero: its noise is that of the zeros. Rows after the data say that the pads are the
-    same on all runs: what they miss belongs to unlike pads.
+    The lead-in says where eta and slip are zero: its noise is that of the zeros. Rows after the
+    data say that the pads are the same on all runs: what they miss belongs to unlike pads.
     """
-    owners = [*PART, *("zeros",) * (2 * len(runs))]
-    owners += ["tyres" for run in runs if run.only]
+    owners = [*PART, *PART_OF_RUN * len(runs)]
     for run in runs:
         data = np.where(run.blocks.lead_in[run.use], "zeros", "noise").tolist()
         owners += data if run.slip is None else 2 * data

@@ -1,7 +1,8 @@
 """One tyre curve and the pad ratio from ramps, by least squares in what is measured.
 
-Unknown: the parameters of `calib.fitting.parameters`, per run the zero of eta and of the slip, and
-per ramp with one axle how its tyres depart; what they predict: `calib.fitting.ramp`. All noise is
+Unknown: the parameters of `calib.fitting.parameters`, and per run the zeros of eta and slip, how
+the ratio of the pads changes along it, or, where one axle brakes alone, how its tyres depart; what
+they predict: `calib.fitting.ramp`. All noise is
 in the wheel speeds and v; the force side is smooth. From eta alone compliance and pad ratio are one
 number: the prior keeps them apart and the covariance says so. A ramp with one axle only, whose
 share is known, parts them.
@@ -16,6 +17,7 @@ from calib.fitting.covariance_parts import Parts, information_parts
 from calib.fitting.pad_level import level_residuals, level_spread
 from calib.fitting.parameters import AT, COUNT, PRIORS, RampParameters, parameters_of
 from calib.fitting.ramp import (
+    OfRun,
     RampRun,
     normalised_forces,
     predict,
@@ -30,6 +32,16 @@ from calib.signals.noise import SensorNoise, long_run_density
 from calib.table.table import TyrePosterior
 
 Array = NDArray[np.float64]
+
+
+OF_RUN = OfRun(
+    eta_zero=SETTINGS.zero_sigma,
+    slip_zero=SETTINGS.zero_sigma,
+    softer=SETTINGS.tyres_repeat,
+    drift=SETTINGS.ratio_drift,
+    pressure_apart=SETTINGS.pressure_apart,
+)
+"""Sigma of the prior, about zero, of what each run has of its own."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +106,7 @@ def identify_once(
     """
     best, jacobian = _least_squares(vehicle, runs, level_spread(vehicle, runs, known))
     weighed = weigh_ratio(best, information_parts(runs, jacobian))
-    parameters, zeros, _ = _parts(runs, weighed.mean)
+    parameters, own = _parts(runs, weighed.mean)
     rest = _residuals(vehicle, runs, weighed.mean)
     parts = {part: share[:COUNT, :COUNT] for part, share in weighed.parts.items()}
     flat = np.concatenate([part for pair in rest for part in pair])
@@ -105,8 +117,8 @@ def identify_once(
             covariance=_rows(sum(parts.values(), np.zeros((COUNT, COUNT)))),
             scatter=_rows(weighed.scatter[:COUNT, :COUNT]),
         ),
-        eta_zero=tuple(float(eta) for eta, _ in zeros),
-        slip_zero=tuple(float(slip) for _, slip in zeros),
+        eta_zero=tuple(one.eta_zero for one in own),
+        slip_zero=tuple(one.slip_zero for one in own),
         pad_scale=tuple(
             normalised_forces(vehicle, run, parameters.log_pad_ratio)[2]
             for run in runs
@@ -123,15 +135,10 @@ def _rows(matrix: Array) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(float(v) for v in row) for row in matrix)
 
 
-def _parts(runs: list[RampRun], x: Array) -> tuple[RampParameters[float], Array, Array]:
-    """The parameters; of each run the zeros of eta and slip, (runs, 2), and its tyres, (runs,).
-
-    The tyres of a normal ramp are those of the table.
-    """
-    end = COUNT + 2 * len(runs)
-    softer = np.zeros(len(runs))
-    softer[[run.only is not None for run in runs]] = x[end:]
-    return RampParameters(*x[:COUNT]), x[COUNT:end].reshape(-1, 2), softer
+def _parts(runs: list[RampRun], x: Array) -> tuple[RampParameters[float], list[OfRun[float]]]:
+    """The parameters, and what each run has of its own."""
+    own = x[COUNT:].reshape(len(runs), -1).tolist()
+    return RampParameters(*x[:COUNT]), [OfRun(*values) for values in own]
 
 
 def _least_squares(
@@ -139,21 +146,17 @@ def _least_squares(
 ) -> tuple[Array, Array]:
     """Most probable parameters and zeros, and the Jacobian of all residuals there.
 
-    Its rows: the priors of the parameters, of the zeros and of the tyres of ramps with one axle,
-    then the data run by run, then the levels of the pads, ``level_sigma`` about the common one.
+    Its rows: the priors of the parameters and of what the runs have of their own, then the data run
+    by run, then the levels of the pads, ``level_sigma`` about the common one.
 
     First with equal tyres on both axles, then from there with all parameters: far from it, unlike
     pads and unlike tyres can imitate each other.
     """
     from scipy.optimize import least_squares
 
-    mean = np.array([prior.mean for prior in PRIORS])
-    sigma = np.array([prior.sigma for prior in PRIORS])
-    zero = np.full(2 * len(runs), SETTINGS.zero_sigma)
-    own = np.full(sum(run.only is not None for run in runs), SETTINGS.tyres_repeat)
-    centre = np.concatenate([mean, 0.0 * zero, 0.0 * own])
-    spread = np.concatenate([sigma, zero, own])
-    scale = np.concatenate([sigma, np.full(zero.size, 1e-3), own])
+    per_run = OF_RUN * len(runs)
+    centre = np.array([*(prior.mean for prior in PRIORS), *(0.0 for _ in per_run)])
+    spread = np.array([*(prior.sigma for prior in PRIORS), *per_run])
     x = centre.copy()
 
     def objective(part: Array, free: NDArray[np.int64]) -> Array:
@@ -171,7 +174,7 @@ def _least_squares(
             objective,
             x[free],
             jac="3-point",
-            x_scale=scale[free],
+            x_scale=spread[free],
             loss="huber",
             f_scale=SETTINGS.huber,
             args=(free,),
@@ -182,10 +185,10 @@ def _least_squares(
 
 def _residuals(vehicle: Vehicle, runs: list[RampRun], x: Array) -> list[tuple[Array, Array]]:
     """Residuals of eta and of slip over their sigma, per run, over the blocks used."""
-    parameters, zeros, softer = _parts(runs, x)
+    parameters, of_runs = _parts(runs, x)
     out = []
-    for run, (eta_zero, slip_zero), own in zip(runs, zeros, softer, strict=True):
-        eta, mean = predict(vehicle, run, parameters, eta_zero, slip_zero, own)
+    for run, own in zip(runs, of_runs, strict=True):
+        eta, mean = predict(vehicle, run, parameters, own)
         b = run.blocks
         e = (b.eta - eta) / sigma_eta(run, b.eta - 1.0)
         if run.slip is None:

@@ -9,12 +9,13 @@ scale follows from the sum of forces. The forces give the slips through the comp
 """
 
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.fitting.parameters import RampParameters, tyres_of
+from calib.fitting.ratio_along import ratio_along
 from calib.fitting.settings import SETTINGS
 from calib.names import G
 from calib.physics.balance import brake_forces
@@ -30,6 +31,7 @@ from calib.signals.one_axle import Axle, braked_alone
 
 Array = NDArray[np.float64]
 A = TypeVar("A", float, Array)
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,30 @@ class RampRun:
     accelerometer: Accelerometer | None = None
     only: Axle | None = None
     model_error: Array | float = SETTINGS.model_error
+
+    @property
+    def braked(self) -> NDArray[np.bool_]:
+        """Blocks that take part and in which a brake bites (k,)."""
+        return self.use & (np.maximum(self.blocks.p_f, self.blocks.p_r) > BITE)
+
+
+class OfRun(NamedTuple, Generic[T]):
+    """One thing for each of what differs from run to run, zero where nothing does.
+
+    ``eta_zero``, ``slip_zero`` [1]; ``softer`` logarithm of the compliance of the tyres over that
+    of the other runs [1], where one axle brakes alone; where both do, ``drift`` [1] and
+    ``pressure_apart`` [Pa] of `calib.fitting.ratio_along`.
+    """
+
+    eta_zero: T
+    slip_zero: T
+    softer: T
+    drift: T
+    pressure_apart: T
+
+
+AS_OTHERS = OfRun(0.0, 0.0, 0.0, 0.0, 0.0)
+"""A run in which nothing differs."""
 
 
 def prepare(
@@ -115,12 +141,11 @@ def form_error(force: A) -> A:
 
 def pad_scale(run: RampRun, B_f: Array, B_r: Array) -> float:
     """Common factor on the brake forces that makes their sum the demanded one, least squares."""
-    braked = run.use & (np.maximum(run.blocks.p_f, run.blocks.p_r) > BITE)
-    total = (B_f + B_r)[braked]
-    return float(total @ run.brake_sum[braked] / (total @ total))
+    total = (B_f + B_r)[run.braked]
+    return float(total @ run.brake_sum[run.braked] / (total @ total))
 
 
-def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: float) -> tuple[Array, Array]:
+def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: Array | float) -> tuple[Array, Array]:
     """Brake forces [N] of the blocks with nominal pads at a pad ratio; a released axle has none."""
     b = run.blocks
     biting = np.maximum(b.p_f, b.p_r) > 0.5 * BITE
@@ -129,7 +154,7 @@ def nominal_forces(vehicle: Vehicle, run: RampRun, log_ratio: float) -> tuple[Ar
 
 
 def normalised_forces(
-    vehicle: Vehicle, run: RampRun, log_ratio: float
+    vehicle: Vehicle, run: RampRun, log_ratio: Array | float
 ) -> tuple[Array, Array, float]:
     """F_f, F_r [1] of the blocks from pressure, and the pad scale, at a pad ratio."""
     B_f, B_r = nominal_forces(vehicle, run, log_ratio)
@@ -143,16 +168,16 @@ def predict(
     vehicle: Vehicle,
     run: RampRun,
     parameters: RampParameters[float],
-    eta_zero: float,
-    slip_zero: float,
-    softer: float = 0.0,
+    own: OfRun[float],
 ) -> tuple[Array, Array]:
-    """Eta and the load-weighted mean slip [1] that the sensors would show, without noise.
-
-    ``softer`` logarithm of the tyres' compliance in this run over that of ``parameters`` [1].
-    """
-    F_f, F_r, _ = normalised_forces(vehicle, run, parameters.log_pad_ratio)
-    parameters = parameters._replace(log_compliance=parameters.log_compliance + softer)
+    """Eta and the load-weighted mean slip [1] that the sensors would show, without noise."""
+    ratio: Array | float = parameters.log_pad_ratio
+    if run.only is None:
+        ratio = ratio + ratio_along(run.blocks, run.braked, own.drift, own.pressure_apart)
+    else:
+        compliance = parameters.log_compliance + own.softer
+        parameters = parameters._replace(log_compliance=compliance)
+    F_f, F_r, _ = normalised_forces(vehicle, run, ratio)
     slip_f, slip_r = tyres_of(parameters).slips(
         (F_f, F_r), (run.load_f, run.load_r), vehicle.static_loads
     )
@@ -160,7 +185,7 @@ def predict(
     mean = share * slip_f + (1.0 - share) * slip_r
     b = run.blocks
     lag = G * b.z * parameters.clock_offset / np.maximum(b.speed, SETTINGS.min_speed)
-    return speed_ratio(slip_f, slip_r) * (1.0 + eta_zero), mean + slip_zero + lag
+    return speed_ratio(slip_f, slip_r) * (1.0 + own.eta_zero), mean + own.slip_zero + lag
 
 
 def sigma_eta(run: RampRun, signal: Array) -> Array:

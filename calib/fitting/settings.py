@@ -33,6 +33,14 @@ class FitSettings:
     pads_repeat: float = 0.015
     """How alike the pads are on the ramps of one fit (standard deviation): friction changes by
     about 0.05 % per kelvin, and discs are 30 K warmer or colder from one ramp to the next."""
+    ratio_drift: float = 0.04
+    """How far the pads' ratio drifts while the car loses 15 m/s (standard deviation): friction
+    changes by 3 % over such a loss, by 0.05 % per kelvin and by 2 % per 30 bar, each axle's on its
+    own. Run `tests/studies/ratio_along.py`."""
+    pressure_apart: float = 3e4
+    """How far the pressures [Pa] at which the axles bite, or by which they are late, are apart
+    (standard deviation): springs and seals take 0.2 to 0.5 bar, and a ramp of 10 bar/s that is 20
+    ms later at one axle lacks 0.2 bar there."""
     tyres_repeat: float = 0.02
     """How alike the tyres' stiffness is on a ramp with one axle and on the others (standard
     deviation): 1 % for the warmth of rubber and road, and 1.5 % that the tyre curve is off at the

@@ -16,7 +16,14 @@ from calib.estimation.plan import known_resistance
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.parameters import RampParameters, parameters_of, tyres_of
 from calib.fitting.path import Path, path_of
-from calib.fitting.ramp import RampRun, nominal_forces, normalised_forces, predict, prepare
+from calib.fitting.ramp import (
+    AS_OTHERS,
+    RampRun,
+    nominal_forces,
+    normalised_forces,
+    predict,
+    prepare,
+)
 from calib.fitting.sensors import of_whole_run, put_right
 from calib.fitting.settings import SETTINGS
 from calib.logs.log import Log
@@ -83,7 +90,7 @@ def measure(table: Table, log: Log) -> MeasuredRamp:
     run = prepare(vehicle, log.name, b, noise, effects, sensor)
     parameters = parameters_of(table.posterior)
     F_f, F_r, scale = normalised_forces(vehicle, run, parameters.log_pad_ratio)
-    eta_model, _ = predict(vehicle, run, parameters, 0.0, 0.0)
+    eta_model, _ = predict(vehicle, run, parameters, AS_OTHERS)
     free = b.lead_in
     # unbraked, F_f and F_r already differ: both carry drag, each its own rolling resistance
     zero = float(np.mean((b.eta / eta_model)[free])) if free.any() else 1.0
