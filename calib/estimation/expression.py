@@ -101,6 +101,7 @@ class Expression:
         return self.trace.apply("/", self, other)
 
     def __pow__(self, other: "Expression | float") -> "Expression":
+        """A power of a base above zero: its slopes are by the logarithm."""
         return self.trace.apply("**", self, other)
 
     def __rsub__(self, other: float) -> "Expression":

@@ -44,6 +44,10 @@ OF_RUN = OfRun(
 """Sigma of the prior, about zero, of what each run has of its own."""
 
 
+SCALE = OF_RUN._replace(eta_zero=1e-3, slip_zero=1e-3)
+"""Size of a usual change of the same: lead-ins tell the zeros."""
+
+
 @dataclass(frozen=True)
 class Identified:
     """The posterior of the parameters, and what each run gave.
@@ -157,6 +161,7 @@ def _least_squares(
     per_run = OF_RUN * len(runs)
     centre = np.array([*(prior.mean for prior in PRIORS), *(0.0 for _ in per_run)])
     spread = np.array([*(prior.sigma for prior in PRIORS), *per_run])
+    scale = np.array([*(prior.sigma for prior in PRIORS), *SCALE * len(runs)])
     x = centre.copy()
 
     def objective(part: Array, free: NDArray[np.int64]) -> Array:
@@ -174,7 +179,7 @@ def _least_squares(
             objective,
             x[free],
             jac="3-point",
-            x_scale=spread[free],
+            x_scale=scale[free],
             loss="huber",
             f_scale=SETTINGS.huber,
             args=(free,),

@@ -36,7 +36,7 @@ class FitSettings:
     ratio_drift: float = 0.04
     """How far the pads' ratio drifts while the car loses 15 m/s (standard deviation): friction
     changes by 3 % over such a loss, by 0.05 % per kelvin and by 2 % per 30 bar, each axle's on its
-    own. Run `tests/studies/ratio_along.py`."""
+    own. Run `tests/studies/coverage_by_cause.py --cause "pads along a run"`."""
     pressure_apart: float = 3e4
     """How far the pressures [Pa] at which the axles bite, or by which they are late, are apart
     (standard deviation): springs and seals take 0.2 to 0.5 bar, and a ramp of 10 bar/s that is 20

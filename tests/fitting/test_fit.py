@@ -202,10 +202,10 @@ def test_pad_friction_is_found_within_its_sigma(front, rear):
             found = getattr(c, name)
             assert abs(found.value - value) < 3.0 * found.sigma
         # eta tells pads and tyres together: of 15 and 10 % that leaves 8.3 % to the ratio, of which
-        # each axle has the other one's share
+        # each axle has the other one's share; 3 % for the noise and a ratio that drifts
         left = 0.15 * 0.10 / math.hypot(0.15, 0.10)
-        assert c.pad_friction_f.sigma < math.hypot(0.27 * left, 0.02) * c.pad_friction_f.value
-        assert c.pad_friction_r.sigma < math.hypot(0.73 * left, 0.02) * c.pad_friction_r.value
+        assert c.pad_friction_f.sigma < math.hypot(0.27 * left, 0.03) * c.pad_friction_f.value
+        assert c.pad_friction_r.sigma < math.hypot(0.73 * left, 0.03) * c.pad_friction_r.value
 
 
 def test_interval_of_the_scale_counts_the_ratio():
@@ -256,8 +256,8 @@ def test_pads_that_differ_from_the_file_are_told():
 def test_several_ramps_are_better_than_one(clean):
     tables = [fit(CAR, [noisy(clean, s) for s in range(n)]) for n in (1, 3)]
     bands = [(t.difference.upper - t.difference.lower)[30] / t.difference.D[30] for t in tables]
-    # not by the root of three: that pads keep their declared ratio is only known to 1 %
-    assert bands[1] < 0.9 * bands[0]
+    # not by the root of three: what all of them leave open is how pads and tyres differ
+    assert bands[1] < 0.99 * bands[0]
 
 
 def test_a_glitch_of_a_x_that_no_car_can_do_takes_no_part(run, table):
@@ -398,7 +398,8 @@ def test_levels_of_the_runs_are_averaged_and_their_spread_counts(clean):
     off = 0.23 * abs(found.mean.log_pad_ratio)
     assert value.value == pytest.approx((1.0 + 0.40 / 0.38) / 2.0, abs=0.005 + off)
     spread = 0.5 * (0.40 / 0.38 - 1.0) / math.sqrt(2.0)
-    assert value.sigma == pytest.approx(spread, rel=0.2)
+    open_ratio = 0.23 * found.posterior.sigma("log_pad_ratio")
+    assert value.sigma == pytest.approx(math.hypot(spread, open_ratio), rel=0.1)
 
 
 def test_rise_of_eta_does_not_follow_a_wheel_that_locks_at_times(clean):

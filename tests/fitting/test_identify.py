@@ -9,7 +9,7 @@ import scipy.optimize
 
 from calib.fitting.identify import identify, identify_once
 from calib.fitting.parameters import RampParameters
-from calib.fitting.ramp import predict, prepare, sigma_eta, sigma_slip
+from calib.fitting.ramp import AS_OTHERS, predict, prepare, sigma_eta, sigma_slip
 from calib.fitting.settings import SETTINGS
 from calib.physics.effects.effects import Effects
 from calib.signals.axle_signals import signals
@@ -153,7 +153,7 @@ def test_zeros_are_the_radii(clean):
 def test_more_ramps_tighten_every_sigma(three):
     one, two, all_three = (sigmas(identify_once(CAR, three[:n])) for n in (1, 2, 3))
     # where two hypotheses are weighed a run may shift the weights, and widen what they span
-    for name in RampParameters._fields[:6]:
+    for name in RampParameters._fields[:5]:
         assert getattr(all_three, name) < getattr(two, name) < getattr(one, name)
     # noise and model error are independent between blocks: 1/sqrt(3), less what the prior held
     for name in ("log_compliance", "curvature_2", "curvature_3"):
@@ -232,7 +232,7 @@ def test_sigmas_of_a_block_without_slip_are_those_of_its_sensors(clean):
 def test_prediction_on_the_lead_in_is_the_zero(clean):
     run = prepared(clean["as nominal"])
     parameters = RampParameters(math.log(0.04), 0.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0)
-    eta, slip = predict(CAR, run, parameters, 0.003, -0.002)
+    eta, slip = predict(CAR, run, parameters, AS_OTHERS._replace(eta_zero=0.003, slip_zero=-0.002))
     free = run.blocks.end < 1.45  # the ramp itself is not felt before it reaches the pads' bite
     assert eta[free] == pytest.approx(1.003, abs=1e-7)
     assert slip[free] == pytest.approx(-0.002, abs=1e-6)

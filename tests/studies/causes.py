@@ -16,10 +16,10 @@ from itertools import takewhile
 import numpy as np
 
 from calib.logs.log import Log
-from calib.names import WHEELS
+from calib.names import WHEELS, G
 from calib.physics.vehicle import Vehicle
 from calib.simulation.sensor_noise import NoiseLevel
-from tests.support.plant import Plant, Pressure
+from tests.support.plant import Plant, Pressure, per_pascal
 
 BAR = 1e5
 RAMP, COAST, STOP = "ramp", "coast", "stop"
@@ -154,6 +154,33 @@ def passenger(rng: Rng) -> Hidden:
     def car(role: str, p: Plant, *_: object) -> Plant:
         more = load / p.vehicle.mass if role == STOP else 0.0
         return replace(p, mass_scale=p.mass_scale * (1.0 + more))
+
+    return Hidden(car=car)
+
+
+def pads_along(rng: Rng) -> Hidden:
+    """Friction that goes with speed, 3 % per 15 m/s, and with pressure, 2 % per 30 bar, one sigma
+    of each axle: dynamometer runs by ISO 26867 of pads of one grade spread by such amounts (our
+    estimate). A pressure of 0.1 to 0.5 bar until the pads touch: springs of the seals (Limpert,
+    Brake Design and Safety). The truth is the torque over all of the pressure."""
+    by_speed, by_pressure = rng.normal(0.0, 0.03, 2), rng.normal(0.0, 0.02, 2)
+    bite = rng.uniform(0.1, 0.5, 2) * BAR
+
+    def car(role: str, p: Plant, pressure: Pressure, v0: float) -> Plant:
+        usual = (p.vehicle.front.pad_friction, p.vehicle.rear.pad_friction)
+        pads = p.pads or (lambda t: usual)
+        time = np.arange(0.0, 60.0, 0.01)
+        z = per_pascal(p.vehicle) * np.array([pressure(t) for t in time.tolist()])
+        speed = np.maximum(v0 - G * np.cumsum(z) * 0.01, 1.0)
+
+        def now(t: float) -> tuple[float, float]:
+            v, on = float(np.interp(t, time, speed)), max(pressure(t), 1.0)
+            moved = 1.0 + by_speed * (v / 15.0 - 1.0) + by_pressure * (on / (30.0 * BAR) - 1.0)
+            left = np.maximum(1.0 - bite / on, 0.0) * moved
+            front, rear = pads(t)
+            return float(front * left[0]), float(rear * left[1])
+
+        return replace(p, pads=now)
 
     return Hidden(car=car)
 
@@ -330,4 +357,5 @@ CAUSES: dict[str, Callable[[Rng], Hidden]] = {
     "everything": everything,
     "hills": hills,
     "passenger": passenger,
+    "pads along a run": pads_along,
 }

@@ -14,7 +14,7 @@ from calib.logs.log import Log
 from calib.physics.vehicle import Axle, Vehicle
 from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
 from tests.studies.causes import COAST, RAMP, STOP, Hidden
-from tests.support.plant import Plant, Pressure, as_log, brush, drive, magic
+from tests.support.plant import Plant, Pressure, as_log, brush, drive, magic, per_pascal
 from tests.support.reference_car import without
 
 SURFACES = {
@@ -144,15 +144,6 @@ def profile(rng: np.random.Generator, p0: float) -> Callable[[float], float]:
         return 1.0
 
     return lambda t: p0 * min(max((t - 1.5) / rise, 0.0), 1.0) * shape(t - 1.5)
-
-
-def per_pascal(vehicle: Vehicle) -> float:
-    """z per pressure [1/Pa] with nominal pads, (2) and (5)."""
-    gain = sum(
-        2.0 * a.torque_gain * a.pad_friction / a.rolling_radius
-        for a in (vehicle.front, vehicle.rear)
-    )
-    return gain / vehicle.weight
 
 
 def tyre(rng: np.random.Generator):

@@ -28,8 +28,8 @@ from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
 from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.coverage import without_v
-from tests.studies.ensemble import car, per_pascal, tyre
-from tests.support.plant import Plant, Pressure, as_log, drive
+from tests.studies.ensemble import car, tyre
+from tests.support.plant import Plant, Pressure, as_log, drive, per_pascal
 
 RELAXATIONS = (0.0, 0.15, 0.3, 0.5)
 """Way [m] over which the tyres build up their force."""

@@ -27,8 +27,8 @@ from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
 from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.coverage import without_v
-from tests.studies.ensemble import per_pascal
 from tests.studies.fast_pedal import BITE, drawn, rising, run
+from tests.support.plant import per_pascal
 
 
 def main() -> None:

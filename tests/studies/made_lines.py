@@ -14,8 +14,8 @@ from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.vehicle import Vehicle
 from calib.simulation.sensor_noise import LEVELS, NoiseLevel, add_noise
-from tests.studies.ensemble import car, per_pascal, tyre
-from tests.support.plant import Plant, Pressure, as_log, drive
+from tests.studies.ensemble import car, tyre
+from tests.support.plant import Plant, Pressure, as_log, drive, per_pascal
 
 RATE = 100.0
 """Sample rate of the logs [Hz]."""

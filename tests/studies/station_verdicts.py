@@ -31,9 +31,9 @@ from calib.station.metrics import Car
 from calib.station.station import outcome, table_of, validated
 from calib.table.table import Table
 from calib.validation.limits import FAILED, PASSED, WARNING
-from tests.studies.ensemble import car, per_pascal, tyre
+from tests.studies.ensemble import car, tyre
 from tests.studies.naming import wilson
-from tests.support.plant import Plant, Pressure, as_log, drive
+from tests.support.plant import Plant, Pressure, as_log, drive, per_pascal
 
 LIMITS = tuple(row.limit for row in ADVICE)
 STOPS = ("hold", "hard", "wave")

@@ -30,10 +30,9 @@ from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
 from tests.studies.against_truth import against_truth, mean, truths_of
 from tests.studies.coverage import without_v
-from tests.studies.ensemble import per_pascal
 from tests.studies.fast_pedal import Levels, drawn, ramp_and_coast, rising, run
 from tests.support.balanced import balanced
-from tests.support.plant import Plant
+from tests.support.plant import Plant, per_pascal
 from tests.support.reference_car import swapped
 
 AS_ON_THE_RAMP = ((0.25, 1.0, 1.0), (0.35, 1.0, 1.0), (0.45, 1.0, 1.0))

@@ -200,6 +200,15 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     return Moment(z, *(tuple(values) for values in by_wheel))
 
 
+def per_pascal(vehicle: Vehicle) -> float:
+    """z per pressure [1/Pa] with nominal pads, (2) and (5)."""
+    gain = sum(
+        2.0 * a.torque_gain * a.pad_friction / a.rolling_radius
+        for a in (vehicle.front, vehicle.rear)
+    )
+    return gain / vehicle.weight
+
+
 def drive(
     plant: Plant,
     pressure: Pressure,

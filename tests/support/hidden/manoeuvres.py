@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.physics.vehicle import Vehicle
-from tests.studies.ensemble import per_pascal
 from tests.support.hidden.hydraulics import STEP
+from tests.support.plant import per_pascal
 
 Array = NDArray[np.float64]
 Shape = Callable[[Array], Array]
