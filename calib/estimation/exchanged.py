@@ -10,13 +10,19 @@ from calib.physics.forces import mean_slip
 from calib.physics.vehicle import Vehicle
 from calib.signals.blocks import Blocks
 
+SETTLED = -15.0
+"""Log odds of an exchange at which the axles are right, whatever comes later: with exchanged ones
+they do not fall so far (`tests/studies/swapped_stops.py`), and on a road that changes abruptly the
+odds speak of the road."""
+
 
 @dataclass(frozen=True)
 class Exchanged:
     """The log with its axles exchanged against the log as it is, at the end of its braking.
 
     ``log_odds`` logarithm of the density of all that was measured, exchanged over as given [1]:
-    both explanations know the table, and pads that are its own or not. ``log_pad_ratio`` what the
+    both explanations know the table, and pads that are its own or not; their least, where that is
+    below `SETTLED`. ``log_pad_ratio`` what the
     log as given says of the pads [1], and what it says exchanged; ``block`` at which.
     """
 
@@ -34,8 +40,10 @@ def exchanged(e: Estimate, basis: Basis) -> Exchanged:
     other = split_of(e.plan, b, demand)
     braked = np.flatnonzero(np.isfinite(demand.level))
     last = int(braked[-1]) if braked.size else b.end.size - 1
+    odds = other.evidence - e.split.evidence
+    least = float(np.min(odds[: last + 1]))
     return Exchanged(
-        log_odds=float(other.evidence[last] - e.split.evidence[last]),
+        log_odds=least if least < SETTLED else float(odds[last]),
         block=last,
         log_pad_ratio=(float(e.split.log_pad_ratio[last]), float(other.log_pad_ratio[last])),
     )

@@ -176,7 +176,7 @@ def pads_along(rng: Rng) -> Hidden:
         def now(t: float) -> tuple[float, float]:
             v, on = float(np.interp(t, time, speed)), max(pressure(t), 1.0)
             moved = 1.0 + by_speed * (v / 15.0 - 1.0) + by_pressure * (on / (30.0 * BAR) - 1.0)
-            left = np.maximum(1.0 - bite / on, 0.0) * moved
+            left = np.maximum(1.0 - bite / on, 1e-6) * moved
             front, rear = pads(t)
             return float(front * left[0]), float(rear * left[1])
 
