@@ -35,8 +35,8 @@ ADVICE = {
     "zeros": "start the log earlier: 3 s of straight rolling in front of the braking",
     "load_geometry": "log v if it is not logged, fit with a ramp up to a higher deceleration, and "
     "give the effect pitch_coupling if it is known",
-    "unlike_pads": "log v if it is not logged, and brake longer and harder: that tells front from "
-    "rear pads",
+    "unlike_pads": "log v if it is not logged, brake longer and harder, and add a ramp with the "
+    "brakes of one axle only to the fit, wheel pressures logged: that tells front from rear pads",
     "cars": "fit a table of this car, or merge more cars",
     "ramp": "fit the table again: this one does not say what its pads rest on",
     "motor": "log T_drive_f and T_drive_r, zero in a car without a motor, or brake hard and down "

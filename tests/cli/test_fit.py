@@ -60,7 +60,7 @@ def test_a_table_is_stored_and_told(brake_cal, log, store):
         assert f"note: {remark}" in ran.out
     for axle, of in zip(("front", "rear"), pads_budget(stored.table), strict=True):
         assert f"{axle} pads".ljust(11) + of.words in ran.out.splitlines()
-        assert of.words.startswith("one sigma of mass 3.0 %")
+        assert "mass 3.0 %" in of.words
     assert "to shrink mass: weigh the car" in ran.out
 
 
@@ -235,7 +235,7 @@ def test_a_report_holds_the_inputs_and_is_refused_in_their_place(brake_cal, tmp_
     page = tmp_path / "fit.html"
     assert brake_cal("fit", SEDAN / "ramp_wet_asphalt.csv", *told, "--report", page).code == 0
     text = page.read_text()
-    verdict = "sedan-2up@1 is usable for trials and for a validation, not for an ECU, up to 0.39 g"
+    verdict = "sedan-2up@1 is usable for trials and for a validation, not for an ECU, up to 0.38 g"
     assert verdict in text
     for file in ("ramp_wet_asphalt.csv", "vehicle.toml"):
         assert hashlib.sha256((SEDAN / file).read_bytes()).hexdigest() in text
