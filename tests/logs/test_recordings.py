@@ -19,8 +19,8 @@ TOLERANCE = 0.25
 """Of the half-width of the 95 % band, half a sigma: of a_x, p_mc and v every other sample is gone,
 and the noise that was in it."""
 
-PADS = 0.003
-"""Relative, of the pad friction, whose standard deviation is 3 to 6 %."""
+PADS = 0.005
+"""Relative, of the pad friction: a tenth of its standard deviation at the rear."""
 
 
 @cache
