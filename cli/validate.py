@@ -214,7 +214,7 @@ def _report(stored: "Stored", results: "list[Validation]") -> None:
             emit(f"{result.log}: {axle} pads {half}: {of.words}")
         for note in result.estimate.notes:
             emit(f"{result.log}: {note}")
-    for line in advice_lines(of for result in results for of in result.budget or ()):
+    for line in advice_lines(of for result in results for of in result.limiting or ()):
         emit(line)
     for stops, text in words.on_roads(results):
         emit(f"{stops}: {text}")

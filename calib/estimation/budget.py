@@ -28,31 +28,33 @@ from calib.physics.balance import brake_forces
 from calib.table.budget import PARTS, AxleBudget, Parts, axle_budget
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 Steps = Sequence[Step | None]
 
 
 def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
-    """Budgets of the front and the rear pads; None where no sample is valid.
+    """Budgets of the front and the rear pads; None where no sample tells of them.
 
-    Of each axle the valid sample whose interval is the median one: it stands for the stop, and its
-    sum is the interval that `calib.validation.metrics` gives. The sum of the parts is the variance
-    of that interval to rounding (1e-9 relative).
+    Of each axle the sample whose interval is the median one of those that tell, see
+    `Estimate.telling`. Where there are valid ones it stands for the stop, and its sum is the
+    interval that `calib.validation.metrics` gives. The sum of the parts is the variance of that
+    interval to rounding (1e-9 relative).
     """
     e = estimate
-    if e.basis is None or not e.valid.any():
+    if e.basis is None or not e.telling.any():
         return None
     steps: list[Step | None] = []
     split_of(e.plan, e.blocks, e.basis.demand, steps)
-    front, rear = _median(e, e.front.lower, e.front.upper), _median(e, e.rear.lower, e.rear.upper)
+    front, rear = (_median(e.telling, axle.lower, axle.upper) for axle in (e.front, e.rear))
     return (
         _at(e, e.basis, steps, front, e.front.pad_friction, front_axle=True),
         _at(e, e.basis, steps, rear, e.rear.pad_friction, front_axle=False),
     )
 
 
-def _median(e: Estimate, lower: Array, upper: Array) -> int:
-    """Place of the valid sample with the median interval; the earlier one of an even number."""
-    places = np.flatnonzero(e.valid)
+def _median(telling: Mask, lower: Array, upper: Array) -> int:
+    """Place of the sample with the median interval; the earlier one of an even number."""
+    places = np.flatnonzero(telling)
     order = np.argsort((upper / lower)[places], kind="stable")
     return int(places[order[(order.size - 1) // 2]])
 

@@ -22,7 +22,7 @@ from calib.estimation.baselines import Run, baselines
 from calib.estimation.block_level import block_level
 from calib.estimation.block_pitch import block_pitch
 from calib.estimation.filter_input import SplitInput
-from calib.estimation.gates import Gates, validity
+from calib.estimation.gates import WIDE, Gates, validity
 from calib.estimation.lookup import smoothed
 from calib.estimation.odds_by_level import odds_by_level
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
@@ -146,6 +146,18 @@ class Estimate:
             for name, axle in (("front", self.front), ("rear", self.rear))
         ]
         return f"{count}; pad friction at {self.time[last]:.2f} s: {', '.join(pads)}"
+
+    @property
+    def telling(self) -> Mask:
+        """The valid samples (n,); without any, those that are too uncertain and nothing else.
+
+        Where the ratio of the pads is not known their level still is, and what keeps them from
+        being known.
+        """
+        if self.valid.any():
+            return self.valid
+        others = [mask for why, mask in self.refused.items() if WIDE not in why]
+        return np.asarray(self.braked & ~np.logical_or.reduce(others))
 
     @cached_property
     def response(self) -> BrakeResponse | None:

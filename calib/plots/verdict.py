@@ -6,7 +6,7 @@ from calib.validation.validate import CALIBRATION, Validation
 
 
 def verdict_of(result: Validation) -> str:
-    """The verdict in words, with what failed: `failed: interval front 0.15, at most 0.135`."""
+    """The verdict in words, with what failed: `failed: interval front 0.15, at most 0.14`."""
     if result.role == CALIBRATION:
         return "no verdict: the table was fitted on this log"
     count = len(result.all_warnings)

@@ -52,7 +52,7 @@ def report_html(
             ("Date", origin.date),
         ],
         limits=_limits(found),
-        advice=advice_lines(of for result in found for of in result.budget or ()),
+        advice=advice_lines(of for result in found for of in result.limiting or ()),
         warnings=[warned(warning) for warning in warnings],
         figure_heads=["stop", *HEADS, *(TRUTH if truth else ()), "verdict"],
         figures=[_figures(result, table, truth) for result in found],

@@ -107,11 +107,18 @@ class Validation:
         """`passed` or `failed`."""
         return PASSED if self.passed else FAILED
 
-    @cached_property
+    @property
     def budget(self) -> tuple[AxleBudget, AxleBudget] | None:
         """What the intervals of front and rear pads are made of; None without a valid sample.
 
         It is made when it is first asked for, and takes about as long as the estimate.
+        """
+        return self.limiting if self.estimate.valid.any() else None
+
+    @cached_property
+    def limiting(self) -> tuple[AxleBudget, AxleBudget] | None:
+        """What keeps the intervals wide: `budget`; where nothing is valid, the same of the samples
+        whose only fault is the width of their interval, and None without such.
         """
         return budget(self.estimate)
 

@@ -4,10 +4,8 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.estimation.estimator import Basis, Estimate
-from calib.estimation.gates import WIDE
 from calib.logs.log import Log
 from calib.physics.forces import axle_loads
 from calib.plausibility.load import is_load, load_behind
@@ -18,8 +16,6 @@ from calib.table.pads_budget import front_share
 from calib.validation.limits import Judgement
 from calib.validation.metrics import METRICS
 from calib.warning import PlausibilityWarning
-
-Mask = NDArray[np.bool_]
 
 
 def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:
@@ -47,7 +43,7 @@ def limit_warnings(log: str, judged: tuple[Judgement, ...]) -> Iterator[Plausibi
 
 def _pads(log: str, e: Estimate) -> Iterator[PlausibilityWarning]:
     """How the pads changed against each other and together, at the last sample that tells it."""
-    if not _telling(e).any():
+    if not e.telling.any():
         return
     apart = pads_apart(e)
     if e.basis is None:
@@ -99,20 +95,9 @@ def pads_together(e: Estimate, basis: Basis) -> tuple[float, float]:
     return measured, math.sqrt(sum(float(part) ** 2 for part in parts) + ramp)
 
 
-def _telling(e: Estimate) -> Mask:
-    """The valid samples (n,); without any, those that are too uncertain and nothing else.
-
-    Where the ratio of the pads is not known their level still is, and its error is counted.
-    """
-    if e.valid.any():
-        return e.valid
-    others = [mask for why, mask in e.refused.items() if WIDE not in why]
-    return np.asarray(e.braked & ~np.logical_or.reduce(others))
-
-
 def _last(e: Estimate) -> int:
     """The last telling sample."""
-    return int(np.flatnonzero(_telling(e))[-1])
+    return int(np.flatnonzero(e.telling)[-1])
 
 
 def _block(e: Estimate) -> int:

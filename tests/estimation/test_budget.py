@@ -7,6 +7,7 @@ import pytest
 
 from calib.estimation.budget import budget
 from calib.estimation.estimator import estimate
+from calib.estimation.gates import WIDE
 from calib.estimation.priors import Priors
 from calib.fitting.fit import fit
 from calib.statistics.intervals import Z95
@@ -72,7 +73,15 @@ def test_an_older_table_has_the_same_sum(table, logs):
 
 def test_without_a_valid_sample_there_is_no_budget(table, logs):
     e = estimate(table, logs["dry"], with_laws=False)
-    assert budget(replace(e, valid=np.zeros_like(e.valid))) is None
+    none = np.zeros_like(e.valid)
+    assert budget(replace(e, valid=none, refused={"the car is slow": e.braked})) is None
+
+
+def test_samples_that_are_only_too_uncertain_say_what_makes_them_so(table, logs):
+    e = estimate(table, logs["dry"], with_laws=False)
+    wide = replace(e, valid=np.zeros_like(e.valid), refused={f"the rear {WIDE} 27 %": e.valid})
+    assert e.valid.any()
+    assert budget(replace(wide, braked=e.valid)) == budget(e)
 
 
 def test_a_weighed_car_has_no_part_of_the_mass(logs):
