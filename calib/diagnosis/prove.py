@@ -33,6 +33,7 @@ from calib.diagnosis.hold_outs import HoldOuts
 from calib.diagnosis.remainder import LEAST, Remainder
 from calib.diagnosis.search import hints, refine
 from calib.diagnosis.together import together
+from calib.diagnosis.unexplained import SLIP, locate
 from calib.errors import ModelError
 from calib.logs.log import Log
 
@@ -70,6 +71,9 @@ STEP = 0.3
 WORSE = 1.05
 """Growth of the lasting errors of the replays with which no further effect is tried: an effect that
 has no part in them, such as a ripple, changes nothing there while another one is missing."""
+
+SEVERAL = 3
+"""Effects from which one empirical term is held against all of them."""
 
 BETTER, CHANCE = 0.9, 0.3
 """Replays have become better if less than this share of their lasting errors is left; where they
@@ -121,7 +125,7 @@ def prove(held: HoldOuts, decision: Decision) -> Proved:
     """Withdraw what makes the hold-outs worse, then add effects while that makes them better."""
     found = _named_with(held, decision)
     stands = found.decision.verdict in ("named", "ambiguous")
-    return _exchanged(held, found) if stands else found
+    return _unless_held(held, _exchanged(held, found)) if stands else found
 
 
 def _named_with(held: HoldOuts, decision: Decision) -> Proved:
@@ -293,6 +297,22 @@ def _exchanged(held: HoldOuts, present: Proved) -> Proved:
                 exchanged = _added(present, option, (at,), judged)
                 return replace(exchanged, rest=present.rest and remains(option, judged[1]))
     return present
+
+
+def _unless_held(held: HoldOuts, found: Proved) -> Proved:
+    """What is proved; nothing where one front brake torque that is held explains as much.
+
+    Brake control is in no catalogue. Where it acts, several effects together can imitate most of
+    it, and leave something.
+    """
+    best = found.decision.best
+    if not found.rest or len(best.names) < SEVERAL:
+        return found
+    one = locate(found.decision.base)
+    if one.driver != SLIP or one.at.reduced > best.reduced:
+        return found
+    bare = held.left(found.decision.base, found.before)
+    return _withdrawn(found, bare, _closed(found, bare))
 
 
 def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:

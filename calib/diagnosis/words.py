@@ -194,15 +194,18 @@ def withdrawn(found: Diagnosis) -> str:
     """What fits the calibration logs and not the hold-outs; empty if there is nothing."""
     lines = []
     for one in found.withdrawn:
-        text = f"{listed(one.names).capitalize()} fits the calibration logs and is not named: "
+        several = len(one.names) > 1
+        fit = "fit the calibration logs and are" if several else "fits the calibration logs and is"
+        they, them = ("they close", "them") if several else ("it closes", "it")
+        text = f"{listed(one.names).capitalize()} {fit} not named: "
         if one.closed is None:
-            text += "the hold-outs cannot be replayed with it."
+            text += f"the hold-outs cannot be replayed with {them}."
         elif one.closed < 0.0:
-            text += (
-                f"the lasting errors of the hold-outs grow by {-100.0 * one.closed:.0f} % with it."
-            )
+            grown = f"{-100.0 * one.closed:.0f} %"
+            text += f"the lasting errors of the hold-outs grow by {grown} with {them}."
         else:
-            text += f"it closes {100.0 * one.closed:.0f} % of the lasting errors of the hold-outs."
+            share = f"{100.0 * one.closed:.0f} %"
+            text += f"{they} {share} of the lasting errors of the hold-outs."
         lines.append(text)
     return " ".join(lines)
 

@@ -131,3 +131,12 @@ def test_an_effect_that_ends_at_its_bound_is_exchanged_for_a_simpler_one():
     proved = prove(held, Decision("named", base, oscillating, ()))
     assert set(proved.decision.best.names) == set(case.effects)
     assert proved.decision.best.reduced < oscillating.reduced
+
+
+@pytest.mark.slow
+def test_brake_control_is_not_made_of_four_effects():
+    """Front brakes that a control releases: motor, pads, threshold and mass imitate most of it."""
+    found = answer(draw("outside", 1480002))
+    assert found.verdict == "unknown"
+    assert found.unexplained is not None
+    assert (found.unexplained.axle, found.unexplained.driver) == ("front", "slip")
