@@ -7,7 +7,7 @@ import typer
 
 import calib
 from cli.completion import table_names
-from cli.console import emit, emit_json, progress, say, warn
+from cli.console import complain, emit, emit_json, progress, say, warn
 from cli.grid import grid
 from cli.inputs import channel_map_of, limits_of_stops, mass_of, vehicle_of, with_own_effects
 from cli.logs import named, read
@@ -40,6 +40,7 @@ from cli.signed import Signing, check_signed
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
+    from calib.errors import LogError
     from calib.logs.log import Log
     from calib.physics.vehicle import Vehicle
     from calib.store.version import Stored
@@ -89,6 +90,7 @@ def validate(
     one that the table was fitted on.
     """
     from calib.checks.gates import refuse_copy
+    from calib.errors import LogError
     from calib.validation.validate import (
         all_warnings,
         require_same_vehicle,
@@ -108,15 +110,22 @@ def validate(
     used = _with_known(used, model) if model else used
     held = limits_of_stops(limits)
     mapping = channel_map_of(channel_map)
-    results, runs = [], []
+    results: list[Validation] = []
+    runs: list[Log] = []
+    refused: list[LogError] = []
     told = f"{stored.id} ({stored.state.word})"
     plural = "s" * (len(logs) > 1)
     with progress(f"validating {told} on {len(logs)} log{plural}", len(logs)) as done:
         for path in logs:
-            runs.append(read(path, mapping))
-            refuse_copy(runs[-1], [], runs[:-1])
-            results.append(validate_one(used, runs[-1], car, held, mass=weight))
+            try:
+                run = read(path, mapping)
+                refuse_copy(run, [], runs)
+                results.append(validate_one(used, run, car, held, mass=weight))
+                runs.append(run)
+            except LogError as error:
+                refused.append(error)
             done()
+    _none_refused(refused, len(logs))
     summary = to_dict(stored, results)
     warn(all_warnings(used.warnings, results))
     if out is not None:
@@ -130,6 +139,17 @@ def validate(
         _report(stored, results)
     if not all(result.passed for result in results):
         raise typer.Exit(FAILED)
+
+
+def _none_refused(refused: "list[LogError]", of: int) -> None:
+    """Raise the last of the errors, after all others; without every log there are no results."""
+    if not refused:
+        return
+    for error in refused[:-1]:
+        complain(str(error))
+    if of > 1:
+        say(f"{len(refused)} of {of} logs cannot be used, so there are no results:")
+    raise refused[-1]
 
 
 def _with_own(table: "Table", files: list[Path] | None) -> "Table":

@@ -145,6 +145,16 @@ def test_a_bad_later_log_leaves_nothing_of_the_earlier_ones(run, tmp_path, there
     assert not there_before or not list(out.iterdir())
 
 
+def test_every_log_that_cannot_be_used_is_told(run, tmp_path):
+    other = tmp_path / "other.csv"
+    other.write_text("time,p_mc\n0,1\n")
+    ran = run("bad.csv", "wet.csv", str(other))
+    assert ran.code == 3
+    errors = [line for line in ran.err.splitlines() if line.startswith("error: ")]
+    assert ["bad.csv" in errors[0], "other.csv" in errors[1]] == [True, True]
+    assert "2 of 3 logs cannot be used, so there are no results" in ran.err
+
+
 def test_two_logs_of_one_name_have_no_place_in_out(run, bench, tmp_path):
     twin = tmp_path / "wet.parquet"
     twin.write_bytes((bench / "harder.parquet").read_bytes())
