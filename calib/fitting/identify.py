@@ -48,6 +48,10 @@ SCALE = OF_RUN._replace(eta_zero=1e-3, slip_zero=1e-3)
 """Size of a usual change of the same: lead-ins tell the zeros."""
 
 
+ROUGH, EXACT = 1e-3, 1e-10
+"""Relative fall of the sum of squares at which a fit ends: on the way, and at last."""
+
+
 @dataclass(frozen=True)
 class Identified:
     """The posterior of the parameters, and what each run gave.
@@ -172,16 +176,17 @@ def _least_squares(
 
     every = np.arange(x.size)
     equal = np.delete(every, [AT.log_tyre_ratio, AT.radius_load])
-    for free in (equal, every):
-        # central differences: with one-sided ones a rounding error of a log shows in the fifth
-        # digit
+    # the last one with central differences: with one-sided ones a rounding error of a log shows in
+    # the fifth digit
+    for free, jac, tolerance in ((equal, "2-point", ROUGH), (every, "3-point", EXACT)):
         fit = least_squares(
             objective,
             x[free],
-            jac="3-point",
+            jac=jac,
             x_scale=scale[free],
             loss="huber",
             f_scale=SETTINGS.huber,
+            ftol=tolerance,
             args=(free,),
         )
         x[free] = fit.x
