@@ -109,8 +109,9 @@ def identify_once(
 ) -> Identified:
     """Fit all runs together: one tyre, one pad ratio, one level of the pads, zeros per run.
 
-    Huber weights past ``huber`` sigma. Pads and tyres that are as declared are then weighed
-    against such that are not (`weigh_ratio`).
+    Data past ``huber`` sigma have Huber's weights, priors have not: far out, less than their square
+    would let pads and tyres imitate each other without end. Pads and tyres that are as declared are
+    then weighed against such that are not (`weigh_ratio`).
     """
     best, jacobian = _least_squares(vehicle, runs, level_spread(vehicle, runs, known))
     weighed = weigh_ratio(best, information_parts(runs, jacobian))
@@ -176,6 +177,15 @@ def _least_squares(
 
     every = np.arange(x.size)
     equal = np.delete(every, [AT.log_tyre_ratio, AT.radius_load])
+
+    def huber_of_data(z: Array) -> Array:
+        """Huber's loss of squares over that of its scale; a prior stays one, however far it is."""
+        far = (z > 1.0) & (np.arange(z.size) >= x.size)
+        root = np.sqrt(np.where(far, z, 1.0))
+        return np.array(
+            [np.where(far, 2.0 * root - 1.0, z), 1.0 / root, np.where(far, -0.5 / root**3, 0.0)]
+        )
+
     # the last one with central differences: with one-sided ones a rounding error of a log shows in
     # the fifth digit
     for free, jac, tolerance in ((equal, "2-point", ROUGH), (every, "3-point", EXACT)):
@@ -184,7 +194,7 @@ def _least_squares(
             x[free],
             jac=jac,
             x_scale=scale[free],
-            loss="huber",
+            loss=huber_of_data,
             f_scale=SETTINGS.huber,
             ftol=tolerance,
             args=(free,),

@@ -1,0 +1,59 @@
+"""Ramps of a car whose axles brake nearly alike: a fit must not end far from all that tyres are.
+
+There eta says little. Were a prior less than quadratic far out, as data are for outliers, pads at a
+third of their friction and tyres of three times the stiffness would be a minimum of their own.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.fitting.fit import fit
+from calib.fitting.parameters import PRIORS
+from tests.support.plant import Plant, as_log, drive, magic, per_pascal
+from tests.support.reference_car import CAR, noisy
+
+PADS = 0.42
+SPORTS = replace(
+    CAR,
+    name="sports-car",
+    mass=1500.0,
+    cg_to_front_axle=1.42,
+    cg_to_rear_axle=1.05,
+    cg_height=0.46,
+    front=replace(
+        CAR.front,
+        rolling_radius=0.330,
+        wheel_inertia=1.1,
+        piston_area=30e-4,
+        effective_radius=0.150,
+        pad_friction=PADS,
+    ),
+    rear=replace(
+        CAR.rear,
+        rolling_radius=0.338,
+        wheel_inertia=1.5,
+        piston_area=16e-4,
+        effective_radius=0.140,
+        pad_friction=PADS,
+    ),
+)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 5, 8])
+def test_a_car_near_ideal_balance_has_the_pads_that_it_has(seed):
+    rng = np.random.default_rng(seed)
+    tyre = magic(
+        float(rng.uniform(18.0, 30.0)),
+        float(rng.uniform(0.8, 1.0)),
+        curvature=float(rng.uniform(-0.5, 0.3)),
+    )
+    plant = Plant(SPORTS, tyre=tyre, drag_area=0.66, rolling_resistance=0.01)
+    slope = 0.5 / per_pascal(SPORTS) / 6.5  # 0.5 g within 6.5 s
+    run = drive(plant, lambda t: slope * max(t - 1.5, 0.0), 33.0, duration=8.0, stop_speed=6.0)
+    table = fit(SPORTS, [noisy(as_log(run, "ramp"), seed)])
+    for found in (table.calibration.pad_friction_f, table.calibration.pad_friction_r):
+        assert abs(found.value - PADS) < 2.5 * found.sigma
+    for name, prior in PRIORS._asdict().items():
+        assert abs(table.posterior.value(name) - prior.mean) < 3.0 * prior.sigma
