@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
+from calib.errors import LogError
 from cli.completion import table_names
 from cli.console import complain, emit, emit_json, progress, say, warn
 from cli.grid import grid
@@ -40,7 +41,6 @@ from cli.signed import Signing, check_signed
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
-    from calib.errors import LogError
     from calib.logs.log import Log
     from calib.physics.vehicle import Vehicle
     from calib.store.version import Stored
@@ -90,7 +90,6 @@ def validate(
     one that the table was fitted on.
     """
     from calib.checks.gates import refuse_copy
-    from calib.errors import LogError
     from calib.validation.validate import (
         all_warnings,
         require_same_vehicle,
@@ -141,7 +140,7 @@ def validate(
         raise typer.Exit(FAILED)
 
 
-def _none_refused(refused: "list[LogError]", of: int) -> None:
+def _none_refused(refused: list[LogError], of: int) -> None:
     """Raise the last of the errors, after all others; without every log there are no results."""
     if not refused:
         return

@@ -195,7 +195,9 @@ def diagnose(
     problem, holdout = decision.base.problem, list(held.logs)
     stands = decision.verdict in ("named", "ambiguous")
     left_of = decision.best if stands else decision.base
-    unexplained = place_of_rest(left_of, held) if proved.rest else None
+    unexplained = proved.placed
+    if unexplained is None and proved.rest:
+        unexplained = place_of_rest(left_of, held)
     tell("asking what these logs could not show", 0, 1)
     not_resolved = unresolved(decision.best, decision.least_shown)
     like = confusable(decision.best, decision.rivals) if stands else []

@@ -93,14 +93,15 @@ def placed(problem: Problem, runs: Sequence[ObservedRun], at: Candidate) -> tupl
 def _placed(
     problem: Problem, run: ObservedRun, at: Candidate, others: Sequence[Ground]
 ) -> ObservedRun:
-    def chi2(run: ObservedRun) -> float:
-        return replace(problem, runs=(run,)).chi2(at.base, at.effects)
-
-    usual = replace(run, ground=REFERENCE)
     if not others:
-        return usual
-    best = min((replace(run, ground=ground) for ground in others), key=chi2)
-    return best if chi2(usual) - chi2(best) > PRICE else usual
+        return replace(run, ground=REFERENCE)
+
+    def chi2(ground: Ground) -> float:
+        on = replace(problem, runs=(replace(run, ground=ground),))
+        return on.chi2(at.base, at.effects)
+
+    least, best = min(((chi2(ground), ground) for ground in others), key=lambda one: one[0])
+    return replace(run, ground=best if chi2(REFERENCE) - least > PRICE else REFERENCE)
 
 
 def groups_of(runs: Sequence[ObservedRun]) -> tuple[LogGroup, ...]:

@@ -33,7 +33,7 @@ from calib.diagnosis.hold_outs import HoldOuts
 from calib.diagnosis.remainder import LEAST, Remainder
 from calib.diagnosis.search import hints, refine
 from calib.diagnosis.together import together
-from calib.diagnosis.unexplained import SLIP, locate
+from calib.diagnosis.unexplained import SLIP, UnexplainedTerm, place_of_rest
 from calib.errors import ModelError
 from calib.logs.log import Log
 
@@ -108,7 +108,7 @@ class Proved:
     ``held`` the hold-outs; ``before`` and ``after`` are their replays without effects and with
     those of the decision; ``left`` what remains in the latter, ``rest`` whether that, or what
     remains in the innovations, is significant; ``withdrawn`` what did not hold; ``steps`` the
-    course of the search.
+    course of the search; ``placed`` where what is left acts, if that was asked on the way.
     """
 
     held: HoldOuts
@@ -119,6 +119,7 @@ class Proved:
     rest: bool
     withdrawn: tuple[Withdrawn, ...]
     steps: tuple[Step, ...]
+    placed: UnexplainedTerm | None = None
 
 
 def prove(held: HoldOuts, decision: Decision) -> Proved:
@@ -308,11 +309,11 @@ def _unless_held(held: HoldOuts, found: Proved) -> Proved:
     best = found.decision.best
     if not found.rest or len(best.names) < SEVERAL:
         return found
-    one = locate(found.decision.base)
-    if one.driver != SLIP or one.at.reduced > best.reduced:
+    one = place_of_rest(found.decision.base, held)
+    if one.on_hold_outs or one.driver != SLIP or one.at.reduced > best.reduced:
         return found
     bare = held.left(found.decision.base, found.before)
-    return _withdrawn(found, bare, _closed(found, bare))
+    return replace(_withdrawn(found, bare, _closed(found, bare)), placed=one)
 
 
 def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:

@@ -40,12 +40,12 @@ def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
     interval that `calib.validation.metrics` gives. The sum of the parts is the variance of that
     interval to rounding (1e-9 relative).
     """
-    e = estimate
-    if e.basis is None or not e.telling.any():
+    e, telling = estimate, estimate.telling
+    if e.basis is None or not telling.any():
         return None
     steps: list[Step | None] = []
     split_of(e.plan, e.blocks, e.basis.demand, steps)
-    front, rear = (_median(e.telling, axle.lower, axle.upper) for axle in (e.front, e.rear))
+    front, rear = (_median(telling, axle.lower, axle.upper) for axle in (e.front, e.rear))
     return (
         _at(e, e.basis, steps, front, e.front.pad_friction, front_axle=True),
         _at(e, e.basis, steps, rear, e.rear.pad_friction, front_axle=False),

@@ -21,9 +21,9 @@ class Exchanged:
     """The log with its axles exchanged against the log as it is, at the end of its braking.
 
     ``log_odds`` logarithm of the density of all that was measured, exchanged over as given [1]:
-    both explanations know the table, and pads that are its own or not; their least, where that is
-    below `SETTLED`. ``log_pad_ratio`` what the
-    log as given says of the pads [1], and what it says exchanged; ``block`` at which.
+    both explanations know the table, and pads that are its own or not. The least on the way, where
+    that is below `SETTLED`. ``log_pad_ratio`` what the log as given says of the pads [1], and what
+    it says exchanged; ``block`` at which.
     """
 
     log_odds: float

@@ -9,6 +9,7 @@ share is known, parts them.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,10 +44,8 @@ OF_RUN = OfRun(
 )
 """Sigma of the prior, about zero, of what each run has of its own."""
 
-
 SCALE = OF_RUN._replace(eta_zero=1e-3, slip_zero=1e-3)
 """Size of a usual change of the same: lead-ins tell the zeros."""
-
 
 ROUGH, EXACT = 1e-3, 1e-10
 """Relative fall of the sum of squares at which a fit ends: on the way, and at last."""
@@ -163,10 +162,11 @@ def _least_squares(
     """
     from scipy.optimize import least_squares
 
-    per_run = OF_RUN * len(runs)
-    centre = np.array([*(prior.mean for prior in PRIORS), *(0.0 for _ in per_run)])
-    spread = np.array([*(prior.sigma for prior in PRIORS), *per_run])
-    scale = np.array([*(prior.sigma for prior in PRIORS), *SCALE * len(runs)])
+    sigma = [prior.sigma for prior in PRIORS]
+    spread = np.array([*sigma, *OF_RUN * len(runs)])
+    scale = np.array([*sigma, *SCALE * len(runs)])
+    centre = np.zeros(spread.size)
+    centre[:COUNT] = [prior.mean for prior in PRIORS]
     x = centre.copy()
 
     def objective(part: Array, free: NDArray[np.int64]) -> Array:
@@ -177,15 +177,6 @@ def _least_squares(
 
     every = np.arange(x.size)
     equal = np.delete(every, [AT.log_tyre_ratio, AT.radius_load])
-
-    def huber_of_data(z: Array) -> Array:
-        """Huber's loss of squares over that of its scale; a prior stays one, however far it is."""
-        far = (z > 1.0) & (np.arange(z.size) >= x.size)
-        root = np.sqrt(np.where(far, z, 1.0))
-        return np.array(
-            [np.where(far, 2.0 * root - 1.0, z), 1.0 / root, np.where(far, -0.5 / root**3, 0.0)]
-        )
-
     # the last one with central differences: with one-sided ones a rounding error of a log shows in
     # the fifth digit
     for free, jac, tolerance in ((equal, "2-point", ROUGH), (every, "3-point", EXACT)):
@@ -194,13 +185,25 @@ def _least_squares(
             x[free],
             jac=jac,
             x_scale=scale[free],
-            loss=huber_of_data,
+            loss=partial(_huber_of_data, x.size),
             f_scale=SETTINGS.huber,
             ftol=tolerance,
             args=(free,),
         )
         x[free] = fit.x
     return fit.x, np.asarray(fit.jac)
+
+
+def _huber_of_data(priors: int, z: Array) -> Array:
+    """Huber's loss and its two derivatives (3, n) by ``z`` (n,), squares over that of its scale.
+
+    The first rows are ``priors``, and stay squares however far they are.
+    """
+    far = (z > 1.0) & (np.arange(z.size) >= priors)
+    root = np.sqrt(np.where(far, z, 1.0))
+    return np.array(
+        [np.where(far, 2.0 * root - 1.0, z), 1.0 / root, np.where(far, -0.5 / root**3, 0.0)]
+    )
 
 
 def _residuals(vehicle: Vehicle, runs: list[RampRun], x: Array) -> list[tuple[Array, Array]]:

@@ -9,6 +9,7 @@ scale follows from the sum of forces. The forces give the slips through the comp
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -60,7 +61,7 @@ class RampRun:
     only: Axle | None = None
     model_error: Array | float = SETTINGS.model_error
 
-    @property
+    @cached_property
     def braked(self) -> NDArray[np.bool_]:
         """Blocks that take part and in which a brake bites (k,)."""
         return self.use & (np.maximum(self.blocks.p_f, self.blocks.p_r) > BITE)

@@ -11,10 +11,25 @@ import pytest
 
 from calib.fitting.fit import fit
 from calib.fitting.parameters import PRIORS
+from calib.physics.vehicle import Axle
 from tests.support.plant import Plant, as_log, drive, magic, per_pascal
 from tests.support.reference_car import CAR, noisy
 
 PADS = 0.42
+
+
+def with_brake(axle: Axle, radius: float, inertia: float, area: float, disc: float) -> Axle:
+    """An axle with other wheels [m], [kg m^2] and another brake [m^2], [m]."""
+    return replace(
+        axle,
+        rolling_radius=radius,
+        wheel_inertia=inertia,
+        piston_area=area,
+        effective_radius=disc,
+        pad_friction=PADS,
+    )
+
+
 SPORTS = replace(
     CAR,
     name="sports-car",
@@ -22,22 +37,8 @@ SPORTS = replace(
     cg_to_front_axle=1.42,
     cg_to_rear_axle=1.05,
     cg_height=0.46,
-    front=replace(
-        CAR.front,
-        rolling_radius=0.330,
-        wheel_inertia=1.1,
-        piston_area=30e-4,
-        effective_radius=0.150,
-        pad_friction=PADS,
-    ),
-    rear=replace(
-        CAR.rear,
-        rolling_radius=0.338,
-        wheel_inertia=1.5,
-        piston_area=16e-4,
-        effective_radius=0.140,
-        pad_friction=PADS,
-    ),
+    front=with_brake(CAR.front, 0.330, 1.1, 30e-4, 0.150),
+    rear=with_brake(CAR.rear, 0.338, 1.5, 16e-4, 0.140),
 )
 
 

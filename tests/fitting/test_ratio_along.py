@@ -13,8 +13,8 @@ from calib.signals.blocks import blocks
 from tests.support.plant import per_pascal
 from tests.support.reference_car import CAR, REAL, cut, noisy, ramp, without
 
-SLOPE, BEGIN, FIRST = 5e5, 1.5, 33.0
-"""The ramp of the reference car: pressure [Pa/s] from a time [s] on, and its first speed [m/s]."""
+SLOPE, BEGIN = 5e5, 1.5
+"""The ramp of the reference car: pressure [Pa/s] from a time [s] on."""
 
 
 @pytest.fixture(scope="module")
