@@ -199,14 +199,17 @@ def _stuck(
 
 
 def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bool:
-    """Whether this channel should have changed, by the other channels."""
-    if name == "v" or name.startswith("omega"):
-        others = [w for w in log.channels if w.startswith("omega") and w != name]
-        wheel = np.mean([log[w][part] for w in others], axis=0)
-        return bool(np.ptp(wheel) > max(1.0, 0.05 * wheel.max()))
-    # Smoothing mixes in samples from outside: leave out both ends of the interval.
+    """Whether this channel should have changed, by the other channels.
+
+    Both ends of the interval are left out: smoothing mixes in samples from outside, and wheels that
+    come to a stand are shown as 0 from one sample on, each from another.
+    """
     edge = round(SMOOTH / driving.step)
     inside = slice(part.start + edge, part.stop - edge)
+    if name == "v" or name.startswith("omega"):
+        others = [w for w in log.channels if w.startswith("omega") and w != name]
+        wheel = np.mean([log[w][inside] for w in others], axis=0)
+        return bool(np.ptp(wheel) > max(1.0, 0.05 * wheel.max()))
     moving = driving.moving[inside]
     if name == "a_x":
         spin = driving.wheel_z[inside][moving]

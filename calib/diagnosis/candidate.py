@@ -341,6 +341,17 @@ def unpack(problem: Problem, names: tuple[str, ...], x: Array) -> tuple[Base, Ef
     return base, known.with_(Effects(found))
 
 
+def vector_of(problem: Problem, base: Array, effects: Effects) -> Array:
+    """The vector that `unpack` turns into ``effects``, behind that of the ``base``."""
+    given, own = problem.vehicle.effects, []
+    for name in effects.names:
+        card = definition(given, name).card
+        values = effects.parameters[name]
+        for p, origin in zip(card.parameters, origins(given, card), strict=True):
+            own.append((values.get(p.name, p.typical) - origin) / p.spread)
+    return np.concatenate([base, own])
+
+
 def _with_share(problem: Problem, x: Array) -> Effects:
     """The known effects, with the load that a known drag moves by the vector."""
     known = problem.vehicle.effects

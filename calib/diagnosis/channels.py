@@ -25,6 +25,7 @@ from calib.statistics.intervals import QUARTILE
 Array = NDArray[np.float64]
 
 CHANNELS = ("a_x", "v", "rim", "front_rear", "front_sides", "rear_sides")
+DRIFT = CHANNELS.index("v")
 
 STEP = 0.02
 """Clock of the evidence [s]."""
@@ -118,16 +119,37 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
     for c in range(len(CHANNELS)):
         rows, sides = [], []
         for part in long:
-            m = part.shape[1]
-            t = np.linspace(-1.0, 1.0, m)
-            x = part[c] - np.polyval(np.polyfit(t, part[c], 2), t)
+            x, m = _straightened(part[c]), part.shape[1]
             rows.append(np.stack([x[ORDER - k - 1 : m - k - 1] for k in range(ORDER)], axis=1))
             sides.append(x[ORDER:])
         A, y = np.vstack(rows), np.concatenate(sides)
         fitted = np.linalg.lstsq(A, y, rcond=None)[0]
         coefficients.append(fitted)
         sigma.append(float(np.sqrt(np.sum((y - A @ fitted) ** 2) / freedom)))
+    sigma[DRIFT] = _noise_of_drift([part[DRIFT] for part in long])
     return ChannelNoise(np.array(coefficients), np.maximum(sigma, FLOOR), "unbraked parts", freedom)
+
+
+def _straightened(x: Array) -> Array:
+    """An unbraked part (m,) of a channel without its parabola."""
+    t = np.linspace(-1.0, 1.0, x.size)
+    return np.asarray(x - np.polyval(np.polyfit(t, x, PARABOLA - 1), t))
+
+
+def _noise_of_drift(parts: list[Array]) -> float:
+    """Sd of v as its own filter shows it: a speed that is sent seldom has little white noise."""
+    shown = [_kept_drift(_straightened(part)) for part in parts]
+    freedom = sum(x.size - PARABOLA + 1 for x in shown)
+    return float(np.sqrt(sum(float(x @ x) for x in shown) / freedom))
+
+
+def _kept_drift(x: Array) -> Array:
+    """Whitened v (m - 1,), in its unit, of the residual (m,): of white noise, the same sd."""
+    from scipy.signal import lfilter
+
+    # a difference of white noise, smoothed back: variance 2/(1 + WALK) of the noise
+    kept = lfilter([1.0], [1.0, -WALK], np.diff(x))
+    return np.asarray(kept / np.sqrt(2.0 / (1.0 + WALK)))
 
 
 def _noise_of_differences(wholes: list[Array]) -> ChannelNoise:
@@ -142,16 +164,11 @@ def _noise_of_differences(wholes: list[Array]) -> ChannelNoise:
 
 def whiten(residual: Array, noise: ChannelNoise) -> list[Array]:
     """The channels' innovations over their sigma, one array each."""
-    from scipy.signal import lfilter
-
     out = []
     for c in range(len(CHANNELS)):
         x = residual[c]
-        if c == 1:
-            drift = np.diff(x)
-            # a difference of white noise, smoothed back: variance 2/(1 + WALK) of the noise
-            kept = lfilter([1.0], [1.0, -WALK], drift)
-            out.append(kept / (noise.sigma[c] * np.sqrt(2.0 / (1.0 + WALK))))
+        if c == DRIFT:
+            out.append(_kept_drift(x) / noise.sigma[c])
         else:
             filtered = np.convolve(x, np.concatenate([[1.0], -noise.coefficients[c]]), "valid")
             out.append(filtered / noise.sigma[c])

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.candidate import Candidate, at_bound, fit, without_its_noise
+from calib.diagnosis.candidate import Candidate, at_bound, fit, fit_without, without_its_noise
 from calib.diagnosis.chance import chance_of
 from calib.diagnosis.channels import CHANNELS
 from calib.diagnosis.search import refine
@@ -265,3 +265,13 @@ def confusable(best: Candidate, rivals: list[Candidate] | tuple[Candidate, ...])
         and (rival.parameters <= best.parameters or rival.reduced < best.reduced - CONFUSABLE)
         and len(rival.names) <= len(best.names)
     ]
+
+
+def spared(at: Candidate) -> Candidate:
+    """The explanation without effects that are not worth their parameters."""
+    for name in at.names:
+        fewer = fit_without(at, name)
+        price = FAINT_SECOND * (at.parameters - fewer.parameters)
+        if fewer.reduced - at.reduced < price:
+            return spared(fewer)
+    return at

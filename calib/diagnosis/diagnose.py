@@ -15,6 +15,7 @@ from calib.diagnosis.agreement import half_widths
 from calib.diagnosis.axles import require_axles
 from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, problem_of
 from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
+from calib.diagnosis.clocks import with_clocks
 from calib.diagnosis.confirm import confirm
 from calib.diagnosis.confusion import Confusion, confusion_of
 from calib.diagnosis.decide import Decision, confusable, decide, explains, gain
@@ -48,6 +49,7 @@ from calib.physics.model import Model
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
 from calib.processes import Mapped
+from calib.signals.held import without_holds
 from calib.units import behind
 from calib.warning import PlausibilityWarning
 
@@ -258,7 +260,8 @@ def _proved(
     A difference that tyres of one age do not make is made even if nothing that slows the car is
     missing then: it is no brake that drags.
     """
-    logs = [*sorted(calibration, key=lambda log: log.digest), *holdout]
+    given = [*sorted(calibration, key=lambda log: log.digest), *holdout]
+    logs = [without_holds(log) for log in given]
 
     def proved(evened: list[Log]) -> Proved:
         return _searched(
@@ -289,7 +292,7 @@ def _searched(
     tell("fitting the model without effects", 0, 1)
     known_to_all = map if vehicle.effects.own else mapped
     problem = problem_of(vehicle, [run_of(log) for log in calibration], tell, known_to_all)
-    decision = by_log(with_free_radii(decide(fit(problem, (), problem.start))))
+    decision = by_log(with_clocks(with_free_radii(decide(fit(problem, (), problem.start)))))
     held = hold_outs_of(decision.best, holdout)
     return prove(held, confirm(decision, held.problem))
 

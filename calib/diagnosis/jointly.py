@@ -20,9 +20,10 @@ from calib.diagnosis.candidate import (
     unpack,
     widths,
 )
+from calib.diagnosis.changes import further_effects
 from calib.diagnosis.decide import Decision, decided_anew, explains, quiet
 from calib.diagnosis.secant import least_squares
-from calib.diagnosis.together import left_by_all
+from calib.diagnosis.together import left_by
 
 Array = NDArray[np.float64]
 
@@ -84,4 +85,4 @@ def _within_reach(at: Candidate) -> bool:
     unexplained = at.reduced - quiet(at)
     if unexplained <= 0.0:
         return True
-    return left_by_all(at) - quiet(at) <= BEYOND_REACH * unexplained
+    return left_by(at, further_effects(at)) - quiet(at) <= BEYOND_REACH * unexplained

@@ -27,6 +27,7 @@ from calib.diagnosis.decide import (
     quiet,
     refuted,
     simplest_first,
+    spared,
     strange,
 )
 from calib.diagnosis.hold_outs import HoldOuts
@@ -269,7 +270,7 @@ def _without_spare(held: HoldOuts, before: Proved, present: Proved) -> Proved:
     to a minimum that is not the lowest.
     """
     at = present.decision.best
-    fewer = _spared(at)
+    fewer = spared(at)
     judged = None if fewer is at else _judged(held, fewer)
     if judged is None or _grown(present.left, judged[1]):
         return present
@@ -381,7 +382,7 @@ def _found(held: HoldOuts, present: Proved) -> Proved:
     at, rivals = _with_more(start)
     if at is start:
         return present
-    at = _spared(at)
+    at = spared(at)
     judged = _judged(held, at)
     if judged is None or not _helpful(held, present, at):
         return present
@@ -417,13 +418,3 @@ def _with_more(start: Candidate) -> tuple[Candidate, list[Candidate]]:
 def _pairs_on(at: Candidate) -> list[Candidate]:
     """Pairs of further effects that explain most of what is left."""
     return together(at, TRIED, MOST_REPLAYED * (at.reduced - FLOOR))
-
-
-def _spared(at: Candidate) -> Candidate:
-    """The explanation without effects that are not worth their parameters."""
-    for name in at.names:
-        fewer = fit_without(at, name)
-        price = FAINT_SECOND * (at.parameters - fewer.parameters)
-        if fewer.reduced - at.reduced < price:
-            return _spared(fewer)
-    return at

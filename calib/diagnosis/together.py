@@ -5,6 +5,7 @@ alone is better than that. All pairs of the catalogue are compared in one linear
 `calib.diagnosis.search`, and the best ones are fitted in full.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -50,13 +51,16 @@ def together(at: Candidate, count: int, least: float) -> list[Candidate]:
     )
 
 
-def left_by_all(at: Candidate) -> float:
-    """Mean squared innovation that all further effects together would leave, in one linear step.
+def left_by(at: Candidate, names: Collection[str]) -> float:
+    """Mean squared innovation that further effects together would leave, in one linear step.
 
     Each has any size and sign there: no two or three of them leave less. Where an effect is large
     and acts on the innovations in a bent way, the fitted one can.
     """
-    changes = np.stack([change.own for change in _changes(at)])
+    felt = [change.own for change in _changes(at) if change.name in names]
+    if not felt:
+        return at.reduced
+    changes = np.stack(felt)
     lengths = np.linalg.norm(changes, axis=1)
     span, weights, _ = np.linalg.svd((changes / lengths[:, None]).T, full_matrices=False)
     kept = span[:, weights > SAME * weights[0]]
