@@ -13,6 +13,7 @@ white noise; its whitening filter is (1 - B)/(1 - 0.9 B).
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,20 +132,27 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
 
 
 def _straightened(x: Array) -> Array:
-    """An unbraked part (m,) of a channel without its parabola."""
-    t = np.linspace(-1.0, 1.0, x.size)
-    return np.asarray(x - np.polyval(np.polyfit(t, x, PARABOLA - 1), t))
+    """Unbraked parts (m,) or (m, k) of a channel without their parabolas."""
+    parabola = np.vander(np.linspace(-1.0, 1.0, x.shape[0]), PARABOLA)
+    return np.asarray(x - parabola @ np.linalg.lstsq(parabola, x, rcond=None)[0])
 
 
 def _noise_of_drift(parts: list[Array]) -> float:
     """Sd of v as its own filter shows it: a speed that is sent seldom has little white noise."""
     shown = [_kept_drift(_straightened(part)) for part in parts]
-    freedom = sum(x.size - PARABOLA + 1 for x in shown)
+    freedom = sum(_freedom_of_drift(part.size) for part in parts)
     return float(np.sqrt(sum(float(x @ x) for x in shown) / freedom))
 
 
+@lru_cache(maxsize=64)
+def _freedom_of_drift(size: int) -> float:
+    """Sum of squares that the filter of v leaves of ``size`` samples of unit white noise."""
+    shown = _kept_drift(_straightened(np.eye(size)).T)
+    return float(np.sum(shown**2))
+
+
 def _kept_drift(x: Array) -> Array:
-    """Whitened v (m - 1,), in its unit, of the residual (m,): of white noise, the same sd."""
+    """Whitened v (..., m - 1), in its unit, of the residual (..., m): white noise keeps its sd."""
     from scipy.signal import lfilter
 
     # a difference of white noise, smoothed back: variance 2/(1 + WALK) of the noise

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from calib.logs.log import Log
 from calib.names import WHEELS
+from calib.signals.filters import third_difference
 from calib.statistics.intervals import QUARTILE
 
 Array = NDArray[np.float64]
@@ -23,6 +24,10 @@ UNITS = {"a_x": "m/s^2", "v": "m/s", **{f"omega_{w}": "rad/s" for w in WHEELS}}
 
 LONGEST = 0.1
 """Longest time [s] between two samples whose differences show noise: a car hardly moves in that."""
+
+STRAIGHT = 4.0
+"""Differences over four samples, over those from sample to sample, of a channel that runs in
+straight lines. A ripple of ten times the noise has three."""
 
 FLOOR = {"a_x": 0.005, "v": 0.003, **{f"omega_{w}": 0.005 for w in WHEELS}}
 """Least noise of a channel, in its unit: a simulated log may have none, and no car is described to
@@ -107,32 +112,30 @@ def squares_of(simulated: Sequence[Log], measured: Sequence[Log]) -> Array:
 
 def noises_of(measured: Sequence[Log]) -> Array:
     """Sd of the noise of every channel (6,), at least `FLOOR`; the median over the logs."""
-    found = [
-        [max(noise_of(log[c], LONGEST / log.sample_time), FLOOR[c]) for c in CHANNELS]
-        for log in measured
-    ]
+    found = [[max(noise_of(log, c), FLOOR[c]) for c in CHANNELS] for log in measured]
     return np.asarray(np.median(found, axis=0))
 
 
-def noise_of(x: Array, longest: float) -> float:
+def noise_of(log: Log, channel: str) -> float:
     """Sd of the noise of a channel, from its third differences, which hold almost no motion.
 
     They do not show the slow part of coloured noise; the factor 1.3 corrects for that of the road.
-    A channel that runs in straight lines between its values shows none from sample to sample: what
-    counts then are differences over more samples, up to ``longest`` of them, of their typical size,
-    as a bite or a release moves some.
+    A channel that runs in straight lines between its values shows little from sample to sample:
+    what counts then are differences over more samples, up to `LONGEST`.
     """
-    fine = 1.3 * float(np.std(np.diff(x, 3)))
-    return max(fine, *_typical_differences(x, longest)) / float(np.sqrt(20.0))
+    x = log[channel]
+    fine = 1.3 * float(np.std(third_difference(x, 1)))
+    over = _typical_differences(x, LONGEST / log.sample_time)
+    if channel in log.interpolated or max(over[:3], default=0.0) > STRAIGHT * fine:
+        fine = max(fine, *over)
+    return fine / float(np.sqrt(20.0))
 
 
 def _typical_differences(x: Array, longest: float) -> list[float]:
-    """Sd of the third differences over 1, 2, 4 ... samples; 0 over more than there are."""
-    found, lag = [0.0], 1
+    """Sd of the third differences over 1, 2, 4 ... samples. A bite moves few of them."""
+    found, lag = [], 1
     while lag <= longest and 3 * lag < x.size:
-        ahead = [x[i * lag : x.size - (3 - i) * lag] for i in range(4)]
-        third = ahead[3] - 3.0 * ahead[2] + 3.0 * ahead[1] - ahead[0]
-        found.append(float(np.median(np.abs(third))) / QUARTILE)
+        found.append(float(np.median(np.abs(third_difference(x, lag)))) / QUARTILE)
         lag *= 2
     return found
 

@@ -19,6 +19,10 @@ WINDOW = round(4.0 / STEP)
 SLOWEST = 2
 """First line, 0.5 Hz: an error that lasts for a whole stop is slower."""
 
+FASTEST = 20
+"""Last line, 5 Hz: a body on its springs swings at 1 to 2 Hz, a load or a liquid hardly faster.
+What is faster is a wheel, or a channel that is sent seldom."""
+
 OF_BODY = ("a_x", "v")
 """Channels in which the motion of the car as a whole shows."""
 
@@ -51,7 +55,7 @@ def oscillation_of(whitened: list[list[Array]], excess: float) -> Oscillation:
     """
     power = _power(whitened)
     lines = np.sum(power, axis=0)
-    peak = SLOWEST + int(np.argmax(lines[SLOWEST:-1]))
+    peak = SLOWEST + int(np.argmax(lines[SLOWEST : FASTEST + 1]))
     slower = OVER_SLOWER * np.max(lines[: peak - 1]), OVER_SLOWEST * lines[SLOWEST - 1]
     if lines[peak] <= max(slower):
         return Oscillation(0.0, 0.0, body=False)

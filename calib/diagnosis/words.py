@@ -66,6 +66,11 @@ def verdict(found: Diagnosis) -> str:
     if found.unexplained is None:
         return "The model lacks something that is not in the catalogue."
     left = found.unexplained
+    if left.explained < TRIFLE and left.driver not in (WHEEL_ANGLE, FREQUENCY):
+        return (
+            "The model lacks something that is not in the catalogue, and these logs do not show "
+            "where it acts."
+        )
     place = f"{left.axle} wheels" if left.driver == WHEEL_ANGLE else plain(left.place)
     text = f"The model lacks something that is not in the catalogue: it acts on the {place}"
     text += (
@@ -243,8 +248,8 @@ def _placed(found: UnexplainedTerm) -> str:
     )
     if found.explained < TRIFLE:
         text = (
-            f"It is placed on the {plain(found.term.place)}; no empirical term there, over "
-            "pressure, speed, temperature or time, explains 1 % of the remaining gap."
+            "No empirical term on brakes, wheels or body, over pressure, speed, temperature or "
+            "time, explains 1 % of the remaining gap."
         )
     if found.driver == WHEEL_ANGLE:
         text = (

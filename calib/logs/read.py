@@ -19,7 +19,7 @@ from calib.logs.resample import Wanted, on_one_clock
 from calib.logs.source import ColumnSource
 from calib.logs.tables import TABLES, ending_of, stem_of
 from calib.logs.text.dialect import LOOKED
-from calib.logs.verify import check_clock, complete_channels
+from calib.logs.verify import check_clock, complete_channels, without_open_ends
 from calib.names import CHANNELS
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
@@ -173,7 +173,8 @@ def _needed(require: tuple[str, ...]) -> tuple[str, ...]:
 
 def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
     """Check the channels from a file, and make the `Log`."""
-    values, notes = complete_channels(taken.values, require, str(path))
+    cut, cut_notes = without_open_ends(taken.values)
+    values, notes = complete_channels(cut, require, str(path))
     check_clock(values["time"], str(path))
     return Log(
         name=stem_of(path),
@@ -183,7 +184,7 @@ def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
         channels={name: values[name] for name in CHANNELS if name in values},
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
         ignored=taken.ignored,
-        notes=taken.notes + notes,
+        notes=taken.notes + cut_notes + notes,
         bridged=tuple(gap for gap in taken.bridged if gap.channel in values),
         interpolated=taken.interpolated,
     )

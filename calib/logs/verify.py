@@ -17,6 +17,49 @@ ABSURD_ELSE = 1e12
 """Above seconds since 1970, too."""
 
 
+ENDS = 1.0
+"""Longest time [s] at the start or the end of a log for which a channel may have no value."""
+
+
+def without_open_ends(
+    channels: dict[str, Array],
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """The rows from the first value of the last channel that begins to the first last value.
+
+    On a bus each channel begins with its first message, and ends with its last one. A channel that
+    has none for more than `ENDS` [s] at an end counts as one with a gap, and cuts nothing.
+
+    Parameters
+    ----------
+    channels : by name, each of shape (n,), NaN if the file has no value; ``time`` [s] among them.
+
+    Returns
+    -------
+    The channels, each of shape (m,), and a note on what was cut.
+    """
+    time = channels.get("time")
+    if time is None or not np.isfinite(time).all():
+        return channels, ()
+    begin, end, late = 0, time.size, list[str]()
+    for name, values in channels.items():
+        present = np.flatnonzero(~np.isnan(values)) if name in CHANNELS else np.empty(0, np.intp)
+        if not present.size:
+            continue
+        first, last = int(present[0]), int(present[-1])
+        if time[first] - time[0] > ENDS or time[-1] - time[last] > ENDS:
+            continue
+        if first > 0 or last + 1 < time.size:
+            late.append(name)
+        begin, end = max(begin, first), min(end, last + 1)
+    if not late or begin >= end:
+        return channels, ()
+    note = (
+        f"{', '.join(late)}: no value at the start or the end; "
+        f"the first {begin} and the last {time.size - end} rows were left out"
+    )
+    return {name: values[begin:end] for name, values in channels.items()}, (note,)
+
+
 def complete_channels(
     channels: dict[str, Array], require: tuple[str, ...], where: str
 ) -> tuple[dict[str, Array], tuple[str, ...]]:

@@ -18,7 +18,7 @@ from calib.physics.braking import BITE, MOVING
 from calib.physics.forces import deceleration
 from calib.physics.vehicle import Vehicle
 from calib.signals.driving_record import SETTLE, STEADY
-from calib.signals.filters import trailing_mean
+from calib.signals.filters import centred_mean, trailing_mean
 from calib.statistics.intervals import QUARTILE
 
 Array = NDArray[np.float64]
@@ -69,6 +69,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
             expected="a braking from more than 8 m/s",
         )
     z = deceleration(log["a_x"])
+    rolling = lead_in(log.time, np.maximum(p_f, p_r), z, speed, log.sample_time)
     return Signals(
         time=log.time,
         p_f=p_f,
@@ -80,7 +81,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
         omega_r=omega_r,
         v=v,
         speed=speed,
-        lead_in=lead_in(log.time, np.maximum(p_f, p_r), z, speed, log.sample_time),
+        lead_in=rolling & _undisturbed(eta_of(omega_f, omega_r), rolling, log.sample_time),
         sample_time=log.sample_time,
     )
 
@@ -147,8 +148,31 @@ def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -
     return np.asarray((time < first) & steady & (speed > MOVING))
 
 
+DISTURBED = 4.0
+"""Distance of eta from its median over the lead-in, in its usual scatter there, that no noise has:
+for some tenths of a second an axle is driven, or a wheel runs over something."""
+
+LEAST = 0.5
+"""Shortest lead-in [s] that shows the usual scatter."""
+
+
+def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
+    """Mask (n,) of the samples in which ``eta`` is as usual while ``rolling`` (n,); ``step`` [s].
+
+    A clutch that engages late drives an axle by a slip of 0.1 %, and would move the zero of eta.
+    """
+    if np.count_nonzero(rolling) * step < LEAST:
+        return np.ones_like(rolling)
+    width = max(1, round(SMOOTH / step))
+    smooth = centred_mean(eta, width)
+    away = np.abs(smooth - np.median(smooth[rolling]))
+    usual = float(np.median(away[rolling])) / QUARTILE
+    odd = away > DISTURBED * usual
+    return np.asarray(centred_mean(odd.astype(float), 2 * width) == 0.0)
+
+
 SMOOTH = 0.05
-"""Time over which a pressure is averaged before it is compared [s]."""
+"""Time over which a pressure, or eta, is averaged before it is compared [s]."""
 
 
 def _leaves(p: Array) -> int:

@@ -18,6 +18,7 @@ from calib.logs.log import Log
 from calib.names import WHEELS
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 CHANNELS = ("p_mc", "a_x", "v", *(f"omega_{wheel}" for wheel in WHEELS))
 """Those that a diagnosis compares, or is driven by."""
@@ -49,29 +50,38 @@ def period_of(x: Array) -> float:
     return float(np.mean(ahead[ahead < LATER * shortest]))
 
 
-def between_values(x: Array, longest: float) -> Array:
-    """A channel (n,) in straight lines between the samples at which its values came.
+def came_at(x: Array, longest: float) -> Index | None:
+    """Samples at which the values of a channel (n,) came, ascending; None for those of its clock.
 
-    A value that stays for several periods came again with each. One that changes with its clock, or
-    is kept for more than ``longest`` [samples], is not changed.
+    A value that stays for several periods came again with each. One that is kept for more than
+    ``longest`` [samples] is not one that is sent.
 
-    >>> between_values(np.repeat([0.0, 4.0, 8.0] * 10, 4), 10)[:9]
-    array([0., 1., 2., 3., 4., 5., 6., 7., 8.])
+    >>> came_at(np.repeat([0.0, 4.0, 8.0] * 10, 4), 10)[:3]
+    array([0, 4, 8])
     """
     period = period_of(x)
     if not 1.0 < period <= longest:
-        return x
+        return None
     first = np.concatenate([[0], np.flatnonzero(np.diff(x)) + 1])
     length = np.diff(np.append(first, x.size))
     values = np.maximum(1, np.floor(length / period + 1.0 - SAME).astype(np.int64))
     turn = np.arange(values.sum()) - np.repeat(np.cumsum(values) - values, values)
     came = np.repeat(first, values) + np.round(turn * period).astype(np.int64)
-    came = came[came < x.size]
-    return np.asarray(np.interp(np.arange(x.size), came, x[came]))
+    return np.asarray(came[came < x.size])
 
 
 def without_holds(log: Log) -> Log:
-    """The log with each of `CHANNELS` in straight lines between its values."""
-    longest = LONGEST / log.sample_time
-    straight = {c: between_values(log[c], longest) for c in CHANNELS if c in log}
-    return replace(log, channels={**log.channels, **straight})
+    """The log with each of `CHANNELS` in straight lines between its values, up to the last of them.
+
+    It ends where the first of the channels has its last value.
+    """
+    longest, end = LONGEST / log.sample_time, log.time.size
+    channels, straight = dict(log.channels), set(log.interpolated)
+    for name in (c for c in CHANNELS if c in log):
+        came = came_at(log[name], longest)
+        if came is not None:
+            channels[name] = np.interp(np.arange(log.time.size), came, log[name][came])
+            end = min(end, int(came[-1]) + 1)
+            straight.add(name)
+    cut = {name: x[:end] for name, x in channels.items()}
+    return replace(log, channels=cut, interpolated=tuple(sorted(straight)))

@@ -91,11 +91,14 @@ def test_replays_must_become_better_or_stay_at_the_noise(before, after, expected
 
 
 def test_no_effect_is_named_for_a_better_fit_of_those_before_it():
-    """A motor and a delay, first fitted beside the lowest minimum: a ripple finds it."""
+    """A motor and a delay, not fitted to the end: a ripple explains what that leaves."""
     case = draw("double", 1360008)
     problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
     base = fit(problem, (), problem.start)
-    beside = added(added(base, "hydraulic_delay"), "regenerative_torque")
+    motor = np.zeros(problem.parameters_of("regenerative_torque"))
+    motor[0] = 1.0
+    names = ("hydraulic_delay", "regenerative_torque")
+    beside = fit(problem, names, np.concatenate([base.x, [1.0], motor]), steps=6)
     proved = prove(hold_outs_of(base, list(case.holdout)), Decision("named", base, beside, ()))
     assert proved.decision.best.names == beside.names
     assert proved.steps[-1].names == beside.names

@@ -215,10 +215,22 @@ def test_empty_channel(tmp_path):
 
 
 def test_optional_channel_with_holes_is_left_out_and_said(tmp_path):
-    columns = {**table(), "v [m/s]": ["20"] * 59 + [""]}
+    columns = {**table(), "v [m/s]": ["20"] * 20 + [""] * 30 + ["20"] * 10}
     log = read_log(write(tmp_path, csv_text(columns)))
     assert "v" not in log
-    assert log.notes == ("v has no value in 1 of 60 rows, first in row 60, and was left out",)
+    assert log.notes[-1] == "v has no value in 30 of 60 rows, first in row 21, and was left out"
+
+
+def test_a_log_begins_with_the_first_message_of_every_channel_and_ends_with_the_last(tmp_path):
+    columns = {**table(), "v [m/s]": ["", ""] + ["20"] * 57 + [""]}
+    columns["omega_fl [rad/s]"] = ["", *columns["omega_fl [rad/s]"][1:]]
+    log = read_log(write(tmp_path, csv_text(columns)))
+    assert log.time.size == 57
+    assert np.all(log["v"] == 20.0)
+    assert log.notes == (
+        "omega_fl, v: no value at the start or the end; "
+        "the first 2 and the last 1 rows were left out",
+    )
 
 
 @pytest.mark.parametrize(("cell", "words"), [("0.05", "goes back"), ("0.09", "does not increase")])
