@@ -16,6 +16,7 @@ import numpy as np
 from calib.diagnosis.candidate import Candidate, Problem, fit, fit_without, vector_of
 from calib.diagnosis.decide import (
     CONFUSABLE,
+    FAINT_SECOND,
     FLOOR,
     PARAMETER,
     Decision,
@@ -23,10 +24,12 @@ from calib.diagnosis.decide import (
     decide,
     explains,
     gain,
+    quiet,
     simplest_first,
     spared,
     standing,
 )
+from calib.diagnosis.jointly import within_reach
 from calib.diagnosis.search import refine
 from calib.diagnosis.together import left_by
 from calib.physics.effects.effects import Effects
@@ -37,7 +40,7 @@ DELAYS = ("hydraulic_delay", "accelerometer_lag", "wheel_speed_delay", "speed_de
 BESIDE = 4
 """Explanations of the first search beside which delays are tried; that without any is one."""
 
-SHARE = 0.3
+SHARE = 0.5
 """Share of what is unexplained that delays must explain for a search with them."""
 
 RIVALS = 2
@@ -53,12 +56,13 @@ def with_clocks(decision: Decision) -> Decision:
     present = decision if decision.faint is None or explains(decision) else decision.faint
     if present.verdict == "no_gap":
         return decision
-    starts = [*(c for c in (present.best, *present.rivals) if c.names)][: BESIDE - 1]
-    at, left = min(((c, _left(c)) for c in (*starts, decision.base)), key=lambda found: found[1])
+    named = [c for c in (present.best, *present.rivals) if c.names]
+    starts = [*named[: 1 if explains(decision) else BESIDE - 1], decision.base]
+    at, left = min(((c, _left(c)) for c in starts), key=lambda found: found[1])
     if not _promises(decision, at, left):
         return decision
-    late = spared(_with_delays(at)) if _missing(at) else at
-    if not _delays_of(late):
+    late = _spared(_with_delays(at)) if _missing(at) else at
+    if not _delays_of(late) or not _promising(at, late):
         return decision
     found = _beside(decision, late)
     least = CONFUSABLE if explains(decision) else -CONFUSABLE
@@ -89,10 +93,33 @@ def _promises(decision: Decision, at: Candidate, left: float) -> bool:
     return explained or bool(_delays_of(at))
 
 
+def _promising(at: Candidate, late: Candidate) -> bool:
+    """Whether a search beside the fitted delays can end well."""
+    most = FLOOR + (1.0 - SHARE) * (at.reduced - FLOOR)
+    return late.reduced <= quiet(late) or (late.reduced < most and within_reach(late))
+
+
 def _with_delays(at: Candidate) -> Candidate:
     """An explanation with all delays, fitted from half of their usual size."""
     missing = _missing(at)
     return fit(at.problem, (*at.names, *missing), np.append(at.x, np.full(len(missing), 0.5)))
+
+
+def _spared(at: Candidate) -> Candidate:
+    """An explanation without the delays that bring nothing, the one that brings least first.
+
+    What a delay brings is its square over its variance: what the chi-square rises by without it.
+    """
+    places = at.problem.places(at.names)
+    brings = {
+        name: float(at.x[own.start] ** 2 / at.covariance[own.start, own.start])
+        for name, own in places.items()
+        if name in DELAYS
+    }
+    least = min(brings, key=lambda name: brings[name], default="")
+    if not least or brings[least] > FAINT_SECOND * at.count:
+        return at
+    return _spared(fit_without(at, least))
 
 
 def _beside(decision: Decision, late: Candidate) -> Decision:

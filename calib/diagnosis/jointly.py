@@ -20,10 +20,9 @@ from calib.diagnosis.candidate import (
     unpack,
     widths,
 )
-from calib.diagnosis.changes import further_effects
 from calib.diagnosis.decide import Decision, decided_anew, explains, quiet
 from calib.diagnosis.secant import least_squares
-from calib.diagnosis.together import left_by
+from calib.diagnosis.together import left_by_all
 
 Array = NDArray[np.float64]
 
@@ -75,14 +74,15 @@ def searched_beside(decision: Decision, at: Candidate) -> Decision:
 
     Else the given one. Nothing is searched where the effects cannot explain what is left.
     """
-    if not _within_reach(at):
+    if not within_reach(at):
         return decision
     other = decided_anew(at)
     return other if explains(other) else decision
 
 
-def _within_reach(at: Candidate) -> bool:
+def within_reach(at: Candidate) -> bool:
+    """Whether effects can explain what is left beside an explanation."""
     unexplained = at.reduced - quiet(at)
     if unexplained <= 0.0:
         return True
-    return left_by(at, further_effects(at)) - quiet(at) <= BEYOND_REACH * unexplained
+    return left_by_all(at) - quiet(at) <= BEYOND_REACH * unexplained

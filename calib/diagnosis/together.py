@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.candidate import Candidate, fit
-from calib.diagnosis.changes import EffectChange, further_changes
+from calib.diagnosis.changes import EffectChange, changes_by, further_changes
 from calib.diagnosis.search import begun
 
 Array = NDArray[np.float64]
@@ -51,16 +51,26 @@ def together(at: Candidate, count: int, least: float) -> list[Candidate]:
     )
 
 
+def left_by_all(at: Candidate) -> float:
+    """Mean squared innovation that all further effects together would leave, in one linear step."""
+    return _left_by(at, _changes(at))
+
+
 def left_by(at: Candidate, names: Collection[str]) -> float:
-    """Mean squared innovation that further effects together would leave, in one linear step.
+    """Mean squared innovation that some further effects together would leave, in one step."""
+    every = [change for name in names for change in changes_by(at, name, at.directions)]
+    return _left_by(at, [change for change in every if np.any(change.own)])
+
+
+def _left_by(at: Candidate, felt: list[EffectChange]) -> float:
+    """What is left by changes along any of ``felt``.
 
     Each has any size and sign there: no two or three of them leave less. Where an effect is large
     and acts on the innovations in a bent way, the fitted one can.
     """
-    felt = [change.own for change in _changes(at) if change.name in names]
     if not felt:
         return at.reduced
-    changes = np.stack(felt)
+    changes = np.stack([change.own for change in felt])
     lengths = np.linalg.norm(changes, axis=1)
     span, weights, _ = np.linalg.svd((changes / lengths[:, None]).T, full_matrices=False)
     kept = span[:, weights > SAME * weights[0]]

@@ -152,6 +152,9 @@ DISTURBED = 4.0
 """Distance of eta from its median over the lead-in, in its usual scatter there, that no noise has:
 for some tenths of a second an axle is driven, or a wheel runs over something."""
 
+FINEST = 1e-5
+"""Scatter of eta [1] that always counts as usual: simulated logs may have none."""
+
 LEAST = 0.5
 """Shortest lead-in [s] that shows the usual scatter."""
 
@@ -167,7 +170,7 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
     smooth = centred_mean(eta, width)
     away = np.abs(smooth - np.median(smooth[rolling]))
     usual = float(np.median(away[rolling])) / QUARTILE
-    odd = away > DISTURBED * usual
+    odd = away > DISTURBED * max(usual, FINEST)
     return np.asarray(centred_mean(odd.astype(float), 2 * width) == 0.0)
 
 

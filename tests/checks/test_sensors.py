@@ -96,6 +96,18 @@ def test_sensor_that_hangs_for_a_while(channel):
     assert end == pytest.approx(3.5, abs=0.01)
 
 
+def test_wheels_that_stand_are_not_stuck_though_each_stops_at_another_sample():
+    """A brake control unit shows 0 below 1 m/s: the others still turn, for some samples."""
+    log = made_run(stop(end=20.0), duration=14.0)
+    stands = int(np.argmax(log["v"] < 1.0))
+    assert 0 < stands < log.time.size - 300
+    wheels = {}
+    for i, name in enumerate(("omega_fl", "omega_fr", "omega_rl", "omega_rr")):
+        turning = np.maximum(log[name], 1.0 / 0.32)
+        wheels[name] = np.where(np.arange(log.time.size) < stands + 3 * i, turning, 0.0)
+    assert stuck(changed(log, **wheels)) == {}
+
+
 def test_hanging_for_less_than_a_second_is_let_pass():
     log = made_run()
     values = log["omega_fl"].copy()

@@ -84,3 +84,24 @@ def test_a_driven_or_slow_car_gives_no_zero():
     assert np.any(s.lead_in)
     slow = changed(RUN, v=np.where(t < 0.5, 2.0, RUN["v"]))
     assert not np.any(signals(slow, VEHICLE).lead_in[t < 0.5])
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_clutch_that_engages_in_the_lead_in_moves_no_zero_of_eta(sign):
+    """For 0.2 s the front wheels turn 0.3 % faster or slower: the rest of the lead-in is kept."""
+    run = made_run(stop(start=2.0), noise=1.0)
+    t = run.time
+    engaged = (t > 0.8) & (t < 1.0)
+    slip = np.where(engaged, 1.0 + sign * 3e-3, 1.0)
+    s = signals(changed(run, **{w: run[w] * slip for w in ("omega_fl", "omega_fr")}), VEHICLE)
+    before = signals(run, VEHICLE)
+    assert not np.any(s.lead_in[engaged])
+    assert s.lead_in.sum() > 0.7 * before.lead_in.sum()
+    eta, clean = (np.mean((x.omega_r / x.omega_f)[x.lead_in]) for x in (s, before))
+    assert eta == pytest.approx(clean, abs=5e-5)  # 3e-4 and more with it
+
+
+def test_a_lead_in_of_noise_is_kept():
+    s = signals(made_run(stop(start=3.0), noise=1.0), VEHICLE)
+    rolling = (s.time > 0.3) & (s.time < 2.5)
+    assert np.mean(s.lead_in[rolling]) > 0.98
