@@ -52,8 +52,8 @@ def noise_of(p: Array) -> float:
     `HIDDEN` times as much.
     """
     fine = _typical(third_difference(p, 1))
-    over = [_typical(third_difference(p, lag)) for lag in LAGS if 3 * lag < p.size]
-    most = max(over, default=0.0)
+    over = [np.median(np.abs(third_difference(p, lag))) for lag in LAGS if 3 * lag < p.size]
+    most = float(max(over, default=0.0)) / QUARTILE
     return (most if most > HIDDEN * fine else fine) / math.sqrt(20.0)
 
 
