@@ -73,7 +73,7 @@ WORSE = 1.05
 """Growth of the lasting errors of the replays with which no further effect is tried: an effect that
 has no part in them, such as a ripple, changes nothing there while another one is missing."""
 
-SEVERAL = 3
+SEVERAL = 2
 """Effects from which one empirical term is held against all of them."""
 
 BETTER, CHANCE = 0.9, 0.3
