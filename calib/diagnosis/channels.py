@@ -13,7 +13,6 @@ white noise; its whitening filter is (1 - B)/(1 - 0.9 B).
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,9 +131,14 @@ def noise_of(parts: list[Array], wholes: list[Array]) -> ChannelNoise:
 
 
 def _straightened(x: Array) -> Array:
-    """Unbraked parts (m,) or (m, k) of a channel without their parabolas."""
-    parabola = np.vander(np.linspace(-1.0, 1.0, x.shape[0]), PARABOLA)
+    """An unbraked part (m,) of a channel without its parabola."""
+    parabola = _parabola(x.size)
     return np.asarray(x - parabola @ np.linalg.lstsq(parabola, x, rcond=None)[0])
+
+
+def _parabola(size: int) -> Array:
+    """Columns (m, `PARABOLA`) that span the parabolas over ``size`` samples."""
+    return np.vander(np.linspace(-1.0, 1.0, size), PARABOLA)
 
 
 def _noise_of_drift(parts: list[Array]) -> float:
@@ -144,11 +148,16 @@ def _noise_of_drift(parts: list[Array]) -> float:
     return float(np.sqrt(sum(float(x @ x) for x in shown) / freedom))
 
 
-@lru_cache(maxsize=64)
 def _freedom_of_drift(size: int) -> float:
-    """Sum of squares that the filter of v leaves of ``size`` samples of unit white noise."""
-    shown = _kept_drift(_straightened(np.eye(size)).T)
-    return float(np.sum(shown**2))
+    """Sum of squares that the filter of v leaves of ``size`` samples of unit white noise.
+
+    That of its rows, (1, w - 1, w (w - 1), ... -w^i) back in time for row i with w = `WALK`, less
+    that of the parabola, which is taken out before.
+    """
+    power = WALK ** (2.0 * np.arange(size - 1))
+    rows = 1.0 + (1.0 / WALK - 1.0) ** 2 * (np.cumsum(power) - 1.0) + power
+    parabola = np.linalg.qr(_parabola(size))[0]
+    return float(np.sum(rows) * (1.0 + WALK) / 2.0 - np.sum(_kept_drift(parabola.T) ** 2))
 
 
 def _kept_drift(x: Array) -> Array:

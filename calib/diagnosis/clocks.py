@@ -59,14 +59,14 @@ def with_clocks(decision: Decision) -> Decision:
     named = [c for c in (present.best, *present.rivals) if c.names]
     starts = [*named[: 1 if explains(decision) else BESIDE - 1], decision.base]
     at, left = min(((c, _left(c)) for c in starts), key=lambda found: found[1])
-    if not _promises(decision, at, left):
+    if not _worth_fitting(decision, at, left):
         return decision
     late = _spared(_with_delays(at)) if _missing(at) else at
-    if not _delays_of(late) or not _promising(at, late):
+    if not _delays_of(late) or not _worth_searching(at, late):
         return decision
     found = _beside(decision, late)
     least = CONFUSABLE if explains(decision) else -CONFUSABLE
-    stands = found.verdict != "unknown" and _worth(present.best, found.best) > least
+    stands = found.verdict != "unknown" and _net_gain(present.best, found.best) > least
     return found if stands else decision
 
 
@@ -85,7 +85,7 @@ def _left(at: Candidate) -> float:
     return left_by(at, _missing(at))
 
 
-def _promises(decision: Decision, at: Candidate, left: float) -> bool:
+def _worth_fitting(decision: Decision, at: Candidate, left: float) -> bool:
     """Whether delays beside an explanation can be the matter: they leave so much in one step."""
     if explains(decision):
         return left < decision.best.reduced - CONFUSABLE
@@ -93,7 +93,7 @@ def _promises(decision: Decision, at: Candidate, left: float) -> bool:
     return explained or bool(_delays_of(at))
 
 
-def _promising(at: Candidate, late: Candidate) -> bool:
+def _worth_searching(at: Candidate, late: Candidate) -> bool:
     """Whether a search beside the fitted delays can end well."""
     most = FLOOR + (1.0 - SHARE) * (at.reduced - FLOOR)
     return late.reduced <= quiet(late) or (late.reduced < most and within_reach(late))
@@ -148,6 +148,6 @@ def _together(problem: Problem, delays: Effects, at: Candidate) -> Candidate:
     return fit(problem, effects.names, vector_of(problem, at.x[: problem.base_size], effects))
 
 
-def _worth(at: Candidate, other: Candidate) -> float:
+def _net_gain(at: Candidate, other: Candidate) -> float:
     """Fall of the mean squared innovation from one explanation to another, less its price."""
     return gain(at, other) - PARAMETER * (other.parameters - at.parameters)

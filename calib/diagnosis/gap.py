@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from calib.logs.log import Log
 from calib.names import WHEELS
-from calib.signals.filters import third_difference
-from calib.statistics.intervals import QUARTILE
+from calib.signals.filters import third_difference, typical_differences
 
 Array = NDArray[np.float64]
 
@@ -125,19 +124,10 @@ def noise_of(log: Log, channel: str) -> float:
     """
     x = log[channel]
     fine = 1.3 * float(np.std(third_difference(x, 1)))
-    over = _typical_differences(x, LONGEST / log.sample_time)
+    over = typical_differences(x, LONGEST / log.sample_time)
     if channel in log.interpolated or max(over[:3], default=0.0) > STRAIGHT * fine:
         fine = max(fine, *over)
     return fine / float(np.sqrt(20.0))
-
-
-def _typical_differences(x: Array, longest: float) -> list[float]:
-    """Sd of the third differences over 1, 2, 4 ... samples. A bite moves few of them."""
-    found, lag = [], 1
-    while lag <= longest and 3 * lag < x.size:
-        found.append(float(np.median(np.abs(third_difference(x, lag)))) / QUARTILE)
-        lag *= 2
-    return found
 
 
 def square(simulated: Log, measured: Log, channel: str) -> float:

@@ -5,6 +5,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.statistics.intervals import QUARTILE
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Index = NDArray[np.int64]
@@ -45,6 +47,18 @@ def third_difference(x: Array, lag: int) -> Array:
     """
     a, b, c, d = (x[i * lag : x.size - (3 - i) * lag] for i in range(4))
     return np.asarray(d - 3.0 * c + 3.0 * b - a)
+
+
+def typical_differences(x: Array, longest: float) -> list[float]:
+    """Sd of the third differences over 1, 2, 4 ... up to ``longest`` samples, from their median.
+
+    A bite moves few of them. No lag that is longer than a third of ``x`` (n,).
+    """
+    found, lag = [], 1
+    while lag <= longest and 3 * lag < x.size:
+        found.append(float(np.median(np.abs(third_difference(x, lag)))) / QUARTILE)
+        lag *= 2
+    return found
 
 
 def trailing_mean(x: Array, width: int) -> Array:

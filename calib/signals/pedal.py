@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.signals.filters import centred_mean, third_difference
+from calib.signals.filters import centred_mean, third_difference, typical_differences
 from calib.statistics.intervals import NINETY, QUARTILE
 
 Array = NDArray[np.float64]
@@ -52,13 +52,12 @@ def noise_of(p: Array) -> float:
     `HIDDEN` times as much.
     """
     fine = _typical(third_difference(p, 1))
-    over = [np.median(np.abs(third_difference(p, lag))) for lag in LAGS if 3 * lag < p.size]
-    most = float(max(over, default=0.0)) / QUARTILE
+    most = max(typical_differences(p, WIDEST)[1:], default=0.0)
     return (most if most > HIDDEN * fine else fine) / math.sqrt(20.0)
 
 
-LAGS = (2, 4, 8)
-"""Samples between those of the further third differences."""
+WIDEST = 8
+"""Most samples between those of the further third differences."""
 
 HIDDEN = 1.5
 """Noise over more samples, over that from sample to sample, that no white noise has."""
