@@ -40,13 +40,26 @@ def block_level(
     by_pressure: Array, by_deceleration: Array, b: Blocks, density: float, priors: Priors
 ) -> BlockLevel:
     """Weigh the two levels of each block, (k,) [1]; ``density`` of the noise of z [s^0.5]."""
-    late = priors.delay_sigma * low_pass(pressure_moves(b), b.length, priors.level_memory)
-    noisy = density / np.sqrt(b.length) / np.maximum(b.z, LEAST_Z)
+    late, noisy = _late(b, priors), _noisy(b, density)
     share = late**2 / (late**2 + noisy**2)
     return BlockLevel(
         by_pressure + share * (by_deceleration - by_pressure),
         np.hypot((1.0 - share) * late, share * noisy),
     )
+
+
+def level_error(b: Blocks, density: float, priors: Priors) -> Array:
+    """Relative error of the level by the force of each block alone, (k,) [1]."""
+    return np.asarray(np.hypot(_late(b, priors), _noisy(b, density)))
+
+
+def _late(b: Blocks, priors: Priors) -> Array:
+    moves = low_pass(pressure_moves(b), b.length, priors.level_memory)
+    return np.asarray(priors.delay_sigma * moves)
+
+
+def _noisy(b: Blocks, density: float) -> Array:
+    return np.asarray(density / np.sqrt(b.length) / np.maximum(b.z, LEAST_Z))
 
 
 def pressure_moves(b: Blocks) -> Array:

@@ -23,6 +23,7 @@ from calib.estimation.block_level import block_level
 from calib.estimation.block_pitch import block_pitch
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import WIDE, Gates, validity
+from calib.estimation.jolts import jolted
 from calib.estimation.lookup import smoothed
 from calib.estimation.odds_by_level import odds_by_level
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
@@ -258,7 +259,7 @@ def estimate(
     s, sigma_z = replace(read, z=felt.corrected(read.z)), felt.sigma(read.z)
     b = replace(as_read, z=block_mean(s.z, as_read.samples))
     forces = brake_balance(plan.nominal, plan.known.effects, s)
-    level = level_of(plan, s, forces)
+    level = level_of(plan, s, b, forces)
     weighed = weigh_level(plan, s.speed, smoothed(s, s.z, plan.priors), sigma_z, level)
     demand = demand_of(plan, s, b, level, weighed)
     answer = split_of(plan, b, demand)
@@ -312,12 +313,13 @@ def _require_lead_in(log: Log, s: Signals) -> None:
         )
 
 
-def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:
+def level_of(plan: Plan, s: Signals, b: Blocks, forces: BrakeBalance) -> PadLevel:
     """The common pad level of a run, before anything is said of the split."""
     density = plan.noise.z * plan.nominal.weight
     nominal = forces.nominal_f + forces.nominal_r
     demanded = forces.balance.demanded
-    return estimate_pad_level(s.sample_time, demanded, nominal, forces.active, density, plan.priors)
+    counts = forces.active & ~jolted(s.time, forces, b, plan.noise.z, plan.priors)
+    return estimate_pad_level(s.sample_time, demanded, nominal, counts, density, plan.priors)
 
 
 def demand_of(

@@ -53,18 +53,22 @@ class Priors:
     """Random walk of log_stiffness and of log_peak_ratio [1/sqrt(s)]: no road is the same all
     along."""
 
-    # A sudden change of the surface.
-    change_gate: float = 12.0
-    """Mean squared innovation that says the road has changed: 3.5 sigma of both sensors at once."""
-    change_stiffness: float = 0.15
-    """What log_stiffness is opened by then: a patch differs less than a surface does."""
-    change_peak: float = 0.4
-    """What log_peak_ratio is opened by then, likewise."""
+    # A bump, or a sudden change of the surface.
+    wild_gate: float = 12.0
+    """Mean squared innovation past which a block is not taken in: 3.5 sigma of both sensors at
+    once. A bump throws the wheels about, and the pads have no part in it."""
+    calm_gate: float = 4.0
+    """The same after such a block: the wheels swing on, and pass their usual place."""
+    wild_time: float = 0.3
+    """Time [s] in which such blocks may follow each other: a bump passes below both axles and the
+    wheels have calmed down. What lasts longer is taken in; where the body is calm it is a road that
+    has changed."""
+    change_rate: float = 1.0
+    """What a road that has changed goes on changing by, of the spread of all surfaces [1/sqrt(s)]:
+    a patch ends. The surface itself is open then, as before a stop."""
     change_calm: float = 0.03
     """Deceleration [1] still on its way (see ``pitch_time``) below which a change is looked for: a
     surprise while the body moves is the body's."""
-    change_pause: int = 4
-    """Blocks after a change in which no other is looked for: both axles must cross the edge."""
 
     # Load that moves late.
     pitch_frequency: float = NATURAL_FREQUENCY.typical
@@ -114,6 +118,11 @@ class Priors:
     """Time constant of forgetting [s]: short against a stop, long against road noise (0.1 s)."""
     level_trend: float = 0.1
     """Usual relative drift of a pad [1/s]: fading from 0.35 to 0.22 in 5 s is 0.09."""
+    jolt_gate: float = 5.0
+    """Departure of a block's level from that of the last half second that is a jolt of the body, in
+    its own errors."""
+    jolt_least: float = 0.08
+    """The same, relative: a pad does not change by as much in a tenth of a second."""
 
     # The baselines.
     low_pass: float = 0.1

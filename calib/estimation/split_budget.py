@@ -27,6 +27,7 @@ from calib.estimation.states import (
     AT,
     COUNT,
     States,
+    changed_surface,
     couple_surface,
     open_surface,
     places,
@@ -71,6 +72,10 @@ def ratio_parts(
     """
     grown = process_noise(plan.nominal, b, plan.priors)
     decay = math.exp(-b.length / plan.priors.pitch_memory)
+    opened, afresh = (
+        _opened(plan.priors, s) for s in (1.0, changed_surface(b.length, plan.priors))
+    )
+    changed = next((k for k, step in enumerate(steps) if step and step.opened), len(steps))
     out = {part: np.zeros((2, 2)) for part in (*PART, "noise")}
     drifted = np.zeros((2, 2, COUNT))
     a = np.eye(COUNT)[PAIR]
@@ -82,7 +87,9 @@ def ratio_parts(
             out["zeros" if b.lead_in[k] else "noise"] += gain @ noise @ gain.T
             a = a - gain @ sensed
             if step.opened:
-                out["tyres"] += a @ _opened(plan.priors) @ a.T
+                out["tyres"] += a @ opened @ a.T
+        if k > changed:
+            out["tyres"] += a @ afresh @ a.T
         drifted += grown[k] * a[:, None] * a
         a[:, AT.load_shift] *= decay
     for i, part in enumerate(PART):
@@ -117,8 +124,8 @@ def first_parts(table: Table, priors: Priors) -> dict[str, Array]:
     return out
 
 
-def _opened(priors: Priors) -> Array:
-    """What a change of the surface adds to the covariance."""
+def _opened(priors: Priors, share: float) -> Array:
+    """What `open_surface` adds to the covariance."""
     P = np.zeros((COUNT, COUNT))
-    open_surface(P, priors)
+    open_surface(P, priors, share)
     return P

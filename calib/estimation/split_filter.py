@@ -40,7 +40,14 @@ from calib.estimation.measurement import (
 )
 from calib.estimation.pad_ratio import KEPT, PadRatio, Step, weigh
 from calib.estimation.priors import Priors
-from calib.estimation.states import AT, COUNT, first_scatter, first_state, open_surface
+from calib.estimation.states import (
+    AT,
+    COUNT,
+    changed_surface,
+    first_scatter,
+    first_state,
+    open_surface,
+)
 from calib.fitting.ramp import form_error
 from calib.fitting.settings import SETTINGS
 from calib.physics.vehicle import Vehicle
@@ -80,39 +87,51 @@ def filter_pad_ratio(
     shift = AT.load_shift
     row_shift, column_shift, flat = carried[shift], P[:, shift], carried.reshape(-1)
     diagonal = flat[:: carried.shape[1] + 1]
-    before = np.empty_like(carried)
     loads, programs = axle_loads_now(), (measurement(coasting), measurement(braked))
-    pause = 0
+    afresh = changed_surface(b.length, priors)
+    most = max(math.ceil(priors.wild_time / b.length - 1e-9), 1)
+    # blocks not taken in up to now, and the time of the first; from where the road may be another
+    wild, first, same = 0, math.nan, 0
     for k, (g, reading) in enumerate(zip(inputs, readings, strict=True)):
         row_shift *= decay
         column_shift *= decay
         diagonal += grown[k]
+        if changes:
+            open_surface(P, priors, afresh)
+        step = None
         # with an axle lifted, a_x had a glitch and no load is known
         if reading.known and min(loads(now := x.tolist(), g)[0]) > 0.0:
-            pause = max(pause - 1, 0)
             braking = g[LEVEL] > 0.0
-            alert = braking and reading.calm and pause == 0
-            if alert:
-                before[:] = carried
             predicted = programs[braking](now, g)
-            surprise, density[k], step = _measure(
-                carried, predicted, now, reading, lasting, innovation[k]
+            gate = (priors.calm_gate if wild else priors.wild_gate) if braking else math.inf
+            opened = bool(
+                braking and reading.calm and _apart(innovation[max(same, k - ALIKE) : k], gate)
             )
-            opened = bool(alert and surprise > priors.change_gate)
+            if opened:
+                first = float(b.end[k - ALIKE])
+            else:
+                density[k], step = _measure(
+                    carried, predicted, now, reading, lasting, innovation[k], gate
+                )
+                wild = 0 if step else wild + 1
+                if wild == 1:
+                    first = float(b.end[k])
+                opened = wild > most and bool(reading.calm)
             if opened:
                 # the road has changed: what was learnt of the pads must not take the blame
-                carried[:] = before
-                open_surface(P, priors)
-                _, density[k], step = _measure(
-                    carried, predicted, now, reading, lasting, innovation[k]
+                open_surface(P, priors, 1.0)
+                changes.append(first)
+                wild, same = 0, k
+            if opened or wild > most:
+                # it lasts, so it is no bump
+                density[k], step = _measure(
+                    carried, predicted, now, reading, lasting, innovation[k], math.inf
                 )
-                density[k] -= priors.change_gate
-                changes.append(float(b.end[k]))
-                pause = priors.change_pause
-            if steps is not None:
-                steps.append(Step(*step, opened))
-        elif steps is not None:
-            steps.append(None)
+            if opened and step:
+                density[k] -= priors.wild_gate
+                step = step._replace(opened=True)
+        if steps is not None:
+            steps.append(step)
         states[k] = x
         flat.take(kept, out=variances[k], mode="clip")
     return weigh(
@@ -143,6 +162,16 @@ def _with_scatter(kept: Array) -> Array:
     return np.asarray(kept[:, :n] + np.sum(one * other, axis=2))
 
 
+def _apart(innovation: Array, gate: float) -> bool:
+    """Whether the last `ALIKE` blocks are off the same way: the mean square of their sums over the
+    sensors, ``innovation`` (`ALIKE`, 2), is past ``gate``.
+    """
+    if len(innovation) < ALIKE:
+        return False
+    eta, slip = (innovation.sum(axis=0) ** 2 / ALIKE).tolist()
+    return bool((eta if math.isnan(slip) else 0.5 * (eta + slip)) > gate)
+
+
 def _measure(
     carried: Array,
     predicted: Sensed,
@@ -150,11 +179,12 @@ def _measure(
     reading: Measured,
     lasting: float,
     innovation: Array,
-) -> tuple[float, float, tuple[Array, Array, Array]]:
-    """Take in eta and, where there is one, the slip; return the mean squared innovation.
+    gate: float,
+) -> tuple[float, Step | None]:
+    """Take in eta and, where there is one, the slip, if their mean squared innovation is in `gate`.
 
-    Beside it the logarithm of the probability density of what was measured, less a constant, and
-    rows, whitening and white of a `Step`.
+    Returns the logarithm of the probability density of what was measured, less a constant, and the
+    step; None where nothing was taken in, with the density at the gate.
 
     ``carried`` P, A and x beside each other: with W = whitening H, white = W P and the innovations
     n, P and A become less by white' W P and white' W A, x by white' (-n), which is one product.
@@ -168,27 +198,33 @@ def _measure(
     relative = lasting * math.hypot(relative, min(form_error(max(near)), MOST))
     total_eta += var_eta + (relative * (eta - 1.0 - now[ETA_ZERO])) ** 2
     root = math.sqrt(total_eta)
-    first = innovation[0] = (measured_eta - eta) / root
+    first = (measured_eta - eta) / root
     turn = second = scale = 0.0
     if not math.isnan(measured_slip):
         # what eta has not said of the slip
         turn = both / total_eta
         total_slip += var_slip + (relative * (slip - now[SLIP_ZERO])) ** 2 - both * turn
         scale = 1.0 / math.sqrt(total_slip)
-        second = innovation[1] = (measured_slip - slip - turn * root * first) * scale
+        second = (measured_slip - slip - turn * root * first) * scale
+    count = 2.0 if scale else 1.0
+    square, width = first * first + second * second, math.log((scale or 1.0) / root)
+    if square > gate * count:
+        return width - 0.5 * gate * count, None
+    innovation[0], innovation[1] = first, second if scale else math.nan
     whitening = np.array(((1.0 / root, 0.0), (-turn * scale, scale)))
     moved = whitening.dot(along)
     white = moved[:, :COUNT]
     moved[0, -1], moved[1, -1] = -first, -second
     carried -= white.T.dot(moved)
-    square = first * first + second * second
-    density = math.log((scale or 1.0) / root) - 0.5 * square
-    return square / (2.0 if scale else 1.0), density, (rows, whitening, white)
+    return width - 0.5 * square, Step(rows, whitening, white)
 
 
 MOST = SETTINGS.form_error
 """Most that the form of the tyre's curve is off here, relative to the slip [1]: stiffness and peak
 of the surface are states, and follow it. With more nothing would be learnt once they err."""
+
+ALIKE = 4
+"""Blocks in a row that show a road which changes too little to be seen in one: 0.2 s."""
 
 LEVEL = Given._fields.index("level")
 ETA_ZERO, SLIP_ZERO = AT.eta_zero, AT.slip_zero

@@ -4,6 +4,7 @@ The level says what both axles brake together; the states say how it is split, a
 could be mistaken for a change of the split.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Generic, NamedTuple, TypeVar
 
@@ -152,11 +153,16 @@ def today_as_then(P: Array) -> None:
     P[today, today] = P[then, then]
 
 
-def open_surface(P: Array, priors: Priors) -> None:
-    """Add to a covariance, in place, what a sudden change of the road leaves open."""
-    P[AT.log_stiffness, AT.log_stiffness] += priors.change_stiffness**2
-    P[AT.log_peak_ratio, AT.log_peak_ratio] += priors.change_peak**2
-    couple_surface(P, priors.peak_per_stiffness, priors.change_stiffness)
+def open_surface(P: Array, priors: Priors, share: float) -> None:
+    """Add to a covariance, in place, a ``share`` [1] of the spread of a surface nobody knows."""
+    P[AT.log_stiffness, AT.log_stiffness] += (share * priors.stiffness) ** 2
+    P[AT.log_peak_ratio, AT.log_peak_ratio] += (share * priors.peak) ** 2
+    couple_surface(P, priors.peak_per_stiffness, share * priors.stiffness)
+
+
+def changed_surface(length: float, priors: Priors) -> float:
+    """Share of `open_surface` for each block of ``length`` [s] after a change of the surface."""
+    return priors.change_rate * math.sqrt(length)
 
 
 def couple_surface(P: Array, slope: float, stiffness: float) -> None:

@@ -122,12 +122,11 @@ def test_the_peak_moves_with_the_stiffness():
     assert P[s, w] == pytest.approx(slope * PRIORS.stiffness**2)
     assert P[w, w] == pytest.approx(PRIORS.peak**2 + slope**2 * PRIORS.stiffness**2)
     before = P.copy()
-    open_surface(P, PRIORS)
+    open_surface(P, PRIORS, 0.5)
     opened = P - before
-    assert opened[s, s] == pytest.approx(PRIORS.change_stiffness**2)
-    assert opened[s, w] == opened[w, s] == pytest.approx(slope * PRIORS.change_stiffness**2)
-    extra = slope**2 * PRIORS.change_stiffness**2
-    assert opened[w, w] == pytest.approx(PRIORS.change_peak**2 + extra)
+    assert opened[s, s] == pytest.approx(0.25 * PRIORS.stiffness**2)
+    assert opened[s, w] == opened[w, s] == pytest.approx(slope * opened[s, s])
+    assert opened[w, w] == pytest.approx(0.25 * PRIORS.peak**2 + slope**2 * opened[s, s])
     opened[np.ix_([s, w], [s, w])] = 0.0
     assert not opened.any()
 

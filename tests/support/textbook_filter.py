@@ -151,7 +151,7 @@ def textbook(car, blocks, demand, noise, posterior, p):
     decay = math.exp(-T / p.pitch_memory)
     F = np.eye(COUNT)
     F[PLACE["xi"], PLACE["xi"]] = decay
-    followed, pause = blocks.z[0], 0
+    followed, wild, same = blocks.z[0], [], 0
     out = []
     changes = []
     pressure = np.maximum(blocks.p_f, blocks.p_r)
@@ -169,6 +169,8 @@ def textbook(car, blocks, demand, noise, posterior, p):
         Q[[PLACE["rho"], PLACE["s"], PLACE["w"]]] = p.drift_ratio, p.drift_road, p.drift_road
         Q = np.diag(Q**2 * T)
         Q[PLACE["xi"], PLACE["xi"]] = (1.0 - decay**2) * fed**2
+        if changes:
+            Q = Q + surface_spread(p, p.change_rate**2 * T)
         x, P, whole = F @ x, F @ P @ F.T + Q, F @ whole @ F.T + Q
         nu = np.full(2, np.nan)
         deficit = now["pitch_deficit"] + x[PLACE["nu"]] * now["pitch_slope"]
@@ -194,22 +196,45 @@ def textbook(car, blocks, demand, noise, posterior, p):
             def h(x, now=now, block=block):
                 return sensed(x, now, block)
 
-            pause = max(pause - 1, 0)
+            gate = p.calm_gate if wild else p.wild_gate
+            braked = math.isfinite(now["level"])
+            road = None
+            # four blocks in a row that are off the same way: the road has changed
+            last = np.array([row[2] for row in out[same:]][-4:])
+            if braked and held < p.change_calm and len(last) == 4:
+                summed = last.sum(axis=0) ** 2 / 4.0
+                if np.isfinite(summed[0]) and np.nanmean(summed) > gate:
+                    road = float(blocks.end[k - 4])
             new = update(x, P, whole, h, seen, sensors, relative)
-            squares = new[3][np.isfinite(new[3])] ** 2
-            if pause == 0 and held < p.change_calm and np.mean(squares) > p.change_gate:
-                s, w = PLACE["s"], PLACE["w"]
-                slope = np.array([1.0, p.peak_per_stiffness]) * p.change_stiffness
-                opened = np.zeros_like(P)
-                opened[np.ix_([s, w], [s, w])] = np.outer(slope, slope)
-                opened[w, w] += p.change_peak**2
+            squares = np.nanmean(new[3] ** 2)
+            if road is None and braked and squares > gate:
+                wild.append(float(blocks.end[k]))
+                if (len(wild) - 1) * T < p.wild_time - 1e-6:
+                    # a bump, as far as anybody can tell: nothing is learnt
+                    new = (x, P, whole, nu)
+                elif held < p.change_calm:
+                    road = wild[0]
+            else:
+                wild = []
+            if road is not None:
+                opened = surface_spread(p, 1.0)
                 new = update(x, P + opened, whole + opened, h, seen, sensors, relative)
-                changes.append(float(blocks.end[k]))
-                pause = p.change_pause
+                changes.append(road)
+                wild, same = [], k
             x, P, whole, nu = new
         out.append((x, whole, nu))
     xs, Ps, nus = (np.array(part) for part in zip(*out, strict=True))
     return Answer(xs, Ps, nus, tuple(changes))
+
+
+def surface_spread(p, share):
+    """Covariance of a surface that nobody knows, times ``share``."""
+    s, w = PLACE["s"], PLACE["w"]
+    slope = np.array([1.0, p.peak_per_stiffness]) * p.stiffness
+    out = np.zeros((COUNT, COUNT))
+    out[np.ix_([s, w], [s, w])] = np.outer(slope, slope)
+    out[w, w] += p.peak**2
+    return share * out
 
 
 def update(x, P, whole, h, seen, sensors, relative):
