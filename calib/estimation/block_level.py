@@ -40,7 +40,7 @@ def block_level(
     by_pressure: Array, by_deceleration: Array, b: Blocks, density: float, priors: Priors
 ) -> BlockLevel:
     """Weigh the two levels of each block, (k,) [1]; ``density`` of the noise of z [s^0.5]."""
-    late, noisy = _late(b, priors), _noisy(b, density)
+    late, noisy = _late(b, priors), _noisy(b, b.z, density)
     share = late**2 / (late**2 + noisy**2)
     return BlockLevel(
         by_pressure + share * (by_deceleration - by_pressure),
@@ -48,9 +48,14 @@ def block_level(
     )
 
 
-def level_error(b: Blocks, density: float, priors: Priors) -> Array:
-    """Relative error of the level by the force of each block alone, (k,) [1]."""
-    return np.asarray(np.hypot(_late(b, priors), _noisy(b, density)))
+def level_error(b: Blocks, z: Array, density: float, priors: Priors) -> Array:
+    """Greatest relative error of the level by the force of each block alone, (k,) [1].
+
+    At the deceleration ``z`` [1], (k,). What is late counts with all of the block's own change of
+    pressure.
+    """
+    late = np.maximum(_late(b, priors), priors.delay_sigma * pressure_moves(b))
+    return np.asarray(np.hypot(late, _noisy(b, z, density)))
 
 
 def _late(b: Blocks, priors: Priors) -> Array:
@@ -58,8 +63,8 @@ def _late(b: Blocks, priors: Priors) -> Array:
     return np.asarray(priors.delay_sigma * moves)
 
 
-def _noisy(b: Blocks, density: float) -> Array:
-    return np.asarray(density / np.sqrt(b.length) / np.maximum(b.z, LEAST_Z))
+def _noisy(b: Blocks, z: Array, density: float) -> Array:
+    return np.asarray(density / np.sqrt(b.length) / np.maximum(z, LEAST_Z))
 
 
 def pressure_moves(b: Blocks) -> Array:

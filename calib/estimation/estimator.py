@@ -23,7 +23,7 @@ from calib.estimation.block_level import block_level
 from calib.estimation.block_pitch import block_pitch
 from calib.estimation.filter_input import SplitInput
 from calib.estimation.gates import WIDE, Gates, validity
-from calib.estimation.jolts import jolted
+from calib.estimation.jolts import without_jolts
 from calib.estimation.lookup import smoothed
 from calib.estimation.odds_by_level import odds_by_level
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
@@ -254,12 +254,14 @@ def estimate(
     known = with_known_pitch(priors or Priors(), car)
     plan = plan_for(used, ran.log, read, nominal, known, gates, mass_stated=mass is not None)
     as_read = blocks(read)
-    sensor = judge_accelerometer(plan.nominal, plan.known, as_read, plan.noise)
+    z = without_jolts(plan, read, as_read)
+    smooth = block_mean(z, as_read.samples)
+    sensor = judge_accelerometer(plan.nominal, plan.known, as_read, plan.noise, smooth)
     felt = sensor.at(as_read.last_complete(read.time))
-    s, sigma_z = replace(read, z=felt.corrected(read.z)), felt.sigma(read.z)
+    s, sigma_z = replace(read, z=felt.corrected(z)), felt.sigma(z)
     b = replace(as_read, z=block_mean(s.z, as_read.samples))
     forces = brake_balance(plan.nominal, plan.known.effects, s)
-    level = level_of(plan, s, b, forces)
+    level = level_of(plan, s, forces)
     weighed = weigh_level(plan, s.speed, smoothed(s, s.z, plan.priors), sigma_z, level)
     demand = demand_of(plan, s, b, level, weighed)
     answer = split_of(plan, b, demand)
@@ -313,13 +315,12 @@ def _require_lead_in(log: Log, s: Signals) -> None:
         )
 
 
-def level_of(plan: Plan, s: Signals, b: Blocks, forces: BrakeBalance) -> PadLevel:
+def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:
     """The common pad level of a run, before anything is said of the split."""
     density = plan.noise.z * plan.nominal.weight
     nominal = forces.nominal_f + forces.nominal_r
     demanded = forces.balance.demanded
-    counts = forces.active & ~jolted(s.time, forces, b, plan.noise.z, plan.priors)
-    return estimate_pad_level(s.sample_time, demanded, nominal, counts, density, plan.priors)
+    return estimate_pad_level(s.sample_time, demanded, nominal, forces.active, density, plan.priors)
 
 
 def demand_of(

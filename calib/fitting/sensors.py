@@ -2,6 +2,9 @@
 
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from calib.fitting.resistance import Resistance
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sort_logs import Prepared
@@ -28,8 +31,16 @@ def of_whole_run(vehicle: Vehicle, b: Blocks, noise: SensorNoise) -> Acceleromet
 
 
 def judge_accelerometer(
-    vehicle: Vehicle, known: Resistance, b: Blocks, noise: SensorNoise
+    vehicle: Vehicle,
+    known: Resistance,
+    b: Blocks,
+    noise: SensorNoise,
+    smooth: NDArray[np.float64] | None = None,
 ) -> Accelerometer:
-    """Scale and offset of the accelerometer of a run, block by block."""
+    """Scale and offset of the accelerometer of a run, block by block.
+
+    ``smooth`` z of the blocks without jolts [1], (k,).
+    """
     unexplained = block_balance(vehicle, known.effects, b).demanded / vehicle.weight
-    return accelerometer(b, unexplained, known.sigma_z(vehicle, b.speed), noise.z, noise.v)
+    sigma = known.sigma_z(vehicle, b.speed)
+    return accelerometer(b, unexplained, sigma, noise.z, noise.v, smooth=smooth)

@@ -116,16 +116,18 @@ def accelerometer(
     density_z: float,
     density_v: float,
     priors: AccelerometerPriors | None = None,
+    smooth: Array | None = None,
 ) -> Accelerometer:
     """Judge the accelerometer of a log block by block.
 
     ``unexplained`` z less what the known resistance explains of it, read on the lead-in only, and
     ``sigma`` of that resistance, common to the log [1], (k,); ``density_z`` [s^0.5], ``density_v``
-    [m/s s^0.5] noise.
+    [m/s s^0.5] noise. ``smooth`` z of the blocks without jolts [1], (k,), tells scale and lag: in a
+    jolt a_x and v may differ by other causes.
     """
     p = priors or AccelerometerPriors()
     at = np.arange(0, b.end.size, STEP)
-    compared = _compared(b)
+    compared = _compared(b, b.z if smooth is None else smooth)
     speeds = [
         _against_speed(b, compared, density_z, density_v, p, at, walk)
         for walk in (p.still_wander, p.wander)
@@ -180,18 +182,18 @@ def _usable(b: Blocks) -> NDArray[np.bool_]:
     return np.asarray((b.speed > 2.0) & (np.abs(b.z) < GREATEST))
 
 
-def _compared(b: Blocks) -> Compared | None:
+def _compared(b: Blocks, smooth: Array) -> Compared | None:
     """Second differences of v + g int z dt, and what c, e and the lag make of it, (4, k - 1).
 
-    And where they are to be used, (k - 1,). None without v.
+    And where they are to be used, (k - 1,). None without v. ``smooth`` as in `accelerometer`.
     """
     if b.v is None:
         return None
-    gained = G * 0.5 * b.length * (b.z[1:] + b.z[:-1])
+    gained, scaled = (G * 0.5 * b.length * (z[1:] + z[:-1]) for z in (b.z, smooth))
     usable = _usable(b)
     usable = usable[1:] & usable[:-1]
     columns = np.stack(
-        [np.diff(b.v) + gained, gained, np.full(gained.size, G * b.length), G * np.diff(b.z)]
+        [np.diff(b.v) + gained, scaled, np.full(gained.size, G * b.length), G * np.diff(smooth)]
     )
     usable = usable & np.concatenate([[True], usable[:-1]])
     return np.where(usable, np.diff(columns, axis=1, prepend=0.0), 0.0), usable

@@ -182,6 +182,67 @@ def test_change_of_road_is_found_in_the_block_where_it_shows():
     assert abs(answer.log_pad_ratio[-1]) < Z95 * answer.sigma[-1]
 
 
+def thrown(blocks, demand, at, by):
+    """The same with front wheels slower by ``by`` (m,), relative, in the blocks from ``at`` on."""
+    off = np.zeros(blocks.end.size)
+    off[at : at + len(by)] = by
+    slip = None if demand.slip is None else demand.slip + 0.55 * off
+    return replace(blocks, omega_f=blocks.omega_f * (1.0 - off)), replace(demand, slip=slip)
+
+
+BUMP = (0.03, -0.02, 0.01, -0.015, 0.006)
+
+
+@pytest.mark.parametrize("at", [45, 110])
+@pytest.mark.parametrize("v", [True, False])
+def test_a_bump_moves_nothing(v, at):
+    """At once after the bite, while the body still moves, or much later."""
+    flat, demand = stop(STEADY, ratio=0.1, v=v)
+    plain = filter_pad_ratio(CAR, flat, demand, NOISE, POSTERIOR, PRIORS)
+    bump = thrown(flat, demand, at, BUMP)
+    answer = filter_pad_ratio(CAR, *bump, NOISE, POSTERIOR, PRIORS)
+    assert np.all(np.isnan(answer.innovation_eta[at : at + len(BUMP)]))
+    assert np.all(np.isfinite(answer.innovation_eta[at + len(BUMP) :]))
+    assert answer.changes == ()
+    np.testing.assert_allclose(answer.log_pad_ratio[-1], plain.log_pad_ratio[-1], atol=0.01)
+    np.testing.assert_allclose(answer.log_stiffness[-1], plain.log_stiffness[-1], atol=0.01)
+
+
+def patch(one, other, start, end):
+    """A run that is ``other`` between two times [s], and ``one`` before and after."""
+    (blocks, demand), (there, slips) = one, other
+    on = (blocks.end > start) & (blocks.end < end)
+    return (
+        replace(
+            blocks,
+            omega_f=np.where(on, there.omega_f, blocks.omega_f),
+            omega_r=np.where(on, there.omega_r, blocks.omega_r),
+        ),
+        demand
+        if demand.slip is None
+        else replace(demand, slip=np.where(on, slips.slip, demand.slip)),
+    )
+
+
+@pytest.mark.parametrize("v", [True, False])
+def test_a_patch_of_another_road_is_no_change_of_the_pads(v):
+    """Where it begins and where it ends; without v nothing but its edges tells it from pads."""
+    long = np.concatenate([np.zeros(30), np.full(160, 0.3)])
+    one, other = (stop(long, stiffness=c, v=v) for c in (25.0, 19.0))
+    answer = filter_pad_ratio(CAR, *patch(one, other, 4.0, 5.0), NOISE, POSTERIOR, PRIORS)
+    assert answer.changes[0] == pytest.approx(4.0, abs=0.11)
+    assert np.all(np.abs(answer.log_pad_ratio[60:]) < Z95 * answer.sigma[60:])
+    assert abs(answer.log_pad_ratio[-1]) < 0.03
+
+
+def test_a_road_that_changes_too_little_for_one_block_is_found_in_four():
+    one, other = (stop(STEADY, stiffness=c, v=False) for c in (25.0, 22.0))
+    answer = filter_pad_ratio(CAR, *patch(one, other, 4.0, 99.0), NOISE, POSTERIOR, PRIORS)
+    after = one[0].end > 4.0
+    assert np.max(answer.innovation_eta[after] ** 2) < PRIORS.wild_gate
+    assert answer.changes == (pytest.approx(4.05, abs=0.01),)
+
+
 def test_variances_stay_positive_over_a_long_stop():
     answer = followed(np.concatenate([np.zeros(30), np.full(500, 0.1)]), length=0.05)
     assert np.all(answer.sigma > 0.0)
