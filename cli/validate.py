@@ -226,8 +226,8 @@ def _report(stored: "Stored", results: "list[Validation]") -> None:
                 emit(f"{result.log}: {j.figure} {j.value:.4g} is {bound}")
         for why, share in result.refused.items():
             emit(f"{result.log}: {100 * share:.0f} % of the braked samples are not valid: {why}")
-        for time in result.estimate.split.changes:
-            emit(f"{result.log}: the surface changed at {time:.2f} s")
+        for text in words.on_the_way(result):
+            emit(f"{result.log}: {text}")
         for axle, of in zip(("front", "rear"), result.budget or (), strict=False):
             half = f"{of.pad_friction:.3f} +- {of.half_width:.3f} (95 %)"
             emit(f"{result.log}: {axle} pads {half}: {of.words}")

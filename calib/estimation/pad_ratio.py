@@ -36,7 +36,8 @@ class PadRatio:
     ``log_stiffness`` of the surface with its sigma; ``load_shift``, ``elastic_share`` of the load
     transfer; ``innovation_eta``, ``innovation_slip`` over their sigma (NaN where not measured);
     ``log_density`` logarithm of the probability density of what each block measured, less a
-    constant; ``changes`` times of surface changes [s].
+    constant; ``changes`` times of surface changes [s];
+    ``bumps`` begin and end [s] of blocks in a row that were not taken in, as over a bump.
     """
 
     log_pad_ratio: Array
@@ -52,6 +53,7 @@ class PadRatio:
     innovation_slip: Array
     log_density: Array
     changes: tuple[float, ...]
+    bumps: tuple[tuple[float, float], ...]
 
     @property
     def evidence(self) -> Array:
@@ -78,13 +80,14 @@ def weigh(
     innovation: Array,
     log_density: Array,
     changes: tuple[float, ...],
+    bumps: tuple[tuple[float, float], ...],
     odds_by_level: Array,
     priors: Priors,
 ) -> PadRatio:
     """Weigh the ratio against the table's and add what a strange surface leaves open.
 
     ``x`` states (k, COUNT); ``kept`` the entries `KEPT` of their covariance (k, 4); ``innovation``
-    (k, 2) of eta and slip; ``log_density`` (k,) and ``changes`` are handed on;
+    (k, 2) of eta and slip; ``log_density`` (k,), ``changes`` and ``bumps`` are handed on;
     ``odds_by_level`` (k,) factor on the odds that the ratio is the table's [1]. A ratio that cannot
     be told from the table's is given back as the table's (`calib.statistics.mixture_posterior`).
     """
@@ -114,4 +117,5 @@ def weigh(
         innovation_slip=innovation[:, 1],
         log_density=log_density,
         changes=changes,
+        bumps=bumps,
     )

@@ -83,6 +83,7 @@ def filter_pad_ratio(
     states, variances = np.empty((count, COUNT)), np.empty((count, kept.size))
     innovation, density = np.full((count, 2), np.nan), np.zeros(count)
     changes: list[float] = []
+    bumps: list[tuple[float, float]] = []
     # views of what is carried, taken once: the loop changes it in place and never replaces it
     shift = AT.load_shift
     row_shift, column_shift, flat = carried[shift], P[:, shift], carried.reshape(-1)
@@ -113,6 +114,8 @@ def filter_pad_ratio(
                 density[k], step = _measure(
                     carried, predicted, now, reading, lasting, innovation[k], gate
                 )
+                if step and wild in range(BUMP, most + 1):
+                    bumps.append((first - b.length, float(b.end[k - 1])))
                 wild = 0 if step else wild + 1
                 if wild == 1:
                     first = float(b.end[k])
@@ -140,6 +143,7 @@ def filter_pad_ratio(
         innovation,
         density,
         tuple(changes),
+        tuple(bumps),
         demand.odds_by_level,
         priors,
     )
@@ -225,6 +229,9 @@ of the surface are states, and follow it. With more nothing would be learnt once
 
 ALIKE = 4
 """Blocks in a row that show a road which changes too little to be seen in one: 0.2 s."""
+
+BUMP = 2
+"""Blocks in a row that were not taken in from which on it is told: one is often noise."""
 
 LEVEL = Given._fields.index("level")
 ETA_ZERO, SLIP_ZERO = AT.eta_zero, AT.slip_zero

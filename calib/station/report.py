@@ -16,6 +16,7 @@ from calib.table.pads_budget import pads_budget
 from calib.table.table import Table
 from calib.validation.limits import FAILED, NOT_KNOWN, WARNING
 from calib.validation.validate import Validation
+from calib.validation.words import on_the_way
 
 
 def report_html(found: StationOutcome, stored: Stored, date: str = "") -> str:
@@ -72,11 +73,7 @@ def report_html(found: StationOutcome, stored: Stored, date: str = "") -> str:
         curve_rows=_curve_rows(table),
         over_time=drawn(pictures, *(f"stop-{i}" for i in range(1, len(results) + 1))),
         means=[f"{r.log}: front {_pad(r, 'f')[0]}, rear {_pad(r, 'r')[0]}" for r in results],
-        surface_changes=[
-            f"{r.log}: the surface changed at {time:.2f} s"
-            for r in results
-            for time in r.estimate.split.changes
-        ],
+        on_the_way=[f"{r.log}: {text}" for r in results for text in on_the_way(r)],
         provenance=[
             ("Table", f"{stored.id}, SHA-256 {stored.digest}"),
             ("Golden table", _golden(found)),

@@ -83,6 +83,19 @@ def _next(stored: Stored, results: Sequence[Validation]) -> str:
     )
 
 
+def on_the_way(result: Validation) -> list[str]:
+    """What happened in a run that its brakes did not do: changes of the surface, bumps."""
+    split = result.estimate.split
+    return [
+        *(f"the surface changed at {time:.2f} s" for time in split.changes),
+        *(
+            f"{start:.2f} to {end:.2f} s tells nothing of the split: wheels or a_x are thrown about"
+            ", as over a bump"
+            for start, end in split.bumps
+        ),
+    ]
+
+
 def on_roads(results: Sequence[Validation]) -> list[tuple[str, str]]:
     """Of each road with several stops: their names, and how far their pads are apart."""
     together = agreement(list(results))

@@ -204,6 +204,7 @@ def test_a_bump_moves_nothing(v, at):
     assert np.all(np.isnan(answer.innovation_eta[at : at + len(BUMP)]))
     assert np.all(np.isfinite(answer.innovation_eta[at + len(BUMP) :]))
     assert answer.changes == ()
+    assert answer.bumps == (pytest.approx((flat.end[at - 1], flat.end[at + len(BUMP) - 1])),)
     np.testing.assert_allclose(answer.log_pad_ratio[-1], plain.log_pad_ratio[-1], atol=0.01)
     np.testing.assert_allclose(answer.log_stiffness[-1], plain.log_stiffness[-1], atol=0.01)
 

@@ -294,6 +294,69 @@ def quantisation(rng: Rng) -> Hidden:
     )
 
 
+def bump(rng: Rng) -> Hidden:
+    """A bump of 0.1 m or a pothole in each stop, as long as a wheel takes 40 to 80 ms: the load of
+    an axle falls by 20 to 60 % and rises by the same, then the wheel hops at 10 to 14 Hz for three
+    turns (Gillespie, Fundamentals of Vehicle Dynamics, chapter 5). a_x shows it 10 to 30 ms after
+    the wheels, by the filter of the sensor (our estimate)."""
+    drawn = [(rng.uniform(0.2, 0.6), rng.uniform(40.0, 75.0), rng.uniform(10.0, 14.0))
+             for _ in range(16)]  # fmt: skip
+    late = float(rng.uniform(0.01, 0.03))
+
+    def car(role: str, p: Plant, pressure: Pressure, v0: float) -> Plant:
+        if role != STOP:
+            return p
+        size, start, hop = drawn.pop()
+        length = 0.06 * v0
+        swing = 2.0 * math.pi * hop / v0
+
+        def load(x: float) -> float:
+            along = x - start
+            if along < 0.0:
+                return 1.0
+            if along < length:
+                return 1.0 + size * (-1.0 if along < 0.5 * length else 1.0)
+            after = along - length
+            return 1.0 + 0.5 * size * math.exp(-after * hop / (3.0 * v0)) * math.sin(swing * after)
+
+        return replace(p, bumps=load)
+
+    def sense(role: str, log: Log) -> Log:
+        at = log.time - late
+        return changed(log, a_x=np.interp(at, log.time, log["a_x"])) if role == STOP else log
+
+    return Hidden(car=car, sense=sense)
+
+
+def patch(rng: Rng) -> Hidden:
+    """A patch of 8 to 25 m in each stop, painted, wet or mended, with 0.4 to 0.8 of the friction of
+    its road and 0.8 to 1 of its stiffness (our estimate)."""
+    drawn = [
+        (
+            rng.uniform(40.0, 75.0),
+            rng.uniform(8.0, 25.0),
+            rng.uniform(0.8, 1.0),
+            rng.uniform(0.4, 0.8),
+        )
+        for _ in range(16)
+    ]
+
+    def car(role: str, p: Plant, *_: object) -> Plant:
+        if role != STOP:
+            return p
+        start, length, stiffness, peak = drawn.pop()
+        before = p.surface or (lambda x: (1.0, 1.0))
+
+        def surface(x: float) -> tuple[float, float]:
+            k, mu = before(x)
+            on = start < x < start + length
+            return (k * stiffness, mu * peak) if on else (k, mu)
+
+        return replace(p, surface=surface)
+
+    return Hidden(car=car)
+
+
 def everything(rng: Rng) -> Hidden:
     """All that stands before it, together."""
     before = takewhile(lambda draw: draw is not everything, CAUSES.values())
@@ -358,4 +421,6 @@ CAUSES: dict[str, Callable[[Rng], Hidden]] = {
     "hills": hills,
     "passenger": passenger,
     "pads along a run": pads_along,
+    "bump": bump,
+    "patch": patch,
 }

@@ -86,6 +86,7 @@ class Plant:
     pitch_felt : angle by which the nose dips per g [rad]; it tilts the accelerometer.
     grade : sine of the slope [1], positive uphill; the accelerometer feels it.
     hills : what is added to it at a distance [m]; None on a road of one slope.
+    bumps : factor on the load of an axle [1] at a distance [m]; None on an even road.
     motor : torque of a motor at both wheels of the front and of the rear axle together [N m],
         negative where it slows, at a time [s]; None for a car that rolls freely.
     motor_share : share of that torque that the motor gives at a speed [m/s]; all of it if None.
@@ -110,6 +111,7 @@ class Plant:
     pitch_felt: float = 0.0
     grade: float = 0.0
     hills: Callable[[float], float] | None = None
+    bumps: Callable[[float], float] | None = None
     motor: Callable[[float], tuple[float, float]] | None = None
     motor_share: Callable[[float], float] | None = None
     hydraulic_lag: float = 0.0
@@ -154,6 +156,9 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
     if plant.surface:
         road = [plant.surface(state[X]), plant.surface(state[X] - length)]
     road[1] = (road[1][0] * plant.rear_stiffness, road[1][1])
+    thrown = (1.0, 1.0)
+    if plant.bumps:
+        thrown = plant.bumps(state[X]), plant.bumps(state[X] - length)
     turn = STRAIGHT
     if plant.curvature:
         turn = cornering(car, plant.tyre, plant.curvature(t), v)
@@ -168,7 +173,7 @@ def instant(plant: Plant, t: float, state: list[float], p: tuple[float, ...]) ->
             r * (1.0 - plant.radius_load * (now / then - 1.0))
             for r, now, then in zip(at_rest, half, rest, strict=True)
         ]
-        loads = [half[i] * k for i, k in zip(SIDES, turn.load, strict=True)]
+        loads = [half[i] * thrown[i] * k for i, k in zip(SIDES, turn.load, strict=True)]
         slips = [
             1.0 - radius[i] * w / (v * k)
             for i, w, k in zip(SIDES, state[OMEGA], turn.path, strict=True)

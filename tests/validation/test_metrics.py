@@ -44,7 +44,9 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
     blocks = 100
     one = np.ones(blocks)
     noise = np.random.default_rng(0).standard_normal(blocks) if innovation is None else innovation
-    split = PadRatio(*9 * [one], noise, np.full(blocks, np.nan), one, changes=(2.5,))
+    split = PadRatio(
+        *9 * [one], noise, np.full(blocks, np.nan), one, changes=(2.5,), bumps=((3.0, 3.2),)
+    )
     values = {
         "plan": None,
         "read": None,

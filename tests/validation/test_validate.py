@@ -345,6 +345,7 @@ def test_what_is_not_finite_becomes_null():
     assert log["limits"][0]["value"] is None
     assert log["rms_error_by_method"]["gradient_paper"] == {"front": None, "rear": 0.1}
     assert log["surface_changes"] == [2.5]
+    assert log["bumps"] == [[3.0, 3.2]]
 
 
 def test_why_samples_are_not_valid_is_told(table):
