@@ -18,6 +18,8 @@ tyre's peak.
 """
 
 import math
+from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,8 +93,9 @@ def filter_pad_ratio(
     loads, programs = axle_loads_now(), (measurement(coasting), measurement(braked))
     afresh = changed_surface(b.length, priors)
     most = max(math.ceil(priors.wild_time / b.length - 1e-9), 1)
-    # blocks not taken in up to now, and the time of the first; from where the road may be another
-    wild, first, same = 0, math.nan, 0
+    # blocks not taken in up to now, and the time of the first; innovations on one road
+    wild, first = 0, math.nan
+    recent: deque[list[float]] = deque(maxlen=ALIKE)
     for k, (g, reading) in enumerate(zip(inputs, readings, strict=True)):
         row_shift *= decay
         column_shift *= decay
@@ -105,9 +108,7 @@ def filter_pad_ratio(
             braking = g[LEVEL] > 0.0
             predicted = programs[braking](now, g)
             gate = (priors.calm_gate if wild else priors.wild_gate) if braking else math.inf
-            opened = bool(
-                braking and reading.calm and _apart(innovation[max(same, k - ALIKE) : k], gate)
-            )
+            opened = bool(braking and reading.calm and _apart(recent, gate))
             if opened:
                 first = float(b.end[k - ALIKE])
             else:
@@ -124,7 +125,8 @@ def filter_pad_ratio(
                 # the road has changed: what was learnt of the pads must not take the blame
                 open_surface(P, priors, 1.0)
                 changes.append(first)
-                wild, same = 0, k
+                wild = 0
+                recent.clear()
             if opened or wild > most:
                 # it lasts, so it is no bump
                 density[k], step = _measure(
@@ -133,6 +135,10 @@ def filter_pad_ratio(
             if opened and step:
                 density[k] -= priors.wild_gate
                 step = step._replace(opened=True)
+        if step:
+            recent.append(innovation[k].tolist())
+        else:
+            recent.clear()
         if steps is not None:
             steps.append(step)
         states[k] = x
@@ -166,13 +172,14 @@ def _with_scatter(kept: Array) -> Array:
     return np.asarray(kept[:, :n] + np.sum(one * other, axis=2))
 
 
-def _apart(innovation: Array, gate: float) -> bool:
-    """Whether the last `ALIKE` blocks are off the same way: the mean square of their sums over the
-    sensors, ``innovation`` (`ALIKE`, 2), is past ``gate``.
+def _apart(recent: Sequence[Sequence[float]], gate: float) -> bool:
+    """Whether the last `ALIKE` blocks are off the same way.
+
+    The mean square of the sums of their innovations over the sensors is past ``gate`` then.
     """
-    if len(innovation) < ALIKE:
+    if len(recent) < ALIKE:
         return False
-    eta, slip = (innovation.sum(axis=0) ** 2 / ALIKE).tolist()
+    eta, slip = (sum(of) ** 2 / ALIKE for of in zip(*recent, strict=True))
     return bool((eta if math.isnan(slip) else 0.5 * (eta + slip)) > gate)
 
 
