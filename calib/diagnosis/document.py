@@ -26,7 +26,9 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "verdict": found.verdict,
         "effects": [_effect(effect) | _defined(effect, found) for effect in found.effects],
         "own_effects": _own(found),
-        "known": {n: dict(values) for n, values in found.model_before.effects.parameters.items()},
+        "known": {
+            n: dict(values) for n, values in found.model_before.vehicle.effects.parameters.items()
+        },
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
         "groups": [asdict(group) for group in found.groups],
         "start_heats": dict(found.start_heats),
