@@ -30,6 +30,10 @@ SHARE = 0.02
 """Share of what is left unexplained that other radii must explain to be tried. With radii 0.3 % off
 they explained 85 to 99 % of it beside effects that stood for them; with right ones at most 1 %."""
 
+NEARLY = 0.25
+"""Share of what an effect brings that it may still bring beside free radii, for them to be tried.
+Radii 0.1 % off with a drag were a rolling resistance and a slope, which still brought 14 %."""
+
 FURTHER = 3
 """Further effects that are fitted, the most promising ones, before radii count as better."""
 
@@ -58,9 +62,16 @@ def _explain_something(decision: Decision, freed: Candidate) -> bool:
 
 
 def _replace_an_effect(decision: Decision, freed: Candidate) -> bool:
-    """Whether an effect can be spared with free radii. Two together can imitate radii entirely."""
-    fewer = (fit_without(freed, name) for name in freed.names)
-    return any(gain(decision.best, other) > -CONFUSABLE for other in fewer)
+    """Whether free radii do what an effect does, or nearly so.
+
+    Two effects together can imitate radii, or radii and a third one.
+    """
+    best = decision.best
+    return any(
+        gain(best, fit_without(freed, name))
+        > -max(CONFUSABLE, -NEARLY * gain(best, fit_without(best, name)))
+        for name in freed.names
+    )
 
 
 def _better(decision: Decision, other: Decision) -> bool:
