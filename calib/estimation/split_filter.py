@@ -93,8 +93,8 @@ def filter_pad_ratio(
     loads, programs = axle_loads_now(), (measurement(coasting), measurement(braked))
     afresh = changed_surface(b.length, priors)
     most = max(math.ceil(priors.wild_time / b.length - 1e-9), 1)
-    # blocks not taken in up to now, and the time of the first; innovations on one road
-    wild, first = 0, math.nan
+    # blocks not taken in up to now, and the place of the first; innovations on one road
+    wild, first = 0, 0
     recent: deque[list[float]] = deque(maxlen=ALIKE)
     for k, (g, reading) in enumerate(zip(inputs, readings, strict=True)):
         row_shift *= decay
@@ -110,21 +110,21 @@ def filter_pad_ratio(
             gate = (priors.calm_gate if wild else priors.wild_gate) if braking else math.inf
             opened = bool(braking and reading.calm and _apart(recent, gate))
             if opened:
-                first = float(b.end[k - ALIKE])
+                first = k - ALIKE
             else:
                 density[k], step = _measure(
                     carried, predicted, now, reading, lasting, innovation[k], gate
                 )
                 if step and wild in range(BUMP, most + 1):
-                    bumps.append((first - b.length, float(b.end[k - 1])))
+                    bumps.append((float(b.end[max(first - 1, 0)]), float(b.end[k - 1])))
                 wild = 0 if step else wild + 1
                 if wild == 1:
-                    first = float(b.end[k])
+                    first = k
                 opened = wild > most and bool(reading.calm)
             if opened:
                 # the road has changed: what was learnt of the pads must not take the blame
                 open_surface(P, priors, 1.0)
-                changes.append(first)
+                changes.append(float(b.end[first]))
                 wild = 0
                 recent.clear()
             if opened or wild > most:

@@ -38,6 +38,7 @@ BUDGET = "What the pads' uncertainty is made of"
 WHY = "Where the estimate is valid, and why not"
 SHADED = "Grey: the sample is not valid, and no estimate is drawn."
 CHANGED = "Dotted vertical line: a change of surface was detected."
+BUMPS = "Striped: wheels or a_x are thrown about, as over a bump; left out of the split."
 WHEEL_STROKES: dict[str, Stroke] = {
     "fl": {"color": "#0072B2", "linestyle": "-"},
     "fr": {"color": "#56B4E9", "linestyle": DASH_DOT},
@@ -89,7 +90,8 @@ def result_of(trace: StopTrace) -> str:
 def note(trace: StopTrace) -> str:
     """Note of the page: source of the data and meaning of the marks."""
     changed = (CHANGED,) if trace.changes else ()
-    return " ".join((*trace.notes, SHADED, *changed, "Bands are 95 %."))
+    bumps = (BUMPS,) if trace.bumps else ()
+    return " ".join((*trace.notes, SHADED, *changed, *bumps, "Bands are 95 %."))
 
 
 def stop_panels(trace: StopTrace) -> tuple[Panel, ...]:
@@ -134,6 +136,8 @@ def _titled(title: str, pads: AxlePads | None) -> str:
 def frame(ax: "Axes", trace: StopTrace, ylabel: str) -> None:
     """Shade, mark and label an axis over time."""
     shade(ax, trace.time, ~trace.valid)
+    for start, end in trace.bumps:
+        ax.axvspan(start, end, facecolor="none", edgecolor="#B0B0B0", hatch="////", lw=0.0)
     for time in trace.changes:
         ax.axvline(time, color=BODY["color"], linestyle=DOTTED, linewidth=1.0)
     ax.set(xlabel="time [s]", ylabel=ylabel)

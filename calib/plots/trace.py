@@ -74,7 +74,8 @@ class StopTrace:
     ``z``, ``eta`` [1]; ``front``, ``rear``; ``valid`` whether the estimate can be used;
     ``wheels`` [rad/s] by wheel; ``v_wheel`` reference speed over the rolling radius [rad/s];
     ``force_sum`` force of tyres and air with the compensated pads, ``force_sum_nominal`` with the
-    nominal ones, ``inertia`` M z g, all [N]; ``changes`` of surface [s]; ``notes`` in words.
+    nominal ones, ``inertia`` M z g, all [N]; ``changes`` of surface and begin and end of
+    ``bumps`` [s]; ``notes`` in words.
     ``refused`` where the estimate cannot be used, by reason, (n,) each; ``pads`` what is said of
     both axles, with the half width of the 95 % interval, [1], None where nothing is valid;
     ``verdict`` in words, empty where none was given; ``nominal_of`` says whose the nominal
@@ -94,6 +95,7 @@ class StopTrace:
     force_sum_nominal: Array | None = None
     inertia: Array | None = None
     changes: tuple[float, ...] = ()
+    bumps: tuple[tuple[float, float], ...] = ()
     notes: tuple[str, ...] = ()
     budget: tuple[AxleBudget, AxleBudget] | None = None
     refused: dict[str, Mask] = field(default_factory=dict)
@@ -132,6 +134,7 @@ def from_validation(
         force_sum_nominal=total + _nominal_excess(car, front, rear),
         inertia=car.weight * estimate.z,
         changes=estimate.split.changes,
+        bumps=estimate.split.bumps,
         budget=result.budget,
         notes=(
             f"Estimator with table {name}, digest {table.digest[:16]}.",
