@@ -67,11 +67,11 @@ def _replace_an_effect(decision: Decision, freed: Candidate) -> bool:
     Two effects together can imitate radii, or radii and a third one.
     """
     best = decision.best
-    return any(
-        gain(best, fit_without(freed, name))
-        > -max(CONFUSABLE, -NEARLY * gain(best, fit_without(best, name)))
-        for name in freed.names
-    )
+    for name in freed.names:
+        lost = -gain(best, fit_without(freed, name))
+        if lost < CONFUSABLE or lost < -NEARLY * gain(best, fit_without(best, name)):
+            return True
+    return False
 
 
 def _better(decision: Decision, other: Decision) -> bool:

@@ -72,9 +72,8 @@ def ratio_parts(
     """
     grown = process_noise(plan.nominal, b, plan.priors)
     decay = math.exp(-b.length / plan.priors.pitch_memory)
-    opened, afresh = (
-        _opened(plan.priors, s) for s in (1.0, changed_surface(b.length, plan.priors))
-    )
+    opened = _opened(plan.priors, 1.0)
+    afresh = _opened(plan.priors, changed_surface(b.length, plan.priors))
     changed = next((k for k, step in enumerate(steps) if step and step.opened), len(steps))
     out = {part: np.zeros((2, 2)) for part in (*PART, "noise")}
     drifted = np.zeros((2, 2, COUNT))

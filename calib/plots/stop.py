@@ -23,6 +23,7 @@ from calib.plots.style import (
     noisy,
     shade,
     smooth,
+    stripe,
     view,
 )
 from calib.plots.trace import AxlePads, AxleTrace, StopTrace
@@ -137,7 +138,7 @@ def frame(ax: "Axes", trace: StopTrace, ylabel: str) -> None:
     """Shade, mark and label an axis over time."""
     shade(ax, trace.time, ~trace.valid)
     for start, end in trace.bumps:
-        ax.axvspan(start, end, facecolor="none", edgecolor="#B0B0B0", hatch="////", lw=0.0)
+        stripe(ax, start, end)
     for time in trace.changes:
         ax.axvline(time, color=BODY["color"], linestyle=DOTTED, linewidth=1.0)
     ax.set(xlabel="time [s]", ylabel=ylabel)

@@ -36,6 +36,7 @@ LEVEL: Stroke = {"color": "#009E73", "linestyle": DASHED}
 IDENTIFIED: Stroke = {"color": "#009E73", "linestyle": "-"}
 
 SHADE = "#E9E9E9"
+STRIPE = "#B0B0B0"
 RAW = 0.3
 """Opacity of a line without smoothing."""
 BAND = 0.18
@@ -115,6 +116,11 @@ def shade(ax: "Axes", x: Array, where: Mask) -> None:
     """Shade the whole height of ``ax`` where the mask is true."""
     across = ax.get_xaxis_transform()
     ax.fill_between(x, 0.0, 1.0, where=where, transform=across, color=SHADE, lw=0.0, zorder=0)
+
+
+def stripe(ax: "Axes", start: float, end: float) -> None:
+    """Hatch the whole height of ``ax`` between two places."""
+    ax.axvspan(start, end, facecolor="none", edgecolor=STRIPE, hatch="////", lw=0.0)
 
 
 def view(ax: "Axes", *values: Array, zero: bool = False, margin: float = 0.12) -> None:

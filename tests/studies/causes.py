@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import takewhile
+from typing import TypeVar
 
 import numpy as np
 
@@ -26,6 +27,8 @@ RAMP, COAST, STOP = "ramp", "coast", "stop"
 
 Rng = np.random.Generator
 Levels = dict[str, NoiseLevel]
+Car = Callable[[str, Plant, Pressure, float], Plant]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -37,10 +40,19 @@ class Hidden:
     their noise and steps.
     """
 
-    car: Callable[[str, Plant, Pressure, float], Plant] = lambda role, plant, pressure, v0: plant
+    car: Car = lambda role, plant, pressure, v0: plant
     told: Callable[[Vehicle], Vehicle] = lambda vehicle: vehicle
     sense: Callable[[str, Log], Log] = lambda role, log: log
     levels: Callable[[Levels], Levels] = lambda levels: levels
+
+
+def in_stops(drawn: list[T], change: Callable[[Plant, float, T], Plant]) -> Car:
+    """The plant of a stop by ``change`` of it, its first speed [m/s] and the next one ``drawn``."""
+
+    def car(role: str, p: Plant, pressure: Pressure, v0: float) -> Plant:
+        return change(p, v0, drawn.pop()) if role == STOP else p
+
+    return car
 
 
 def control(rng: Rng) -> Hidden:
@@ -138,13 +150,11 @@ def hills(rng: Rng) -> Hidden:
     drawn = [(rng.uniform(0.01, 0.04), rng.uniform(80.0, 250.0), rng.uniform(0.0, 6.28))
              for _ in range(16)]  # fmt: skip
 
-    def car(role: str, p: Plant, *_: object) -> Plant:
-        if role != STOP:
-            return p
-        size, length, phase = drawn.pop()
+    def hilly(p: Plant, v0: float, of: tuple[float, float, float]) -> Plant:
+        size, length, phase = of
         return replace(p, hills=lambda x: size * math.sin(2.0 * math.pi * x / length + phase))
 
-    return Hidden(car=car)
+    return Hidden(car=in_stops(drawn, hilly))
 
 
 def passenger(rng: Rng) -> Hidden:
@@ -303,10 +313,8 @@ def bump(rng: Rng) -> Hidden:
              for _ in range(16)]  # fmt: skip
     late = float(rng.uniform(0.01, 0.03))
 
-    def car(role: str, p: Plant, pressure: Pressure, v0: float) -> Plant:
-        if role != STOP:
-            return p
-        size, start, hop = drawn.pop()
+    def bumpy(p: Plant, v0: float, of: tuple[float, float, float]) -> Plant:
+        size, start, hop = of
         length = 0.06 * v0
         swing = 2.0 * math.pi * hop / v0
 
@@ -325,7 +333,7 @@ def bump(rng: Rng) -> Hidden:
         at = log.time - late
         return changed(log, a_x=np.interp(at, log.time, log["a_x"])) if role == STOP else log
 
-    return Hidden(car=car, sense=sense)
+    return Hidden(car=in_stops(drawn, bumpy), sense=sense)
 
 
 def patch(rng: Rng) -> Hidden:
@@ -341,10 +349,8 @@ def patch(rng: Rng) -> Hidden:
         for _ in range(16)
     ]
 
-    def car(role: str, p: Plant, *_: object) -> Plant:
-        if role != STOP:
-            return p
-        start, length, stiffness, peak = drawn.pop()
+    def patched(p: Plant, v0: float, of: tuple[float, float, float, float]) -> Plant:
+        start, length, stiffness, peak = of
         before = p.surface or (lambda x: (1.0, 1.0))
 
         def surface(x: float) -> tuple[float, float]:
@@ -354,7 +360,7 @@ def patch(rng: Rng) -> Hidden:
 
         return replace(p, surface=surface)
 
-    return Hidden(car=car)
+    return Hidden(car=in_stops(drawn, patched))
 
 
 def everything(rng: Rng) -> Hidden:
