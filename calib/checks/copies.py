@@ -27,6 +27,20 @@ def made_of_wheels(log: Log) -> bool:
     return float(explained_square(wheels, rough(log, "v"))) > SAME**2
 
 
+CALMER = 0.95
+"""Share of the samples, those that change least, in which two copies agree as well: a bump shakes
+all wheels in a few samples, and these are most of the signal."""
+
+
+def alike(log: Log, one: str, other: str) -> float:
+    """Correlation of the noise of two channels [1], 0 to 1; without the samples of a bump."""
+    x = np.array([rough(log, one), rough(log, other)])
+    far = np.sum(x**2, axis=0)
+    x = x[:, far <= np.quantile(far, CALMER)]
+    size = float(np.prod(np.linalg.norm(x, axis=1)))
+    return abs(float(x[0] @ x[1])) / size if size > 0.0 else 0.0
+
+
 def rough(log: Log, channel: str) -> Array:
     """Second differences of a channel, of length 1 as a vector."""
     differences = _differences(log, channel)

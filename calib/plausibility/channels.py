@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.copies import SAME, is_noise, rough
+from calib.checks.copies import SAME, alike, is_noise, rough
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.vehicle import Vehicle
@@ -31,14 +31,14 @@ def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Plausib
 
 def _twice(log: Log) -> Iterator[PlausibilityWarning]:
     noise = {name: rough(log, name) for name in COMPARED if name in log}
-    rows = np.array(list(noise.values()))
-    alike = np.abs(rows @ rows.T)
-    for (i, one), (j, other) in combinations(enumerate(noise), 2):
-        if alike[i, j] > SAME and is_noise(log, one):
+    for (one, x), (other, y) in combinations(noise.items(), 2):
+        if abs(float(x @ y)) <= SAME or not is_noise(log, one):
+            continue
+        if (same := alike(log, one, other)) > SAME:
             yield PlausibilityWarning(
                 "same_signal",
                 log.name,
-                float(alike[i, j]),
+                same,
                 (0.0, SAME),
                 (f"{other} is a copy of {one}", "a channel map that names one column twice"),
                 "record each sensor by itself",

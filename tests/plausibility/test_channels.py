@@ -50,6 +50,17 @@ def test_a_copy_is_named(clean, to, source, gain):
     ]
 
 
+def test_a_bump_that_shakes_both_wheels_of_an_axle_alike_is_no_copy(clean):
+    """Its second differences are some three hundred times those of the noise, for 0.06 s in 5 s."""
+    log = noisy(clean, 0)
+    inside = (log.time > 2.0) & (log.time < 2.06)
+    jerk = 9.0 * np.where(inside, np.cos(2.0 * np.pi * 40.0 * log.time), 0.0)
+    run = changed(log, omega_fl=log["omega_fl"] + jerk, omega_fr=log["omega_fr"] + jerk)
+    assert found(run) == []
+    raw = [np.diff(run[f"omega_{wheel}"], 2) for wheel in ("fl", "fr")]
+    assert np.corrcoef(*raw)[0, 1] > 0.99
+
+
 def test_missing_samples_are_no_copies(clean):
     """Over a gap every wheel makes the same step."""
     log = noisy(clean, 0)
