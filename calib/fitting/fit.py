@@ -3,7 +3,7 @@
 logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table, warnings
 """
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from calib.errors import LogError
 from calib.fitting import curves
 from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration
+from calib.fitting.disturbances import disturbed
 from calib.fitting.identify import identify
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.metrics import metrics
@@ -71,6 +72,7 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
         prepare(car, log.name, b, noise, known.effects, sensor)
         for (log, b, noise), sensor in zip(ramps, sensors, strict=True)
     ]
+    runs = [replace(run, use=run.use & ~disturbed(car, run)) for run in runs]
     found, runs = identify(car, runs, known)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in with_both_axles(runs)))
     sources = ", ".join(log.source for log, _, _ in ramps)

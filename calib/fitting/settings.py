@@ -63,6 +63,18 @@ class FitSettings:
     """Below this v [m/s] the clock offset and the noise of v swallow the slip."""
     outlier: float = 4.0
     """Residuals past this many sigma are named: of 500 blocks of noise one in 30 runs has one."""
+    disturbance_of_eta: float = 0.12
+    """How far eta stands out from its smooth course, over its range on the ramp, where something
+    else acts. A gear shift of 240 N m moves it by a third or more, a bump by as much as the range."""
+    disturbance_of_force: float = 0.03
+    """The same of the demanded brake force, over its largest."""
+    disturbance_gate: float = 6.0
+    """How many times the usual scatter both must stand out."""
+    disturbance_among: int = 20
+    """Fewest braked blocks among which a disturbance is told; a fifth of them must be calm before
+    and after it."""
+    disturbance_share: float = 0.3
+    """Share of the braked blocks from which on what stands out is no disturbance, but the car."""
     flat: float = 0.1
     """Share of its first slope at which eta over z is too flat to be read backwards: there an error
     of eta moves D ten times as far as it should."""
