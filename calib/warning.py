@@ -13,6 +13,7 @@ UNITS = {
     "unexplained_braking_force": "1",
     "braking_force_missing": "1",
     "pressure_lag": "s",
+    "force_step": "1",
     "pressure_zero": "bar",
     "same_signal": "1",
     "v_held": "s",

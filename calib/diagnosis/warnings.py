@@ -19,6 +19,7 @@ SEARCHED = (
     "unexplained_braking_force",
     "braking_force_missing",
     "pressure_lag",
+    "force_step",
     "axles_swapped",
     "level_changed",
 )

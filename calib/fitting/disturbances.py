@@ -9,6 +9,8 @@ that are 50 sigma off bend the tyre's curve, and that is taken for other pads. W
 stays in: nobody knows which part is the usual one.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,15 +22,20 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
+def without_disturbances(vehicle: Vehicle, run: RampRun) -> RampRun:
+    """The ramp without the blocks that show a disturbance; ``left_out`` says which they are."""
+    left_out = disturbed(vehicle, run)
+    return replace(run, use=run.use & ~left_out, left_out=left_out)
+
+
 def disturbed(vehicle: Vehicle, run: RampRun) -> Mask:
     """Blocks (k,) of a ramp that show a disturbance which comes and goes."""
     b, inside = run.blocks, run.braked
     none = np.zeros_like(inside)
     if np.count_nonzero(inside) < SETTINGS.disturbance_among:
         return none
-    time, eta, force, N = (
-        x[inside] for x in (b.end, b.eta, run.brake_sum, sum(nominal_forces(vehicle, run, 0.0)))
-    )
+    B_f, B_r = nominal_forces(vehicle, run, 0.0)
+    time, eta, force, N = (x[inside] for x in (b.end, b.eta, run.brake_sum, B_f + B_r))
     N = N / np.max(N)
     t = (time - np.mean(time)) / np.ptp(time)
     rate, one = np.gradient(N, time), np.ones_like(N)

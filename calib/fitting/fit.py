@@ -3,7 +3,7 @@
 logs --> signals --> resistance (coasting) --> tyre and pads --> curves --> table, warnings
 """
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from calib.errors import LogError
 from calib.fitting import curves
 from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration
-from calib.fitting.disturbances import disturbed
+from calib.fitting.disturbances import without_disturbances
 from calib.fitting.identify import identify
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.metrics import metrics
@@ -24,12 +24,12 @@ from calib.fitting.resistance import RESISTANCE
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sensors import of_whole_run, put_right
 from calib.fitting.sort_logs import sort_logs
-from calib.fitting.warnings import fit_warnings
+from calib.fitting.warnings import log_warnings
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
 from calib.physics.mass import mass_used, weighed
 from calib.physics.vehicle import Vehicle
-from calib.plausibility.pads import require_possible_pads
+from calib.plausibility.pads import calibration_warnings, require_possible_pads
 from calib.signals.noise import worst_noise
 from calib.table.table import Table
 
@@ -69,14 +69,14 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
     ramps, coasts = (list(map(put_right, *pair)) for pair in zip(as_read, judged, strict=True))
     known = identify_resistance(car, [(b, noise.z) for _, b, noise in ramps + coasts])
     runs = [
-        prepare(car, log.name, b, noise, known.effects, sensor)
+        without_disturbances(car, prepare(car, log.name, b, noise, known.effects, sensor))
         for (log, b, noise), sensor in zip(ramps, sensors, strict=True)
     ]
-    runs = [replace(run, use=run.use & ~disturbed(car, run)) for run in runs]
+    warnings = log_warnings(car, *as_read, known)
     found, runs = identify(car, runs, known)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in with_both_axles(runs)))
     sources = ", ".join(log.source for log, _, _ in ramps)
-    require_tyre(car, found, z_max, sources)
+    require_tyre(car, found, z_max, sources, warnings)
     peak = find_peak(car, found, z_max)
     z_end = readable_up_to(car, found, z_max)
     if z_end <= 0.0:
@@ -87,6 +87,7 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
             expected=f"a front-biased car; by its file {car.name} is so up to "
             f"{front_biased_up_to(car):.2f} g",
             do="check areas and radii of the brakes in the vehicle file",
+            lines=tuple(map(str, warnings)),
         )
     level = level_parts(car, found, runs, known)
     pads = calibration(car, found, level)
@@ -109,6 +110,6 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
             *bought(car, found, runs, known),
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, read),
-        warnings=fit_warnings(car, *as_read, known, found, pads),
+        warnings=(*calibration_warnings(car, pads, found.posterior), *warnings),
         budget=table_budget(car, found, level, pads),
     )

@@ -15,6 +15,7 @@ from calib.physics.balance import brake_forces
 from calib.physics.forces import axle_loads, speed_ratio
 from calib.physics.vehicle import Vehicle
 from calib.table.table import TyrePosterior
+from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
 
@@ -116,8 +117,17 @@ def delta_sigma(f: Callable[[RampParameters[float]], Array], posterior: TyrePost
     return np.asarray(np.sqrt(np.einsum("...i,ij,...j->...", J, covariance, J)))
 
 
-def require_tyre(vehicle: Vehicle, found: Identified, z_max: float, sources: str) -> None:
-    """Refuse ramps whose noise bends the compliance back: no tyre has less slip at more force."""
+def require_tyre(
+    vehicle: Vehicle,
+    found: Identified,
+    z_max: float,
+    sources: str,
+    warnings: tuple[PlausibilityWarning, ...],
+) -> None:
+    """Refuse ramps whose noise bends the compliance back: no tyre has less slip at more force.
+
+    ``warnings`` on the logs are told beside it: they may name the cause.
+    """
     top = path(vehicle, found.mean, np.asarray([z_max]))
     force = np.linspace(0.0, 1.1 * float(max(top.F_f[0], top.F_r[0])), 100)
     if np.any(found.posterior.tyre.slope(force, 1.0) <= 0.0):
@@ -127,4 +137,5 @@ def require_tyre(vehicle: Vehicle, found: Identified, z_max: float, sources: str
             expected="no wheel near its limit, and wheel speeds that show a slip of 0.1 %",
             do="end the ramp before ABS works or a wheel locks; look at the wheel speeds with "
             "`brake-cal check`, or add a second ramp",
+            lines=tuple(map(str, warnings)),
         )

@@ -44,7 +44,8 @@ class RampRun:
     that the deceleration demands [N]; ``slip`` measured mean slip [1], None without v; ``use``
     blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
     is exact; ``only`` the axle that brakes alone, None where both do; ``model_error`` of the tyre's
-    curve relative to the slip [1].
+    curve relative to the slip [1]; ``left_out`` blocks of the braking in which something else acts,
+    see `calib.fitting.disturbances`.
     """
 
     name: str
@@ -60,6 +61,7 @@ class RampRun:
     accelerometer: Accelerometer | None = None
     only: Axle | None = None
     model_error: Array | float = SETTINGS.model_error
+    left_out: NDArray[np.bool_] | None = None
 
     @cached_property
     def braked(self) -> NDArray[np.bool_]:

@@ -24,6 +24,11 @@ def remarks(
     said = []
     for i, (run, zero) in enumerate(zip(runs, found.eta_zero, strict=True)):
         said.append(f"{run.name}: eta zeroed by {100 * zero:+.3f} % (rolling radii)")
+        said += [
+            f"{run.name}: left out from {first:.2f} to {last:.2f} s, where something acts that the "
+            "pressure does not make: a bump, a gear shift, another road"
+            for first, last in spans(run)
+        ]
         times = outliers(run, found, i)
         if times:
             listed = ", ".join(f"{t:.2f}" for t in times[:5])
@@ -51,6 +56,18 @@ def remarks(
             f"times nominal, 95 % {low:.2f} to {high:.2f}"
         )
     return tuple(said)
+
+
+def spans(run: RampRun) -> list[tuple[float, float]]:
+    """First and last time [s] of each group of blocks that was left out of a run."""
+    if run.left_out is None:
+        return []
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], run.left_out, [0]])))
+    end, length = run.blocks.end, run.blocks.length
+    return [
+        (float(end[first]) - length, float(end[after - 1]))
+        for first, after in zip(edges[::2], edges[1::2], strict=True)
+    ]
 
 
 def taken_out(vehicle: Vehicle) -> tuple[str, ...]:

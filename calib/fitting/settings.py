@@ -65,7 +65,7 @@ class FitSettings:
     """Residuals past this many sigma are named: of 500 blocks of noise one in 30 runs has one."""
     disturbance_of_eta: float = 0.12
     """How far eta stands out from its smooth course, over its range on the ramp, where something
-    else acts. A gear shift of 240 N m moves it by a third or more, a bump by as much as the range."""
+    else acts: a gear shift of 240 N m moves it by a third, a bump by as much as the range."""
     disturbance_of_force: float = 0.03
     """The same of the demanded brake force, over its largest."""
     disturbance_gate: float = 6.0

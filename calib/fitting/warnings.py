@@ -2,32 +2,24 @@
 
 from collections.abc import Iterator
 
-from calib.fitting.identify import Identified
 from calib.fitting.resistance import ROLLING, Resistance
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sensors import judge_accelerometer
 from calib.fitting.sort_logs import Prepared
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.bend import bend_warnings
-from calib.plausibility.pads import calibration_warnings
 from calib.plausibility.resistance import resistance_warnings
 from calib.plausibility.run import run_warnings
 from calib.signals.axle_signals import signals
 from calib.signals.brake_balance import brake_balance
 from calib.signals.brake_response import brake_response
-from calib.table.table import Calibration
 from calib.warning import PlausibilityWarning
 
 
-def fit_warnings(
-    vehicle: Vehicle,
-    ramps: list[Prepared],
-    coasts: list[Prepared],
-    known: Resistance,
-    found: Identified,
-    calibration: Calibration,
+def log_warnings(
+    vehicle: Vehicle, ramps: list[Prepared], coasts: list[Prepared], known: Resistance
 ) -> tuple[PlausibilityWarning, ...]:
-    """Warnings on a fit.
+    """Warnings on the logs of a fit, which need no fit.
 
     ``ramps``, ``coasts`` with the blocks as read; ``known`` the resistance that was identified. A
     ramp is compared with the resistance of the coasts alone, where there are any.
@@ -36,7 +28,6 @@ def fit_warnings(
     rolling = identify_resistance(vehicle, coasted) if coasts else known
     runs = [(run, rolling) for run in ramps] + [(run, known) for run in coasts]
     return (
-        *calibration_warnings(vehicle, calibration, found.posterior),
         *_of_resistance(vehicle, known),
         *(warning for run, own in runs for warning in _of_run(vehicle, run, known, own)),
         *_of_bends(vehicle, ramps, coasts),

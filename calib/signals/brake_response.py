@@ -15,6 +15,7 @@ pressure.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +65,29 @@ LEAST = 1.0
 """Time of braking that is needed [s]."""
 AGE = 10.0
 """Time over which the trend is written [s]."""
+WINDOW, BETWEEN = 0.3, 0.1
+"""Time of the two medians [s] whose difference is a step of the force, and that between them."""
+BITTEN = 0.4
+"""Time of braking [s] before a step is looked for: pads and body are not at rest before."""
+STEADY = 0.3
+"""Change of the nominal brake force between the medians, over the usual one [1], beyond which a
+step says nothing: it may be the delay, that is not exact."""
+
+
+class ForceStep(NamedTuple):
+    """The largest step of the braking force that the pressure does not make.
+
+    ``time`` [s]; ``share`` over the usual brake force [1], above zero where the car brakes more
+    after it; ``sigma`` scatter of such steps in the run [1].
+    """
+
+    time: float
+    share: float
+    sigma: float
+
+
+NO_STEP = ForceStep(0.0, 0.0, 1.0)
+"""Of a run that is too short for one."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +97,8 @@ class BrakeResponse:
     ``level`` the pads over the nominal ones [1]; ``delay`` is above zero where the deceleration
     comes after the pressure. ``share`` is ``force`` over the median demanded brake force [1],
     ``share_sigma`` its standard deviation. ``fading`` the force that goes as the car gets slow over
-    the same [1], with ``fading_sigma``: `FADING` where the run does not show it.
+    the same [1], with ``fading_sigma``: `FADING` where the run does not show it. ``step`` is the
+    largest step of the force beside the pressure.
     """
 
     level: float
@@ -85,6 +110,7 @@ class BrakeResponse:
     share_sigma: float
     fading: float = 0.0
     fading_sigma: float = FADING
+    step: ForceStep = NO_STEP
 
 
 def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
@@ -125,6 +151,7 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         variance = _variance(y - A @ free)
         spread = {2: FORCE * usual, 4: FADING * usual, 5: level * SPREAD}
         solution, sigma = _with_usual(A, y, variance, spread, USUAL - delay)
+        rest = y - A @ solution
         delay += float(solution[5]) / level
     return BrakeResponse(
         level=float(solution[0]),
@@ -136,7 +163,34 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         share_sigma=float(sigma[2]) / usual,
         fading=float(solution[4]) / usual,
         fading_sigma=LASTING * float(sigma[4]) / usual,
+        step=_step(time[inside], braked[inside], n[inside] * level / usual, rest / usual),
     )
+
+
+def _step(time: Array, braked: Array, nominal: Array, rest: Array) -> ForceStep:
+    """The largest step of ``rest`` (n,) in the longest braking, see `ForceStep`.
+
+    ``nominal`` what the pressure makes; both over the usual brake force [1]. Medians, not means:
+    a bump is no step.
+    """
+    step = float(np.min(np.diff(time)))
+    on = np.flatnonzero(braked == 1.0)
+    longest = max(np.split(on, np.flatnonzero(np.diff(time[on]) > 1.5 * step) + 1), key=len)
+    width, apart = round(WINDOW / step), round((WINDOW + BETWEEN) / step)
+    if longest.size < 2 * apart:
+        return NO_STEP
+    levels, pressed = (
+        np.median(np.lib.stride_tricks.sliding_window_view(x[longest], width), axis=-1)
+        for x in (rest, nominal)
+    )
+    steps = levels[apart:] - levels[:-apart]
+    at = time[longest][(apart + width) // 2 :][: steps.size]
+    told = (np.abs(pressed[apart:] - pressed[:-apart]) < STEADY) & (at > at[0] + BITTEN)
+    if not told.any():
+        return NO_STEP
+    largest = int(np.argmax(np.where(told, np.abs(steps), 0.0)))
+    scatter = 1.4826 * float(np.median(np.abs(steps[told] - np.median(steps[told]))))
+    return ForceStep(float(at[largest]), float(steps[largest]), scatter)
 
 
 def _with_usual(

@@ -234,12 +234,18 @@ def test_peak_and_bias_are_reported(table):
 
 
 def test_outliers_are_counted_and_named(run, table):
-    burst = 1.0 + 0.02 * ((run.time > 5.0) & (run.time < 5.2))
-    hit = {f"omega_r{s}": run[f"omega_r{s}"] * burst for s in "lr"}
-    said = fit(CAR, [replace(run, channels={**run.channels, **hit})])
+    """At the top of the ramp, where they may be the tyre's peak, they stay in the fit."""
+    said = fit(CAR, [with_burst(run, 9.0)])
     assert said.quality["outliers"] >= 4.0
-    assert any("outlying blocks of eta, at 5." in remark for remark in said.remarks)
+    assert any("outlying blocks of eta, at 9." in remark for remark in said.remarks)
     assert table.quality["outliers"] == 0.0
+
+
+def with_burst(log, start):
+    """The log with rear wheels that turn 2 % faster for 0.2 s."""
+    burst = 1.0 + 0.02 * ((log.time > start) & (log.time < start + 0.2))
+    hit = {f"omega_r{s}": log[f"omega_r{s}"] * burst for s in "lr"}
+    return replace(log, channels={**log.channels, **hit})
 
 
 def test_without_v_the_table_says_what_it_rests_on(run):

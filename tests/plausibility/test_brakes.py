@@ -7,13 +7,13 @@ import pytest
 
 from calib.plausibility.brakes import motor_of, pressure_warnings, response_warnings
 from calib.signals.axle_signals import signals
-from calib.signals.brake_response import BrakeResponse
+from calib.signals.brake_response import BrakeResponse, ForceStep
 from tests.support.reference_car import CAR, REAL, noisy, stop
 
 
-def response(delay=0.0, share=0.0, sigma=0.01, **fading):
+def response(delay=0.0, share=0.0, sigma=0.01, **others):
     of_share = (5000.0 * share, 5000.0 * sigma, share, sigma)
-    return BrakeResponse(1.0, delay, sigma, *of_share, **fading)
+    return BrakeResponse(1.0, delay, sigma, *of_share, **others)
 
 
 @pytest.mark.parametrize(
@@ -33,6 +33,10 @@ def response(delay=0.0, share=0.0, sigma=0.01, **fading):
         (response(delay=0.15), ["pressure_lag"]),
         (response(delay=-0.15), ["pressure_lag"]),
         (response(delay=0.15, sigma=0.1), []),
+        (response(step=ForceStep(4.0, 0.08, 0.01)), ["force_step"]),
+        (response(step=ForceStep(4.0, -0.08, 0.01)), ["force_step"]),
+        (response(step=ForceStep(4.0, 0.08, 0.02)), []),
+        (response(step=ForceStep(4.0, 0.02, 0.001)), []),
         (None, []),
     ],
 )

@@ -11,6 +11,7 @@ called so.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import takewhile
 from typing import TypeVar
 
@@ -46,11 +47,12 @@ class Hidden:
     levels: Callable[[Levels], Levels] = lambda levels: levels
 
 
-def in_stops(drawn: list[T], change: Callable[[Plant, float, T], Plant]) -> Car:
-    """The plant of a stop by ``change`` of it, its first speed [m/s] and the next one ``drawn``."""
+def in_role(where: str, drawn: list[T], change: Callable[[Plant, float, T], Plant]) -> Car:
+    """The plant of each run that has the role ``where``: a ``change`` of it, by its first speed
+    [m/s] and the next one ``drawn``."""
 
     def car(role: str, p: Plant, pressure: Pressure, v0: float) -> Plant:
-        return change(p, v0, drawn.pop()) if role == STOP else p
+        return change(p, v0, drawn.pop()) if role == where else p
 
     return car
 
@@ -154,7 +156,7 @@ def hills(rng: Rng) -> Hidden:
         size, length, phase = of
         return replace(p, hills=lambda x: size * math.sin(2.0 * math.pi * x / length + phase))
 
-    return Hidden(car=in_stops(drawn, hilly))
+    return Hidden(car=in_role(STOP, drawn, hilly))
 
 
 def passenger(rng: Rng) -> Hidden:
@@ -304,11 +306,11 @@ def quantisation(rng: Rng) -> Hidden:
     )
 
 
-def bump(rng: Rng) -> Hidden:
-    """A bump of 0.1 m or a pothole in each stop, as long as a wheel takes 40 to 80 ms: the load of
-    an axle falls by 20 to 60 % and rises by the same, then the wheel hops at 10 to 14 Hz for three
-    turns (Gillespie, Fundamentals of Vehicle Dynamics, chapter 5). a_x shows it 10 to 30 ms after
-    the wheels, by the filter of the sensor (our estimate)."""
+def bump(rng: Rng, where: str = STOP) -> Hidden:
+    """A bump of 0.1 m or a pothole in each stop, or in the ramp, as long as a wheel takes 40 to 80
+    ms: the load of an axle falls by 20 to 60 % and rises by the same, then the wheel hops at 10 to
+    14 Hz for three turns (Gillespie, Fundamentals of Vehicle Dynamics, chapter 5). a_x shows it
+    10 to 30 ms after the wheels, by the filter of the sensor (our estimate)."""
     drawn = [(rng.uniform(0.2, 0.6), rng.uniform(40.0, 75.0), rng.uniform(10.0, 14.0))
              for _ in range(16)]  # fmt: skip
     late = float(rng.uniform(0.01, 0.03))
@@ -331,14 +333,14 @@ def bump(rng: Rng) -> Hidden:
 
     def sense(role: str, log: Log) -> Log:
         at = log.time - late
-        return changed(log, a_x=np.interp(at, log.time, log["a_x"])) if role == STOP else log
+        return changed(log, a_x=np.interp(at, log.time, log["a_x"])) if role == where else log
 
-    return Hidden(car=in_stops(drawn, bumpy), sense=sense)
+    return Hidden(car=in_role(where, drawn, bumpy), sense=sense)
 
 
-def patch(rng: Rng) -> Hidden:
-    """A patch of 8 to 25 m in each stop, painted, wet or mended, with 0.4 to 0.8 of the friction of
-    its road and 0.8 to 1 of its stiffness (our estimate)."""
+def patch(rng: Rng, where: str = STOP) -> Hidden:
+    """A patch of 8 to 25 m in each stop, or in the ramp, painted, wet or mended, with 0.4 to 0.8 of
+    the friction of its road and 0.8 to 1 of its stiffness (our estimate)."""
     drawn = [
         (
             rng.uniform(40.0, 75.0),
@@ -360,7 +362,36 @@ def patch(rng: Rng) -> Hidden:
 
         return replace(p, surface=surface)
 
-    return Hidden(car=in_stops(drawn, patched))
+    return Hidden(car=in_role(where, drawn, patched))
+
+
+def gear_shift(rng: Rng, where: str = STOP) -> Hidden:
+    """An engine brakes the driven axle with 80 to 300 N m: 20 to 40 N m times the ratios of a
+    second to fourth gear. It sets in or ends 1 to 3 s after the first pressure, or a shift breaks
+    it, or adds to it, for 0.4 to 0.9 s (our estimate)."""
+    front = bool(rng.random() < 0.7)
+    drawn = [
+        (
+            float(rng.uniform(80.0, 300.0)),
+            float(rng.uniform(2.5, 4.5)),
+            float(rng.uniform(0.4, 0.9)),
+            int(rng.integers(4)),
+        )
+        for _ in range(16)
+    ]
+
+    def shifted(p: Plant, v0: float, of: tuple[float, float, float, int]) -> Plant:
+        size, start, length, kind = of
+
+        def motor(t: float) -> tuple[float, float]:
+            inside = start < t < start + length
+            on = (t > start, t < start, inside, not inside)[kind]
+            both = -size * on
+            return (both, 0.0) if front else (0.0, both)
+
+        return replace(p, motor=motor)
+
+    return Hidden(car=in_role(where, drawn, shifted))
 
 
 def everything(rng: Rng) -> Hidden:
@@ -428,5 +459,9 @@ CAUSES: dict[str, Callable[[Rng], Hidden]] = {
     "passenger": passenger,
     "pads along a run": pads_along,
     "bump": bump,
+    "bump in the ramp": partial(bump, where=RAMP),
     "patch": patch,
+    "patch in the ramp": partial(patch, where=RAMP),
+    "gear shift": gear_shift,
+    "gear shift in the ramp": partial(gear_shift, where=RAMP),
 }
