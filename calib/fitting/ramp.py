@@ -27,6 +27,7 @@ from calib.physics.vehicle import Vehicle
 from calib.signals.accelerometer import Accelerometer
 from calib.signals.block_balance import block_balance
 from calib.signals.blocks import Blocks
+from calib.signals.filters import since
 from calib.signals.noise import SensorNoise
 from calib.signals.one_axle import Axle, braked_alone
 
@@ -99,7 +100,8 @@ def prepare(
     """Loads, resistances and the demanded brake force of each block.
 
     A block in which an axle would lift holds a glitch of a_x: it has no loads and no part. Nor has
-    one between the lead-in and the bite, or after a release: nobody knows whether the pads touch.
+    one between the lead-in and the bite, or after a release: nobody knows whether the pads touch;
+    nor one in which the pressure changes fast, as when the pedal is let go.
     """
     forces = block_balance(vehicle, effects, b)
     stands = np.minimum(forces.load_f, forces.load_r) > 0.0
@@ -121,7 +123,16 @@ def prepare(
         accelerometer=accelerometer,
         only=braked_alone(b.p_f, b.p_r),
     )
+    run = replace(run, use=run.use & (b.lead_in | _steady(vehicle, run)))
     return run if run.only else replace(run, model_error=_model_error(vehicle, run))
+
+
+def _steady(vehicle: Vehicle, run: RampRun) -> NDArray[np.bool_]:
+    """Blocks (k,) in which the pressure changes slowly enough, and has just before."""
+    B_f, B_r = nominal_forces(vehicle, run, 0.0)
+    time = run.blocks.end
+    rate = np.abs(np.gradient((B_f + B_r) / vehicle.weight, time))
+    return since(time, rate > SETTINGS.fastest) > SETTINGS.late
 
 
 def _model_error(vehicle: Vehicle, run: RampRun) -> Array:

@@ -63,6 +63,12 @@ class FitSettings:
     """Below this v [m/s] the clock offset and the noise of v swallow the slip."""
     outlier: float = 4.0
     """Residuals past this many sigma are named: of 500 blocks of noise one in 30 runs has one."""
+    fastest: float = 0.5
+    """Change of the deceleration that the pressure makes [g/s] past which a block takes no part:
+    pads, brake lines and the body are then late by as much as eta shows. A ramp to 0.6 g within 3 s
+    has 0.2, a pedal that is let go at its end 1 to 3."""
+    late: float = 0.15
+    """Time [s] for which this is so afterwards."""
     disturbance_of_eta: float = 0.12
     """How far eta stands out from its smooth course, over its range on the ramp, where something
     else acts: a gear shift of 240 N m moves it by a third, a bump by as much as the range."""
