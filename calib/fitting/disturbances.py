@@ -32,7 +32,7 @@ def disturbed(vehicle: Vehicle, run: RampRun) -> Mask:
     """Blocks (k,) of a ramp that show a disturbance which comes and goes."""
     b, inside = run.blocks, run.braked
     none = np.zeros_like(inside)
-    if np.count_nonzero(inside) < SETTINGS.disturbance_among:
+    if np.count_nonzero(inside) < SETTINGS.fewest_blocks:
         return none
     B_f, B_r = nominal_forces(vehicle, run, 0.0)
     time, eta, force, N = (x[inside] for x in (b.end, b.eta, run.brake_sum, B_f + B_r))
@@ -71,8 +71,8 @@ def _passing(wild: Mask, N: Array) -> Mask:
     edges = np.flatnonzero(np.diff(np.concatenate([[0], near, [0]])))
     left_out = np.zeros_like(wild)
     for first, end in zip(edges[::2], edges[1::2], strict=True):
-        calm = min(first, wild.size - end) >= SETTINGS.disturbance_among // 5
+        calm = min(first, wild.size - end) >= SETTINGS.fewest_blocks // 5
         beyond = np.count_nonzero(~near & (np.max(N[first:end]) < N))
-        if calm and beyond >= SETTINGS.disturbance_among // 5:
+        if calm and beyond >= SETTINGS.fewest_blocks // 5:
             left_out[first:end] = True
     return left_out if np.mean(left_out) < SETTINGS.disturbance_share else np.zeros_like(wild)

@@ -9,10 +9,10 @@ import numpy as np
 
 from calib.errors import LogError
 from calib.fitting import curves
+from calib.fitting.below_the_peak import identify_below_the_peak
 from calib.fitting.budget import level_parts, table_budget
 from calib.fitting.calibration import calibration
 from calib.fitting.disturbances import without_disturbances
-from calib.fitting.identify import identify
 from calib.fitting.known_effects import remove_known_effects
 from calib.fitting.metrics import metrics
 from calib.fitting.one_axle_ramps import bought, with_both_axles
@@ -73,7 +73,7 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
         for (log, b, noise), sensor in zip(ramps, sensors, strict=True)
     ]
     warnings = log_warnings(car, *as_read, known)
-    found, runs = identify(car, runs, known)
+    found, runs = identify_below_the_peak(car, runs, known)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in with_both_axles(runs)))
     sources = ", ".join(log.source for log, _, _ in ramps)
     require_tyre(car, found, z_max, sources, warnings)

@@ -46,7 +46,8 @@ class RampRun:
     blocks that take part; ``accelerometer`` what is open of z after it was put right, None where z
     is exact; ``only`` the axle that brakes alone, None where both do; ``model_error`` of the tyre's
     curve relative to the slip [1]; ``left_out`` blocks of the braking in which something else acts,
-    see `calib.fitting.disturbances`.
+    see `calib.fitting.disturbances`; ``believed_up_to`` deceleration [1] above which nothing takes
+    part, see `calib.fitting.below_the_peak`.
     """
 
     name: str
@@ -63,6 +64,7 @@ class RampRun:
     only: Axle | None = None
     model_error: Array | float = SETTINGS.model_error
     left_out: NDArray[np.bool_] | None = None
+    believed_up_to: float | None = None
 
     @cached_property
     def braked(self) -> NDArray[np.bool_]:

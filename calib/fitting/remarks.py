@@ -29,6 +29,11 @@ def remarks(
             "pressure does not make: a bump, a gear shift, another road"
             for first, last in spans(run)
         ]
+        if run.believed_up_to is not None:
+            said.append(
+                f"{run.name}: left out above {run.believed_up_to:.2f} g, where the tyres yield "
+                "more than their curve says: they are near their peak"
+            )
         times = outliers(run, found, i)
         if times:
             listed = ", ".join(f"{t:.2f}" for t in times[:5])

@@ -76,11 +76,18 @@ class FitSettings:
     """The same of the demanded brake force, over its largest."""
     disturbance_gate: float = 6.0
     """How many times the usual scatter both must stand out."""
-    disturbance_among: int = 20
-    """Fewest braked blocks among which a disturbance is told; a fifth of them must be calm before
-    and after it."""
+    fewest_blocks: int = 20
+    """Fewest braked blocks of a ramp in which a disturbance is told, and that must be left of it
+    below its top; a fifth of them must be calm before and after a disturbance."""
     disturbance_share: float = 0.3
     """Share of the braked blocks from which on what stands out is no disturbance, but the car."""
+    top: float = 0.8
+    """Share of the highest force of a ramp above which its top is."""
+    top_apart: float = 1.25
+    """Standard deviations by which the top must move the pads' ratio not to be believed."""
+    top_surer: float = 1.05
+    """Standard deviation of that ratio without the top, over that with it, from which the top has
+    told something. Where it moved the ratio and told nothing it was wrong in all cases seen."""
     flat: float = 0.1
     """Share of its first slope at which eta over z is too flat to be read backwards: there an error
     of eta moves D ten times as far as it should."""

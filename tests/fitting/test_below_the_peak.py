@@ -1,0 +1,43 @@
+"""The top of a ramp, where the tyres are near their peak, is believed only as far as it agrees."""
+
+from dataclasses import replace
+
+import pytest
+
+from calib.fitting.fit import fit
+from tests.support.plant import magic
+from tests.support.reference_car import CAR, REAL, noisy, ramp
+
+TRUE = CAR.front.pad_friction, CAR.rear.pad_friction
+
+
+def left_out(table):
+    return [remark for remark in table.remarks if "left out above" in remark]
+
+
+def pads(table):
+    return table.calibration.pad_friction_f, table.calibration.pad_friction_r
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("peak", [0.58, 0.60])
+def test_on_a_wet_road_the_pads_are_those_of_a_dry_one(peak, seed):
+    """A ramp to 0.53 g, at up to 0.9 of the tyres' peak; brakes are 20 to 30 ms late."""
+    plant = replace(REAL, tyre=magic(25.0, peak), hydraulic_lag=0.03)
+    table = fit(CAR, [noisy(ramp(plant, 4.8e5), seed)])
+    for found, true in zip(pads(table), TRUE, strict=True):
+        assert found.ci95[0] < true < found.ci95[1]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_on_a_dry_road_all_of_the_ramp_is_used(seed):
+    assert left_out(fit(CAR, [noisy(ramp(REAL), seed)])) == []
+
+
+def test_what_is_not_believed_is_told_and_not_in_the_table():
+    table = fit(CAR, [noisy(ramp(replace(REAL, tyre=magic(25.0, 0.58)), 4.8e5), 0)])
+    assert left_out(table) == [
+        "ramp: left out above 0.43 g, where the tyres yield more than their curve says: they are "
+        "near their peak"
+    ]
+    assert table.quality["deceleration_max"] == pytest.approx(0.43, abs=0.005)
