@@ -185,6 +185,12 @@ def _no_ramp(event: BrakeEvent, span: float) -> Iterator[str]:
             f"{event.braking:.1f} s of braking above 3 m/s: brake for {RAMP_TIME:g} s or more, "
             "from a higher speed"
         )
+    elif event.z_high - event.z_low > span + 0.1:
+        yield (
+            f"the braking reaches {event.z_high:.2f} g, but not in one rise: the longest one spans "
+            f"{event.rise_z:.2f} g in {event.rise:.1f} s; press steadily, and do not let the pedal "
+            "go in between"
+        )
     else:
         yield (
             f"the ramp spans {event.rise_z:.2f} g: brake up to {span + 0.1:.2f} g or more, "

@@ -9,7 +9,7 @@ from calib.logs.log import Log
 from calib.names import WHEELS, G
 from calib.physics.braking import MOVING
 from calib.signals.driving_record import NOMINAL_RADIUS, BrakeEvent, DrivingRecord, Mask
-from calib.signals.filters import block_mean, centred_mean, runs
+from calib.signals.filters import block_mean, centred_mean, runs, without_single
 
 Array = NDArray[np.float64]
 
@@ -191,9 +191,12 @@ def slipping(log: Log, driving: DrivingRecord, events: tuple[BrakeEvent, ...]) -
 
 
 def _slips(log: Log, driving: DrivingRecord) -> dict[str, Array]:
-    """Slip of each wheel [1], smoothed over 30 ms; zero on the unbraked part if there is one."""
+    """Slip of each wheel [1], without single wild samples, smoothed over 30 ms.
+
+    Zero on the unbraked part if there is one.
+    """
     width = max(1, round(0.03 / driving.step)) | 1
-    omega = {w: centred_mean(log[f"omega_{w}"], width) for w in WHEELS}
+    omega = {w: centred_mean(without_single(log[f"omega_{w}"]), width) for w in WHEELS}
     free = driving.unbraked
     if "v" in log and free.any():
         v = centred_mean(log["v"], width)

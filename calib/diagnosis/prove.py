@@ -281,7 +281,7 @@ def _without_spare(held: HoldOuts, before: Proved, present: Proved) -> Proved:
 
 
 def _exchanged(held: HoldOuts, present: Proved) -> Proved:
-    """The explanation with a simpler effect in place of an odd one, if it fits as well.
+    """The explanation without an odd effect, or with a simpler one in its place, if it fits as well.
 
     Odd is one that ends at its bound, or acts on both axles in an odd share. Beside a motor, a lag
     and a delay look like an oscillation without overshoot and a delay. An engine at both axles
@@ -289,7 +289,8 @@ def _exchanged(held: HoldOuts, present: Proved) -> Proved:
     """
     at = present.decision.best
     for name in dict.fromkeys((*at_bound(at), *divided(at))):
-        for option in refine(fit_without(at, name), TRIED):
+        fewer = fit_without(at, name)
+        for option in (fewer, *refine(fewer, TRIED)):
             if option.parameters >= at.parameters or simplest_first([at, option])[0] is at:
                 continue
             judged = _judged(held, option)

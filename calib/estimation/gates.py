@@ -10,7 +10,7 @@ from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.physics.braking import MOVING
 from calib.signals.axle_signals import Signals
-from calib.signals.filters import since
+from calib.signals.filters import since, without_single
 from calib.signals.lateral import lateral
 
 Array = NDArray[np.float64]
@@ -136,7 +136,7 @@ def _possible(axle: AxleEstimate, gates: Gates) -> Mask:
 
 def _locked(log: Log, s: Signals, gates: Gates) -> Mask:
     """Where a wheel departs from the others, or from v, as only ABS or a locked wheel does."""
-    wheels = np.stack([log[f"omega_{w}"] for w in WHEELS])
+    wheels = np.stack([without_single(log[f"omega_{w}"]) for w in WHEELS])
     fastest = wheels.max(axis=0)
     if s.v is not None and s.lead_in.any():  # all four may lock together
         per_speed = float(np.mean(fastest[s.lead_in]) / np.mean(s.v[s.lead_in]))

@@ -120,6 +120,18 @@ def since(time: Array, event: Mask) -> Array:
     return np.asarray(time - np.maximum.accumulate(np.where(event, time, -np.inf)))
 
 
+def without_single(x: Array) -> Array:
+    """Values (n,) without single ones that both neighbours disagree with: the median of three.
+
+    A wheel that slips deeply does so for 50 ms or more; one sample alone is an error of the bus.
+
+    >>> without_single(np.array([3.0, 3.0, 0.0, 3.0, 2.0, 1.0]))
+    array([3., 3., 3., 2., 2., 1.])
+    """
+    inner = np.sort(np.stack([x[:-2], x[1:-1], x[2:]]), axis=0)[1]
+    return np.concatenate([x[:1], inner, x[-1:]])
+
+
 def runs(mask: Mask, least: int = 1) -> list[tuple[int, int]]:
     """Start and end (exclusive) of each run of at least ``least`` samples with a true ``mask``.
 
