@@ -9,7 +9,7 @@ import pytest
 from calib.checks.check import check, facts, problems_for, to_dict
 from calib.logs.read import read_log
 from calib.names import G
-from tests.support.made_runs import changed, made_run, ramp, stop, with_slip
+from tests.support.made_runs import BAR_PER_G, changed, made_run, ramp, stop, with_slip
 from tests.support.one_axle import one_axle
 from tests.support.reference_car import REAL, noisy, swapped, without
 
@@ -108,6 +108,15 @@ def test_ramp_from_too_low_a_speed():
 def test_pumped_pedal_is_no_ramp():
     log = made_run(lambda t: 10.0 * np.maximum(np.sin(4.0 * (t - 1.5)), 0.05) * (t > 1.5))
     assert "fit" not in usable(log)
+
+
+def test_pedal_that_is_let_go_within_a_ramp_is_named():
+    """Up to 0.20 g, back to 0.17 g and on to 0.38 g: no rise spans the 0.25 g of a ramp."""
+    z = [0.0, 0.20, 0.17, 0.38]
+    log = made_run(lambda t: BAR_PER_G * np.interp(t, [1.5, 3.7, 3.9, 6.2], z))
+    assert "fit" not in usable(log)
+    assert "but not in one rise" in reasons(log)
+    assert "do not let the pedal go in between" in reasons(log)
 
 
 def test_standstill():

@@ -107,6 +107,22 @@ def test_mild_or_slow_slip_is_no_abs(depth, length):
     assert slip_of(with_slip(made_run(stop()), ["fl"], 3.0, length, depth)).cycles == ()
 
 
+def spiked(log, wheel, share):
+    """The run with single samples of a wheel speed that are far too low."""
+    wild = np.random.default_rng(5).random(log.time.size) < 0.01
+    wild[1:] &= ~wild[:-1]
+    return changed(log, **{f"omega_{wheel}": np.where(wild, share, 1.0) * log[f"omega_{wheel}"]})
+
+
+@pytest.mark.parametrize("v", [True, False])
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_spikes_of_one_sample_are_no_abs(share, v):
+    run = made_run(stop())
+    found = slip_of(spiked(run if v else changed(run, v=None), "fr", share))
+    assert found.cycles == ()
+    assert found.locked == ()
+
+
 def test_locked_wheel():
     log = made_run(stop())
     locked = np.where(log.time > 3.0, 0.0, log["omega_rl"])

@@ -8,7 +8,7 @@ import pytest
 
 from calib.errors import LogError
 from calib.estimation.estimator import estimate
-from calib.estimation.gates import Gates
+from calib.estimation.gates import LOCKS, Gates
 from calib.estimation.plan import calibrated, known_resistance, merged_noise
 from calib.estimation.priors import Priors
 from calib.fitting.fit import fit
@@ -390,6 +390,15 @@ def test_abs_gate(table, wet, wheel):
     assert np.all(e.valid[(e.time > 2.3) & (e.time < 2.99)])
     for axle in (e.front, e.rear):
         assert np.all(np.isfinite(axle.pad_friction[e.time > 2.0]))
+
+
+@pytest.mark.parametrize("wheel", WHEELS)
+def test_spikes_of_one_sample_are_no_abs(table, wet, result, wheel):
+    hit = np.array(wet[f"omega_{wheel}"])
+    hit[40::97] *= 0.5
+    e = estimate(table, with_channels(wet, **{f"omega_{wheel}": hit}))
+    assert not np.any(e.refused[LOCKS])
+    assert np.mean(e.valid) > 0.9 * np.mean(result.valid)
 
 
 def test_low_speed_gate(result):
