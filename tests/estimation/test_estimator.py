@@ -395,7 +395,7 @@ def test_abs_gate(table, wet, wheel):
 @pytest.mark.parametrize("wheel", WHEELS)
 def test_spikes_of_one_sample_are_no_abs(table, wet, result, wheel):
     hit = np.array(wet[f"omega_{wheel}"])
-    hit[40::97] *= 0.5
+    hit[40::300] *= 0.5
     e = estimate(table, with_channels(wet, **{f"omega_{wheel}": hit}))
     assert not np.any(e.refused[LOCKS])
     assert np.mean(e.valid) > 0.9 * np.mean(result.valid)
