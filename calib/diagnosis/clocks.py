@@ -100,9 +100,11 @@ def _worth_searching(at: Candidate, late: Candidate) -> bool:
 
 
 def _with_delays(at: Candidate) -> Candidate:
-    """An explanation with all delays, fitted from half of their usual size."""
+    """An explanation with all delays, each from half a spread."""
     missing = _missing(at)
-    return fit(at.problem, (*at.names, *missing), np.append(at.x, np.full(len(missing), 0.5)))
+    start = np.zeros(sum(map(at.problem.parameters_of, missing)))
+    start[[own.start - at.problem.base_size for own in at.problem.places(missing).values()]] = 0.5
+    return fit(at.problem, (*at.names, *missing), np.append(at.x, start))
 
 
 def _spared(at: Candidate) -> Candidate:

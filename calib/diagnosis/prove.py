@@ -11,6 +11,7 @@ number of effects: each has its price by parameter, and the hold-outs must get b
 """
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +65,8 @@ effects together may leave: what differs in their form. Of the replays it is the
 nothing is left in the innovations. It is told as a remainder."""
 
 NEARLY_ALL = 0.9
-"""Share of what is clearly left in the innovations that no difference in form would close."""
+"""Share of what is clearly left, in the innovations or the replays, that no difference in form
+would close. Of an effect that closes as much of the replays half the gain is enough."""
 
 STEP = 0.3
 """Share of the excess of the innovations that each step of a search must close to go on."""
@@ -127,7 +129,7 @@ def prove(held: HoldOuts, decision: Decision) -> Proved:
     """Withdraw what makes the hold-outs worse, then add effects while that makes them better."""
     found = _named_with(held, decision)
     stands = found.decision.verdict in ("named", "ambiguous")
-    return _unless_held(held, _exchanged(held, found)) if stands else found
+    return _unless_held(held, _one_for_two(held, _exchanged(held, found))) if stands else found
 
 
 def _named_with(held: HoldOuts, decision: Decision) -> Proved:
@@ -281,7 +283,7 @@ def _without_spare(held: HoldOuts, before: Proved, present: Proved) -> Proved:
 
 
 def _exchanged(held: HoldOuts, present: Proved) -> Proved:
-    """The explanation without an odd effect, or with a simpler one in its place, if it fits as well.
+    """The explanation without an odd effect, or with a simpler one for it, if it fits as well.
 
     Odd is one that ends at its bound, or acts on both axles in an odd share. Beside a motor, a lag
     and a delay look like an oscillation without overshoot and a delay. An engine at both axles
@@ -291,15 +293,42 @@ def _exchanged(held: HoldOuts, present: Proved) -> Proved:
     for name in dict.fromkeys((*at_bound(at), *divided(at))):
         fewer = fit_without(at, name)
         for option in (fewer, *refine(fewer, TRIED)):
-            if option.parameters >= at.parameters or simplest_first([at, option])[0] is at:
-                continue
-            judged = _judged(held, option)
-            if judged is None or _grown(present.left, judged[1]):
-                continue
-            if not refuted(present.decision.base, option):
-                exchanged = _added(present, option, (at,), judged)
-                return replace(exchanged, rest=present.rest and remains(option, judged[1]))
+            if (exchanged := _simpler(held, present, option)) is not None:
+                return exchanged
     return present
+
+
+def _one_for_two(held: HoldOuts, present: Proved) -> Proved:
+    """The explanation with one effect in the place of two, if it fits as well.
+
+    A slope that no accelerometer feels looks like a drag and rolling radii together.
+    """
+    at = present.decision.best
+    if len(at.names) <= SEVERAL:
+        return present
+    for one, other in combinations(at.names, 2):
+        fewer = fit_without(fit_without(at, one), other)
+        if hints(fewer)[0].gain < NEARLY_ALL * (fewer.chi2 - at.chi2):
+            continue
+        for option in refine(fewer, 1):
+            if (exchanged := _simpler(held, present, option)) is not None:
+                return exchanged
+    return present
+
+
+def _simpler(held: HoldOuts, present: Proved, option: Candidate) -> Proved | None:
+    """What is proved with another explanation; None if it is no simpler, or fits less well."""
+    at = present.decision.best
+    if option.parameters >= at.parameters or simplest_first([at, option])[0] is at:
+        return None
+    option = spared(option)
+    judged = _judged(held, option)
+    if judged is None or (judged[1].significant and _grown(present.left, judged[1])):
+        return None
+    if refuted(present.decision.base, option):
+        return None
+    exchanged = _added(present, option, (at,), judged)
+    return replace(exchanged, rest=present.rest and remains(option, judged[1]))
 
 
 def _unless_held(held: HoldOuts, found: Proved) -> Proved:
@@ -329,6 +358,8 @@ def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:
     at = present.decision.best
     brought = gain(at, option)
     faint = max(FURTHER_REPLAYED, FURTHER_OF_ALL * gain(present.decision.base, at))
+    if left.size < (1.0 - NEARLY_ALL) * present.left.size:
+        faint *= 0.5
     if brought > (faint if present.left.significant else FURTHER):
         share = MOST if brought > FURTHER else MOST_REPLAYED
         if left.size < (1.0 - share) * present.left.size:

@@ -148,7 +148,8 @@ def _history(model: Model, log: Log) -> RunHistory:
 def _followed(log: Log, time_constant: float) -> Array:
     """What an accelerometer follows [m/s^2] (n,): its reading and T times the rise of that.
 
-    The rise since the last sample, so half a sample late.
+    The rise since the last sample, so half a sample late. A second order is left out: on a ramp it
+    does nothing, and the second difference of a_x is noise.
     """
     a_x = log["a_x"]
     rise = np.diff(a_x, prepend=a_x[0]) / np.gradient(log.time)

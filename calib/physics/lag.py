@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+EVEN = 1e-3
+"""Least distance of two time constants, over their sum, so that they are told apart."""
+
 
 def integral(time: Array, x: Array) -> Array:
     """Return the integral of ``x`` (n,) from the first sample on; ``time`` [s] (n,)."""
@@ -43,6 +46,25 @@ def second_order(time: Array, x: Array, frequency: float, damping: float) -> Arr
     pole = frequency * complex(-damping, np.sqrt(1.0 - damping**2))
     # w^2/((s - p)(s - p*)) in partial fractions; the two parts are conjugate.
     return np.asarray(np.imag(pole * np.conj(_follow(time, x, pole))) / pole.imag, float)
+
+
+def low_pass(time: Array, x: Array, time_constant: float, second: float) -> Array:
+    """Return y of S y'' + T y' + y = x at ``time`` [s] (n,); ``x`` (n,).
+
+    ``time_constant`` T [s], above zero, by which a slow x comes late; ``second`` S [s^2], not
+    negative: 0 first order, T^2/4 two alike in a row, T^2/2 as Butterworth.
+    """
+    bend = second / time_constant**2
+    root = np.sqrt(abs(1.0 - 4.0 * bend))
+    if bend > 0.25 and root > EVEN:
+        frequency = 1.0 / (np.sqrt(bend) * time_constant)
+        return second_order(time, x, frequency, 0.5 / np.sqrt(bend))
+    root = max(root, EVEN)
+    slow, fast = 0.5 * time_constant * (1.0 + root), 0.5 * time_constant * (1.0 - root)
+    if fast <= 0.0:
+        return first_order(time, x, time_constant)
+    apart = slow * first_order(time, x, slow) - fast * first_order(time, x, fast)
+    return np.asarray(apart / (slow - fast))
 
 
 def _follow(time: Array, x: Array, pole: complex) -> NDArray[Any]:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lsim
 
-from calib.physics.lag import first_order, integral, second_order
+from calib.physics.lag import first_order, integral, low_pass, second_order
 
 TIME = np.arange(500) * 0.01
 
@@ -33,6 +33,21 @@ def test_second_order_is_what_lsim_finds(frequency, damping):
     system = ([frequency**2], [1.0, 2.0 * damping * frequency, frequency**2])
     _, y, _ = lsim(system, x - x[0], TIME)
     assert second_order(TIME, x, frequency, damping) == pytest.approx(y + x[0], abs=1e-6)
+
+
+@given(st.floats(0.005, 1.0), st.floats(0.0, 0.6))
+def test_low_pass_is_what_lsim_finds(lag, bend):
+    x = bumpy(3)
+    system = ([1.0], [bend * lag**2, lag, 1.0] if bend > 1e-6 else [lag, 1.0])
+    _, y, _ = lsim(system, x - x[0], TIME)
+    assert low_pass(TIME, x, lag, bend * lag**2) == pytest.approx(y + x[0], abs=2e-5 * np.ptp(x))
+
+
+@pytest.mark.parametrize("around", [1e-12, 1e-7, 0.25, 0.25 + 0.25e-6])
+def test_low_pass_has_no_step_in_its_bend(around):
+    below, at, above = (low_pass(TIME, bumpy(4), 1.0, around + d) for d in (-1e-13, 0.0, 1e-9))
+    assert np.max(np.abs(at - below)) < 1e-5
+    assert np.max(np.abs(above - at)) < 1e-5
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from calib.physics.effects.effect import Array, Effect, Pair, Parameters
 from calib.physics.effects.effects import Effects
 from calib.physics.effects.empirical import effect_of
 from calib.physics.history import Motion, RunHistory
-from calib.physics.lag import first_order
+from calib.physics.lag import low_pass
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Axle, Vehicle
 
@@ -143,8 +143,12 @@ def total_axle_moment(vehicle: Vehicle, effects: Effects, motion: Motion) -> Pai
 def as_read(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
     """Reading of the accelerometer [m/s^2] (n,) at the acceleration ``a_x`` [m/s^2] (n,)."""
     reading = as_sensed(vehicle, effects, history, a_x)
-    lag = accelerometer_lag(effects)
-    return first_order(history.time, reading, lag) if lag > SHORTEST else reading
+    for effect, parameters in _all(effects):
+        if effect.accelerometer_lag is not None:
+            lag, second = effect.accelerometer_lag(parameters)
+            if lag > SHORTEST:
+                reading = low_pass(history.time, reading, lag, second)
+    return reading
 
 
 def as_sensed(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Array) -> Array:
@@ -156,8 +160,9 @@ def as_sensed(vehicle: Vehicle, effects: Effects, history: RunHistory, a_x: Arra
 
 
 def accelerometer_lag(effects: Effects) -> float:
-    """Time constant [s] with which the accelerometer follows."""
-    return _seconds(effects, lambda effect: effect.accelerometer_lag)
+    """Time [s] by which a slow acceleration is read late."""
+    hooks = ((effect.accelerometer_lag, parameters) for effect, parameters in _all(effects))
+    return sum((hook(parameters)[0] for hook, parameters in hooks if hook is not None), 0.0)
 
 
 def speed_delay(effects: Effects) -> float:

@@ -93,7 +93,8 @@ class Effect:
     wheel_speed : factors on the speeds of wheels as read [1], by wheel name; no force changes.
     mass : factor on the mass [1].
     accelerometer : reading of a_x from the true a_x [m/s^2].
-    accelerometer_lag : time constant [s] with which that reading follows.
+    accelerometer_lag : time constant T [s] with which that reading a follows, and the factor S
+        [s^2] of its second order: S a'' + T a' + a is what it follows.
     speed_delay : time [s] by which v is read late.
     wheel_speed_delay : time [s] by which all wheel speeds are read late.
     """
@@ -110,7 +111,7 @@ class Effect:
     wheel_speed: Callable[[Vehicle, Parameters, Motion], dict[str, Array]] | None = None
     mass: Callable[[Parameters], float] | None = None
     accelerometer: Callable[[Vehicle, Parameters, RunHistory, Array], Array] | None = None
-    accelerometer_lag: Callable[[Parameters], float] | None = None
+    accelerometer_lag: Callable[[Parameters], tuple[float, float]] | None = None
     speed_delay: Callable[[Parameters], float] | None = None
     wheel_speed_delay: Callable[[Parameters], float] | None = None
 

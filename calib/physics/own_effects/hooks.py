@@ -20,7 +20,7 @@ PAIR, ONE, BY_WHEEL, TWO_NUMBERS, NUMBER = (
     "arrays for front and rear",
     "an array",
     f"a dict with one array for each of some wheels, of {', '.join(WHEELS)}",
-    "two numbers, front and rear",
+    "two numbers",
     "a number",
 )
 RESULTS = {
@@ -35,7 +35,7 @@ RESULTS = {
     "wheel_speed": BY_WHEEL,
     "mass": NUMBER,
     "accelerometer": ONE,
-    "accelerometer_lag": NUMBER,
+    "accelerometer_lag": TWO_NUMBERS,
     "speed_delay": NUMBER,
     "wheel_speed_delay": NUMBER,
 }

@@ -100,10 +100,8 @@ COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
     "rolling_radius_load": {"radius_load": Counterpart(lambda h: h.radius_load, 0.1)},
     "tone_ring_runout": {"runout": Counterpart(lambda h: h.tooth_error)},
     "accelerometer_lag": {
-        # the delay of a slow signal
-        "filter_time": Counterpart(
-            lambda h: math.sqrt(2.0) / (2 * math.pi * h.filter_frequency), 0.1
-        )
+        "filter_time": Counterpart(lambda h: math.sqrt(2.0) / (2 * math.pi * h.filter_frequency)),
+        "filter_bend": Counterpart(lambda h: 0.5),
     },
     "speed_delay": {"v_delay": Counterpart(lambda h: h.v_late)},
     "wheel_speed_delay": {"omega_delay": Counterpart(lambda h: 0.5 * h.wheel_window)},
