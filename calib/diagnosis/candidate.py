@@ -28,7 +28,7 @@ from calib.diagnosis.predict import ObservedRun, predict
 from calib.diagnosis.progress import Tell, silent
 from calib.diagnosis.secant import columns, least_squares
 from calib.physics.effects import aerodynamic_drag
-from calib.physics.effects.effect import Card
+from calib.physics.effects.effect import Card, Parameter
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
@@ -394,7 +394,8 @@ def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
 def at_bound(at: Candidate) -> tuple[str, ...]:
     """The effects of which a parameter has come to an end of its range.
 
-    A share of one axle ends where the physics does: all of it is a result like any other.
+    A share of one axle ends where the physics does: all of it is a result like any other. So does
+    what is at its default: it need not be given.
     """
     low, high = bounds(at.problem, at.names)
     margin = AT_BOUND * (high - low)
@@ -402,9 +403,18 @@ def at_bound(at: Candidate) -> tuple[str, ...]:
 
     def has_ended(name: str, own: slice) -> bool:
         parameters = definition(at.problem.vehicle.effects, name).card.parameters
-        return any(end and not p.share for end, p in zip(ended[own], parameters, strict=True))
+        return any(
+            end and not (p.share or _is_default(p, at.effects.parameters[name][p.name]))
+            for end, p in zip(ended[own], parameters, strict=True)
+        )
 
     return tuple(name for name, own in at.problem.places(at.names).items() if has_ended(name, own))
+
+
+def _is_default(parameter: Parameter, value: float) -> bool:
+    if parameter.default is None:
+        return False
+    return abs(value - parameter.default) < AT_BOUND * (parameter.high - parameter.low)
 
 
 def divided(at: Candidate) -> tuple[str, ...]:

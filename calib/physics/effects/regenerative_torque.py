@@ -11,6 +11,7 @@ import numpy as np
 from calib.physics.braking import BITE
 from calib.physics.effects.effect import Card, Effect, Pair, Parameter, Parameters
 from calib.physics.history import Motion
+from calib.physics.lag import first_order
 from calib.physics.vehicle import Vehicle
 
 BLEND = 0.4
@@ -25,8 +26,9 @@ FADE_OUT = 3.0
 def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pair:
     """M = min(M_0, P/omega) [N m per axle] from a pressure on, shared by the axles.
 
-    It sets in at ``regen_onset`` and grows with the pressure over ``regen_span``; omega is that of
-    free rolling. Not valid for a motor that slows the car without the brake (`engine_drag`). A
+    It sets in at ``regen_onset`` and grows with the pressure over ``regen_span``; what the pedal
+    asks for it follows with the time constant ``regen_lag``, and its limits at once. omega is that
+    of free rolling. Not valid for a motor that slows the car without the brake (`engine_drag`). A
     logged ``T_drive`` counts besides: the effect is what the log does not hold.
     """
     share = parameters["regen_rear_share"]
@@ -34,6 +36,9 @@ def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pai
     first = (1.0 - 0.5 * BLEND) * onset
     span = parameters.get("regen_span", BLEND * onset)
     braked = np.clip((motion.history.p_mc - first) / span, 0.0, 1.0)
+    lag = parameters.get("regen_lag", 0.0)
+    if lag > 0.0:
+        braked = first_order(motion.history.time, braked, lag)
     fading = np.clip(motion.v / FADE_OUT, 0.0, 1.0)
     omega = np.maximum(motion.v, 0.1) / vehicle.front.rolling_radius
     moment = np.minimum(parameters["regen_torque"], parameters["regen_power"] / omega)
@@ -47,7 +52,8 @@ EFFECT = Effect(
         cause="an electric motor that brakes an axle, limited by the power it can take",
         equation=(
             "M = min(M_0, P/omega) from the pressure p_0 on, in full p_s above it, 1 - s of it "
-            "front, s rear; fades out below 3 m/s; no effect at regen_torque = 0"
+            "front, s rear; follows the pedal with a lag T; fades out below 3 m/s; no effect at "
+            "regen_torque = 0"
         ),
         source="Breuer and Bill, Brake Technology Handbook (regenerative braking)",
         looks_like=(
@@ -61,6 +67,7 @@ EFFECT = Effect(
             Parameter("regen_rear_share", "1", 0.0, 1.0, 0.5, 0.5, share=True),
             Parameter("regen_onset", "Pa", 0.02e5, 10e5, BITE, 0.5e5, default=BITE),
             Parameter("regen_span", "Pa", 0.1e5, 15e5, 3e5, 3e5, default=BLEND * BITE),
+            Parameter("regen_lag", "s", 0.0, 0.4, 0.03, 0.03, default=0.0),
         ),
     ),
     axle_moment=axle_moment,

@@ -51,14 +51,15 @@ def lines(hidden: Hidden, master: Array) -> Lines:
 
 
 def follow(hidden: Hidden, master: Array) -> Array:
-    """Delay, then a first-order lag that starts settled."""
+    """Delay, then lags of first order that start settled."""
     p = master
     if hidden.delay:
         n = hidden.delay / STEP
         p = np.interp(np.arange(p.size) - n, np.arange(p.size), p)
-    if hidden.lag:
-        a = np.exp(-STEP / hidden.lag)
-        p = np.asarray(lfilter([1.0 - a], [1.0, -a], p, zi=[a * p[0]])[0])
+    for lag in (hidden.lag, hidden.lag_behind):
+        if lag:
+            a = np.exp(-STEP / lag)
+            p = np.asarray(lfilter([1.0 - a], [1.0, -a], p, zi=[a * p[0]])[0])
     if hidden.surge:
         p = swinging(p, 2.0 * np.pi * hidden.surge, hidden.surge_damping)
     return p

@@ -35,6 +35,7 @@ NOTHING = Hidden()
 
 # The state. Energies are of the brakes of one axle, ANGLE is the front left wheel's.
 V, FL, FR, RL, RR, Z, Z_RATE, E_F, E_R, T_F, T_R, ANGLE, SLOSH, SLOSH_RATE, ABS_F, ABS_R = range(16)
+MOTOR = 16
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ def settle(car: Car, rates: Rates, start: Start) -> list[float]:
     axles = (car.vehicle.front, car.vehicle.rear)
     radius = (axles[0].rolling_radius, axles[1].rolling_radius * (1 + car.hidden.radius_mismatch))
     y = [start.v, *(start.v / radius[i] for i in (0, 0, 1, 1)), 0.0, 0.0, 0.0, 0.0]
-    y += [start.temperature, start.temperature, start.angle, 0.0, 0.0, 1.0, 1.0]
+    y += [start.temperature, start.temperature, start.angle, 0.0, 0.0, 1.0, 1.0, 0.0]
 
     def frozen(t: float, omega: Array) -> list[float]:
         d = rates(0.0, [y[0], *omega.tolist(), *y[5:]])[0]
@@ -175,10 +176,14 @@ def equations(car: Car, lines: Lines) -> Rates:
             torque[0] *= 1.0 + ripple
             torque[1] *= 1.0 + h.thickness_right * ripple
         other = list(resisting(h, load, radius, v))
-        if h.regen_torque and master > 1e5:
+        d = [0.0] * 17
+        if h.regen_torque:
             for i in (2 * h.regen_axle, 2 * h.regen_axle + 1):
-                other[i] += min(h.regen_torque, h.regen_power / y[i + 1]) * min(v / 3.0, 1.0)
-        d = [0.0] * 16
+                asked = min(h.regen_torque, h.regen_power / y[i + 1]) * min(v / 3.0, 1.0)
+                asked = asked if master > 1e5 else 0.0
+                other[i] += y[MOTOR] if h.regen_lag else asked
+            if h.regen_lag:
+                d[MOTOR] = (asked - y[MOTOR]) / h.regen_lag
         for i in range(4):
             d[i + 1] = (rolls[i] * force[i] - torque[i] - other[i]) / inertia[i]
         spring = omega_s**2 * y[SLOSH] + 0.1 * omega_s * y[SLOSH_RATE] if h.slosh_mass else 0.0

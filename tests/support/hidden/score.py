@@ -67,7 +67,10 @@ COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
     },
     "rolling_radius_mismatch": {"radius_mismatch": Counterpart(lambda h: h.radius_mismatch)},
     "brake_threshold_pressure": {"threshold": Counterpart(lambda h: h.threshold, 0.03)},
-    "hydraulic_lag": {"time_constant": Counterpart(lambda h: h.lag)},
+    "hydraulic_lag": {
+        "time_constant": Counterpart(lambda h: h.lag + h.lag_behind),
+        "lag_bend": Counterpart(lambda h: h.lag * h.lag_behind / (h.lag + h.lag_behind) ** 2),
+    },
     "hydraulic_delay": {"delay": Counterpart(lambda h: h.delay)},
     "rear_proportioning": {
         "knee_slope": Counterpart(lambda h: h.knee_slope),
@@ -108,6 +111,7 @@ COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
     "regenerative_torque": {
         "regen_torque": Counterpart(lambda h: 2.0 * h.regen_torque, 0.05),
         "regen_power": Counterpart(lambda h: 2.0 * h.regen_power, 0.05),
+        "regen_lag": Counterpart(lambda h: h.regen_lag, 0.1),
     },
 }
 

@@ -21,7 +21,7 @@ class Hidden:
         rear brake needs half of it.
     radius_mismatch : true over nominal rear radius, less one [1].
     threshold : pressure before the pads press [Pa]; the corner is rounded.
-    lag, delay : of the line pressure [s].
+    lag, lag_behind, delay : of the line pressure [s]; two lags in a row, then the delay.
     surge, surge_damping : the line pressure swings at this frequency [Hz], damped so far [1].
     knee, knee_slope : rear pressure above the knee [Pa] rises with this slope [1].
     hysteresis : width of the loop between application and release, relative [1].
@@ -35,6 +35,7 @@ class Hidden:
     mass_error : true over nominal mass, less one [1].
     sticking : pressure [Pa] that stays in the rear brakes after the first release.
     regen_torque, regen_power, regen_axle : while braking, per wheel [N m], [W], 0 front, 1 rear.
+    regen_lag : time constant [s] with which the motor's torque follows.
     radius_load : share by which a rolling radius falls when the load of its wheel doubles [1].
     tooth_error : amplitude [1] once per turn of the front left wheel-speed reading.
     filter_frequency : corner [Hz] of the Butterworth filter of second order on a_x; 0 for none.
@@ -67,6 +68,7 @@ class Hidden:
     radius_mismatch: float = 0.0
     threshold: float = 0.0
     lag: float = 0.0
+    lag_behind: float = 0.0
     delay: float = 0.0
     surge: float = 0.0
     surge_damping: float = 0.4
@@ -90,6 +92,7 @@ class Hidden:
     regen_torque: float = 0.0
     regen_power: float = 0.0
     regen_axle: int = 0
+    regen_lag: float = 0.0
     radius_load: float = 0.0
     tooth_error: float = 0.0
     filter_frequency: float = 0.0

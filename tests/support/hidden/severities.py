@@ -75,12 +75,19 @@ def hysteresis(s: Strength, rng: np.random.Generator) -> dict[str, float]:
     return {"hysteresis_fixed": s(0.8e5, 2.0e5)}
 
 
+def line(s: Strength, rng: np.random.Generator) -> dict[str, float]:
+    """A throttle, or a throttle and a soft hose behind it."""
+    lag = s(0.08, 0.25)
+    return {"lag": lag, "lag_behind": float(rng.integers(2) * rng.uniform(0.2, 0.6) * lag)}
+
+
 def regeneration(s: Strength, rng: np.random.Generator) -> dict[str, float]:
-    """On either axle, limited by power from some 20 m/s on."""
+    """On either axle, limited by power from some 20 m/s on; at once, or with an inverter's lag."""
     return {
         "regen_torque": s(60.0, 160.0),
         "regen_power": float(rng.uniform(4e3, 10e3)),
         "regen_axle": int(rng.integers(2)),
+        "regen_lag": float(rng.integers(2) * rng.uniform(0.02, 0.08)),
     }
 
 
@@ -100,7 +107,7 @@ CATALOGUE: dict[str, Draw] = {
     "wet_pad_recovery": wet,
     "rolling_radius_mismatch": lambda s, r: {"radius_mismatch": sign(r) * s(0.002, 0.006)},
     "brake_threshold_pressure": lambda s, r: {"threshold": s(1e5, 3e5)},
-    "hydraulic_lag": lambda s, r: {"lag": s(0.08, 0.25)},
+    "hydraulic_lag": line,
     "hydraulic_delay": lambda s, r: {"delay": s(0.05, 0.15)},
     "rear_proportioning": lambda s, r: {
         "knee": float(r.uniform(10e5, 20e5)),
