@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from calib.checks.gates import require_right_slip, wrong_slip
 from calib.diagnosis.candidate import Candidate, fit, problem_of
+from calib.diagnosis.decide import quiet
 from calib.diagnosis.judged import JudgedLog
 from calib.diagnosis.predict import run_of
 from calib.diagnosis.search import added, refine
@@ -34,7 +35,10 @@ def require_axles(vehicle: Vehicle, logs: Sequence[Log], judged: Sequence[Judged
     wrong = [wrong_slip(one.vehicle, one.blocks) is not None for one in judged]
     if not any(wrong):
         return
-    motor = _with_another(added(_fitted(vehicle, logs), MOTOR))
+    motor = added(_fitted(vehicle, logs), MOTOR)
+    if motor.reduced <= quiet(motor):
+        return  # nothing is left for exchanged axles to explain
+    motor = _with_another(motor)
     tried = (wrong, [True] * len(logs))
     swapped = [
         _with_another(_fitted(vehicle, [_exchanged(log) if other else log for log, other in pairs]))

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.signals.filters import third_difference, typical_differences
+from calib.statistics.intervals import QUARTILE
 
 Array = NDArray[np.float64]
 
@@ -24,9 +25,17 @@ UNITS = {"a_x": "m/s^2", "v": "m/s", **{f"omega_{w}": "rad/s" for w in WHEELS}}
 LONGEST = 0.1
 """Longest time [s] between two samples whose differences show noise: a car hardly moves in that."""
 
-STRAIGHT = 4.0
+STRAIGHT = 7.0
 """Differences over four samples, over those from sample to sample, of a channel that runs in
-straight lines. A ripple of ten times the noise has three."""
+straight lines of four samples or more. A ripple of ten times the noise has four."""
+
+ROAD, MOST_SLOW = 0.1, 1.0
+"""Correlation time [s] of the slow part of the noise, that of a body on a road, and its largest
+variance over that of the differences from sample to sample."""
+
+OUTLYING = 3.0
+"""Size of a difference, in standard deviations, from which it counts as this: it has motion in it.
+"""
 
 FLOOR = {"a_x": 0.005, "v": 0.003, **{f"omega_{w}": 0.005 for w in WHEELS}}
 """Least noise of a channel, in its unit: a simulated log may have none, and no car is described to
@@ -110,24 +119,45 @@ def squares_of(simulated: Sequence[Log], measured: Sequence[Log]) -> Array:
 
 
 def noises_of(measured: Sequence[Log]) -> Array:
-    """Sd of the noise of every channel (6,), at least `FLOOR`; the median over the logs."""
-    found = [[max(noise_of(log, c), FLOOR[c]) for c in CHANNELS] for log in measured]
-    return np.asarray(np.median(found, axis=0))
+    """Sd of the noise of every channel (6,), at least `FLOOR`; of fast and slow the median log's.
+
+    From third differences, which hold almost no motion. Those from sample to sample do not show
+    what is slow in the noise. That of a road has a correlation time of `ROAD`: differences over
+    half of it show a part that is known. It is at most `MOST_SLOW` of the fast part: what is more
+    is motion, such as a ripple.
+    """
+    return np.array([max(_noise_of(measured, channel), FLOOR[channel]) for channel in CHANNELS])
 
 
-def noise_of(log: Log, channel: str) -> float:
-    """Sd of the noise of a channel, from its third differences, which hold almost no motion.
+def _noise_of(measured: Sequence[Log], channel: str) -> float:
+    fast, slow = np.median([_differences(log, channel) for log in measured], axis=0)
+    return float(np.sqrt((fast + min(max(slow, 0.0), MOST_SLOW * fast)) / 20.0))
 
-    They do not show the slow part of coloured noise; the factor 1.3 corrects for that of the road.
+
+def _differences(log: Log, channel: str) -> tuple[float, float]:
+    """Variance of third differences from sample to sample, and what is slow that they do not show.
+
     A channel that runs in straight lines between its values shows little from sample to sample:
     what counts then are differences over more samples, up to `LONGEST`.
     """
-    x = log[channel]
-    fine = 1.3 * float(np.std(third_difference(x, 1)))
-    over = typical_differences(x, LONGEST / log.sample_time)
+    x, step = log[channel], log.sample_time
+    fine = float(np.std(third_difference(x, 1)))
+    over = typical_differences(x, LONGEST / step)
     if channel in log.interpolated or max(over[:3], default=0.0) > STRAIGHT * fine:
-        fine = max(fine, *over)
-    return fine / float(np.sqrt(20.0))
+        return max(fine, *over) ** 2, 0.0
+    lag = round(0.5 * ROAD / step)
+    if lag < 2 or 3 * lag >= x.size:
+        return fine**2, 0.0
+    across = third_difference(x, lag)
+    most = OUTLYING * float(np.median(np.abs(across))) / QUARTILE
+    slow = (np.var(np.clip(across, -most, most)) - fine**2) / (_shown(lag * step) - _shown(step))
+    return fine**2, (1.0 - _shown(step)) * float(slow)
+
+
+def _shown(time: float) -> float:
+    """Variance of third differences over ``time`` [s] of the road's noise, over that of white."""
+    rho = np.exp(-time / ROAD)
+    return float(1.0 - 1.5 * rho + 0.6 * rho**2 - 0.1 * rho**3)
 
 
 def square(simulated: Log, measured: Log, channel: str) -> float:

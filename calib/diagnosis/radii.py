@@ -18,13 +18,15 @@ from calib.diagnosis.decide import (
     FLOOR,
     Decision,
     decided_anew,
+    explains,
     gain,
     simplest_first,
 )
 from calib.diagnosis.search import refine
 
 LEAST = 25.0
-"""Least fall of the chi-square by other radii with which they are tried."""
+"""Least fall of the chi-square by other radii with which they are tried. Where nothing is left, it
+is what tells two explanations apart."""
 
 SHARE = 0.02
 """Share of what is left unexplained that other radii must explain to be tried. With radii 0.3 % off
@@ -57,8 +59,11 @@ def _freed(at: Candidate) -> Candidate:
 
 
 def _explain_something(decision: Decision, freed: Candidate) -> bool:
-    fall = decision.best.chi2 - freed.chi2
-    return fall >= max(LEAST, SHARE * (decision.best.chi2 - FLOOR * decision.best.count))
+    best = decision.best
+    fall = best.chi2 - freed.chi2
+    if explains(decision):
+        return fall >= max(LEAST, CONFUSABLE * best.count)
+    return fall >= max(LEAST, SHARE * (best.chi2 - FLOOR * best.count))
 
 
 def _replace_an_effect(decision: Decision, freed: Candidate) -> bool:

@@ -5,11 +5,12 @@ import pytest
 
 from calib.diagnosis.clocks import DELAYS
 from calib.diagnosis.diagnose import Diagnosis, diagnose
-from calib.diagnosis.gap import noise_of
+from calib.diagnosis.gap import CHANNELS, noises_of
 from calib.signals.held import without_holds
 from tests.support.hidden.cases import HiddenCase, draw
 from tests.support.measuring_chain import Message, chained
 
+V = CHANNELS.index("v")
 SELDOM = {
     "p_mc": Message(100.0, step=0.1e5),
     "a_x": Message(50.0, step=0.02),
@@ -61,5 +62,5 @@ def test_the_noise_of_a_channel_is_that_of_its_values_however_seldom_they_are_se
     log = draw("none", 4403).holdout[0]
     sent = without_holds(chained(log, {"v": Message(20.0)}, np.random.default_rng(1)))
     # between two values noise is averaged: to two thirds of its variance, on the mean
-    assert noise_of(sent, "v") == pytest.approx(np.sqrt(2.0 / 3.0) * 0.02, rel=0.2)
-    assert noise_of(log, "v") == pytest.approx(1.3 * 0.02, rel=0.1)
+    assert noises_of([sent])[V] == pytest.approx(np.sqrt(2.0 / 3.0) * 0.02, rel=0.2)
+    assert noises_of([log])[V] == pytest.approx(0.02, rel=0.1)
