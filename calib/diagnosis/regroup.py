@@ -6,7 +6,7 @@ Where logs differ in pads or road, no explanation with common parameters is righ
 the hidden effect lets its groups be seen. So the groups are found beside the best few of them.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 BESIDE = 4
 """Explanations of the first search beside which groups are looked for; that without any is one."""
 
-ROUNDS = 2
-"""How often groups and parameters are found in turn."""
+FITTED = 2
+"""Of these, so many are fitted with their groups: those that leave least."""
 
 SHARE = 0.3
 """Share of what is unexplained that groups must explain for a search with them."""
@@ -36,22 +36,43 @@ def regrouped(decision: Decision) -> Decision:
     found = {c.names: c for c in reversed((decision.best, *decision.rivals)) if c.names}
     ranked = sorted(found.values(), key=lambda candidate: candidate.chi2)
     starts = [*ranked[: BESIDE - 1], decision.base]
-    best = min(map(_in_groups, starts), key=lambda candidate: candidate.reduced)
+    tried = sorted(filter(None, map(_split, starts)), key=_chi2)[:FITTED]
+    best = min([decision.base, *map(_in_groups, tried)], key=lambda candidate: candidate.reduced)
     if not _has_groups(best) or _excess(best) > (1.0 - SHARE) * min(map(_excess, starts)):
         return decision
     return searched_beside(decision, best)
 
 
-def _in_groups(at: Candidate) -> Candidate:
-    """An explanation with its logs in the groups that go with it."""
-    for _ in range(ROUNDS):
-        problem = grouped(at.problem, at)
-        if problem is None:
-            return at
-        start = at.x.copy()
-        start[len(PARAMETERS) : BASE] = 0.0  # the form of the tyre had bent to what groups explain
-        at = _jointly(problem, at.names, start)
-    return at
+@dataclass(frozen=True)
+class _Split:
+    """An explanation, and its problem with the logs in the groups that go with it."""
+
+    at: Candidate
+    problem: Problem
+
+
+def _split(at: Candidate) -> _Split | None:
+    """None where one ground serves all logs."""
+    problem = grouped(at.problem, at)
+    return None if problem is None else _Split(at, problem)
+
+
+def _chi2(split: _Split) -> float:
+    """What the groups leave, before anything is fitted with them."""
+    return split.problem.chi2(split.at.base, split.at.effects)
+
+
+def _in_groups(split: _Split) -> Candidate:
+    """The explanation fitted with its logs in groups, and with those that go with it then."""
+    at = _fitted(split)
+    again = _split(at)
+    return at if again is None else _fitted(again)
+
+
+def _fitted(split: _Split) -> Candidate:
+    start = split.at.x.copy()
+    start[len(PARAMETERS) : BASE] = 0.0  # the form of the tyre had bent to what groups explain
+    return _jointly(split.problem, split.at.names, start)
 
 
 def _jointly(problem: Problem, names: tuple[str, ...], start: Array) -> Candidate:
