@@ -130,7 +130,7 @@ class Diagnosis:
     steps: tuple[Step, ...]
     noise: ChannelNoise
     groups: tuple[LogGroup, ...]
-    start_heats: Mapping[str, float]
+    start_heats: Mapping[str, tuple[float, float]]
     not_resolved: tuple[str, ...]
     drives: tuple[Drive, ...]
     confusion: Confusion | None

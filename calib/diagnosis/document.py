@@ -31,7 +31,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         },
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
         "groups": [asdict(group) for group in found.groups],
-        "start_heats": dict(found.start_heats),
+        "start_heats": {log: list(heats) for log, heats in found.start_heats.items()},
         "sides": dict(found.sides),
         "confusion": None if found.confusion is None else _confusion(found.confusion),
         "not_resolved": list(found.not_resolved),

@@ -3,8 +3,9 @@
     nothing explains the logs --> thermal fade with a start heat for each log --> better? --> search
 
 Pads fade with the heat of their disc. A log without temperatures tells how much heat a run adds,
-and not with how much it began. As pads and road, that is a state of a log and no effect. It is
-asked for only where no explanation holds without it, and counts only where one holds with it.
+and not with how much it began, front and rear. As pads and road, that is a state of a log and no
+effect. It is asked for only where no explanation holds without it, and counts only where one holds
+with it.
 """
 
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ from calib.diagnosis.decide import FLOOR, Decision, explains
 from calib.diagnosis.jointly import LogStates, fit_jointly, searched_beside
 from calib.diagnosis.predict import ObservedRun
 from calib.physics.braking import BITE
-from calib.physics.disc_temperature import START
+from calib.physics.disc_temperature import ALIKE, START
 
 Array = NDArray[np.float64]
 
@@ -29,8 +30,14 @@ SPREAD = 150.0
 """Standard deviation of the heat at the start of a run about `START` [K]: from a cold disc to one
 after some stops in a row."""
 
-LOW, HIGH = (0.0 - START) / SPREAD, (600.0 - START) / SPREAD
-"""Range of the heat at the start, 0 to 600 degC, in `SPREAD` about `START`."""
+APART = 60.0
+"""Standard deviation of the rear discs' heat about that of the front ones [K]: they take a third of
+the energy, and cool slower."""
+
+LOW = np.array([(0.0 - START) / SPREAD, -4.0])
+HIGH = np.array([(600.0 - START) / SPREAD, 4.0])
+"""Range of the two states of a log: the heat of the front discs at the start, 0 to 600 degC, in
+`SPREAD` about `START`; that of the rear ones over it in `APART`."""
 
 SHARE = 0.3
 """Share of what is unexplained that the heats must explain for a search with them."""
@@ -58,14 +65,14 @@ def placed(problem: Problem, runs: Sequence[ObservedRun], at: Candidate) -> tupl
     return tuple(_best_heat(problem, run, at) if _unknown(run) else run for run in runs)
 
 
-def start_heats_of(runs: Sequence[ObservedRun]) -> dict[str, float]:
-    """Heat of the discs at the start [degC] by log; none where it is that of `START` in all."""
+def start_heats_of(runs: Sequence[ObservedRun]) -> dict[str, tuple[float, float]]:
+    """Heat of front and rear discs at the start [degC] by log; none where all have `START`."""
     return {run.name: run.start_heat for run in runs if _found(runs) and _unknown(run)}
 
 
 def _found(runs: Sequence[ObservedRun]) -> bool:
     """Whether start heats were asked for, and are not all `START`."""
-    return any(run.start_heat != START for run in runs)
+    return any(run.start_heat != ALIKE for run in runs)
 
 
 def _unknown(run: ObservedRun) -> bool:
@@ -85,30 +92,36 @@ def _jointly(problem: Problem, unknown: Sequence[int], at: Candidate) -> Candida
 
     def driven(x: Array) -> Problem:
         runs = list(problem.runs)
-        for i, heat in zip(unknown, x, strict=True):
-            runs[i] = _heated(runs[i], heat)
+        for i, states in zip(unknown, x.reshape(-1, 2), strict=True):
+            runs[i] = _heated(runs[i], states)
         return replace(problem, runs=tuple(runs))
 
-    one = np.ones(len(unknown))
-    return fit_jointly(
-        problem, at.names, at.x, LogStates(0.0 * one, LOW * one, HIGH * one, one, one, driven)
-    )
+    count = len(unknown)
+    one = np.ones(2 * count)
+    heats = LogStates(0.0 * one, np.tile(LOW, count), np.tile(HIGH, count), one, one, driven)
+    return fit_jointly(problem, at.names, at.x, heats)
 
 
-def _heated(run: ObservedRun, heat: float) -> ObservedRun:
-    """The run with a start heat in `SPREAD` about `START`."""
-    return replace(run, start_heat=START + SPREAD * float(heat))
+def _heated(run: ObservedRun, states: Array) -> ObservedRun:
+    """The run with start heats by its two states (2,)."""
+    front = START + SPREAD * float(states[0])
+    return replace(run, start_heat=(front, front + APART * float(states[1])))
 
 
 def _best_heat(problem: Problem, run: ObservedRun, at: Candidate) -> ObservedRun:
-    """The run with the start heat that explains it best beside its prior."""
-    from scipy.optimize import minimize_scalar
+    """The run with the start heats that explain it best beside their priors."""
+    from scipy.optimize import minimize
 
-    def cost(heat: float) -> float:
-        alone = replace(problem, runs=(_heated(run, heat),))
-        return alone.chi2(at.base, at.effects) + heat**2
+    def cost(states: Array) -> float:
+        alone = replace(problem, runs=(_heated(run, states),))
+        return alone.chi2(at.base, at.effects) + float(states @ states)
 
-    coarse = min(np.linspace(LOW, HIGH, 13), key=cost)
-    step = (HIGH - LOW) / 12.0
-    ends = (max(coarse - step, LOW), min(coarse + step, HIGH))
-    return _heated(run, minimize_scalar(cost, bounds=ends, method="bounded").x)
+    coarse = min((np.array([x, 0.0]) for x in np.linspace(LOW[0], HIGH[0], 13)), key=cost)
+    best = minimize(
+        cost,
+        coarse,
+        method="Nelder-Mead",
+        bounds=list(zip(LOW, HIGH, strict=True)),
+        options={"xatol": 0.01, "fatol": 0.1},
+    )
+    return _heated(run, best.x)

@@ -22,7 +22,7 @@ from calib.diagnosis.wheel_lag import WheelLag
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
-from calib.physics.disc_temperature import START
+from calib.physics.disc_temperature import ALIKE
 from calib.physics.effects.combined import (
     as_driven,
     as_read,
@@ -72,7 +72,7 @@ class ObservedRun:
     forces; ``temperature_f``, ``temperature_r`` smoothed, or None; ``angle_f``, ``angle_r`` of the
     wheels; ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero if not logged;
     ``ground`` what its pads and its road differ by from those of the reference logs; ``start_heat``
-    of the discs at the first sample [degC], which counts where no temperature is logged;
+    of front and rear discs at the first sample [degC], which counts where no temperature is logged;
     ``averaged`` the number of samples of the log in a step; ``lags`` how its wheels followed in the
     last prediction: most predictions of a search change neither car nor tyre.
     """
@@ -92,7 +92,7 @@ class ObservedRun:
     drive_f: Array
     drive_r: Array
     ground: Ground = REFERENCE
-    start_heat: float = START
+    start_heat: tuple[float, float] = ALIKE
     averaged: int = 1
     lags: Kept[Any, tuple[WheelLag, WheelLag]] = field(
         init=False, repr=False, compare=False, default_factory=Kept

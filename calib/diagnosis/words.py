@@ -290,9 +290,10 @@ def start_heats(found: Diagnosis) -> str:
     """How hot the discs of the logs were at first; empty where that was not asked."""
     if not found.start_heats:
         return ""
-    told = (f"{log} {heat:.0f}" for log, heat in found.start_heats.items())
+    told = (f"{log} {front:.0f} and {rear:.0f}" for log, (front, rear) in found.start_heats.items())
     return (
-        f"No disc temperature is logged. At the start [degC], on discs of assumed heat capacity: "
+        f"No disc temperature is logged. At the start [degC], front and rear, on discs of assumed "
+        f"heat capacity: "
         f"{', '.join(told)}."
     )
 

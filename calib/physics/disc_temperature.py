@@ -30,6 +30,9 @@ START = 100.0
 """Temperature at the first sample [degC] if it is not logged: the upper end of what UN R13-H, annex
 3 calls cold brakes (65 to 100 degC)."""
 
+ALIKE = (START, START)
+"""The same of the front and of the rear discs."""
+
 AIR = 20.0
 """Temperature of the air [degC]."""
 

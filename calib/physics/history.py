@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.physics.disc_temperature import START
+from calib.physics.disc_temperature import ALIKE
 
 Array = NDArray[np.float64]
 
@@ -19,8 +19,8 @@ class RunHistory:
     ``temperature_f``, ``temperature_r`` of the discs [degC], None where not known; ``angle_f``,
     ``angle_r`` wheel angle since the first sample [rad]; ``energy_f``, ``energy_r`` dissipated in
     one brake of the axle since the first sample [J]; ``source`` the log or the simulation, for
-    messages; ``start_heat`` [degC] of all discs at the first sample, where it is not logged;
-    ``averaged`` the number of even samples of which each one here is the mean.
+    messages; ``start_heat`` [degC] of the front and the rear discs at the first sample, where it
+    is not logged; ``averaged`` the number of even samples of which each one here is the mean.
     """
 
     time: Array
@@ -34,7 +34,7 @@ class RunHistory:
     energy_f: Array
     energy_r: Array
     source: str = ""
-    start_heat: float = START
+    start_heat: tuple[float, float] = ALIKE
     averaged: int = 1
 
     def ripple(self, phase: float) -> Array:
@@ -71,7 +71,7 @@ def at_rest(
     v0: float,
     temperature: Mapping[str, Array] | None = None,
     source: str = "",
-    start_heat: float = START,
+    start_heat: tuple[float, float] = ALIKE,
 ) -> RunHistory:
     """A run of which only the pressure [Pa] and the temperatures [degC] by axle are known.
 

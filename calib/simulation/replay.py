@@ -8,7 +8,7 @@ from calib.errors import LogError
 from calib.logs.log import Array, Log
 from calib.names import AXLES, WHEELS
 from calib.physics.braking import BITE
-from calib.physics.disc_temperature import START
+from calib.physics.disc_temperature import ALIKE
 from calib.physics.effects.combined import as_driven, speed_delay
 from calib.physics.model import Model
 from calib.physics.vehicle import Vehicle
@@ -29,7 +29,7 @@ def replay(
     log: Log,
     stop_speed: float = 1.0,
     wheel_angle: Mapping[str, Array] | None = None,
-    start_heat: float = START,
+    start_heat: tuple[float, float] = ALIKE,
 ) -> Log:
     """Simulate the model with the pressures of a log from its first speed, open loop.
 
@@ -37,8 +37,8 @@ def replay(
     torque of engine or motor if they are logged. Ends like `simulate`, at ``stop_speed`` [m/s] at
     the latest. A ripple follows ``wheel_angle`` [rad] (n,) by axle, else the angle of the
     simulation, whose origin is the first sample. Discs whose temperature is not logged are at
-    ``start_heat`` [degC] at the first sample. Raises LogError if the log has no first speed,
-    ModelError if there is nothing to simulate.
+    ``start_heat`` [degC], front and rear, at the first sample. Raises LogError if the log has no
+    first speed, ModelError if there is nothing to simulate.
     """
     step = log.sample_time
     return simulate(

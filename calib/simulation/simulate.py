@@ -17,7 +17,7 @@ from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
 from calib.physics import forces
 from calib.physics.brakes import brakes_of
-from calib.physics.disc_temperature import START
+from calib.physics.disc_temperature import ALIKE
 from calib.physics.effects.combined import (
     as_driven,
     as_read,
@@ -42,7 +42,7 @@ def simulate(
     *,
     wheel_pressure: Mapping[str, Array] | None = None,
     temperature: Mapping[str, Array] | None = None,
-    start_heat: float = START,
+    start_heat: tuple[float, float] = ALIKE,
     drive_torque: Mapping[str, Array] | None = None,
     wheel_angle: Mapping[str, Array] | None = None,
     stop_speed: float = 1.0,
@@ -61,7 +61,7 @@ def simulate(
     wheel_pressure : of single wheels [Pa], (n,) each, by wheel name; the others have ``pressure``.
     temperature : of the discs [degC], (n,) each, by axle name, ``f`` and ``r``; thermal fade
         takes an assumed disc that is heated by its brake on an axle without one.
-    start_heat : of such an assumed disc at the first sample [degC].
+    start_heat : of such assumed discs at the first sample [degC], front and rear.
     drive_torque : of engine or motor at both wheels of an axle together [N m], (n,) each, by axle
         name, negative where it slows; an axle without one rolls freely. It adds to ``engine_drag``.
     wheel_angle : of the wheels of an axle [rad], (n,) each, by axle name: what ripples with the

@@ -29,7 +29,7 @@ def test_fade_is_named_without_temperatures_and_the_hot_run_is_the_hot_one():
     assert found.gap.closed > 0.9
     hot = max(case.calibration, key=lambda log: log["T_disc_f"][0])
     braked = {log.name for log in case.calibration if log["p_mc"].max() > 5e5}
-    assert max(braked, key=lambda name: found.start_heats[name]) == hot.name
+    assert max(braked, key=lambda name: found.start_heats[name][0]) == hot.name
     assert hot.name in start_heats(found)
 
 

@@ -33,7 +33,8 @@ def friction(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array
 def _temperature(history: RunHistory, axle: str, logged: Array | None, energy: Array) -> Array:
     if logged is not None:
         return logged
-    return heated(history.time, energy, DISCS[axle], history.start_heat)
+    front, rear = history.start_heat
+    return heated(history.time, energy, DISCS[axle], front if axle == "f" else rear)
 
 
 EFFECT = Effect(
