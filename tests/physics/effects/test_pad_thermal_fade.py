@@ -79,9 +79,8 @@ def test_follows_the_plant_with_hot_front_discs():
 def test_discs_that_begin_unlike_cool_and_fade_each_by_itself():
     """Front at 400 and rear at 200 degC, without braking: over the air, e^(-t/300 s) of it."""
     time = np.array([0.0, 150.0, 300.0])
-    history = made_history(
-        3, time=time, energy_f=0.0 * time, energy_r=0.0 * time, start_heat=(400.0, 200.0)
-    )
+    unlogged = {"temperature_f": None, "temperature_r": None, "start_heat": (400.0, 200.0)}
+    history = made_history(3, time=time, energy_f=0.0 * time, energy_r=0.0 * time, **unlogged)
     front, rear = factors("pad_thermal_fade", history, **FADE)
     left = np.exp(-time / 300.0)
     assert front == pytest.approx(1.0 - 0.001 * np.maximum(20.0 + 380.0 * left - 150.0, 0.0))
