@@ -122,7 +122,7 @@ def decided_anew(at: Candidate) -> Decision:
 
 
 def _searched(base: Candidate) -> Decision:
-    singles = simplest_first(refine(base))
+    singles = settled(simplest_first(refine(base)))
     chance = chance_of(base, singles[0] if singles else base)
     decision = _decided(base, singles, chance)
     faint = decision.faint and replace(decision.faint, chance=chance)
@@ -134,7 +134,7 @@ def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, flo
         verdict = "unknown" if strange(base) else "no_gap"
         return Decision(verdict, base, base, tuple(singles))
     first = singles[0]
-    pairs = seconds(singles)
+    pairs = seconds(base, singles)
     faint = _faint(base, first, pairs)
     if pairs and gain(first, pairs[0]) > max(SECOND, SECOND_OF_ALL * gain(base, first)):
         # something the first does not explain lies along another effect
@@ -153,12 +153,12 @@ def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, flo
 
 
 def _replaces(first: Candidate, pair: Candidate) -> bool:
-    """Whether a pair explains all, and a single effect of as many parameters ends at its bound.
+    """Whether a pair explains all, and a single effect of hardly fewer parameters ends at its bound.
 
-    A delay and a lag, of one parameter each, look like an oscillation without overshoot.
+    A delay beside a lag looks like two lags in a row, or like an oscillation without overshoot.
     """
     explains_more = pair.reduced < min(quiet(pair), first.reduced - CONFUSABLE)
-    return explains_more and pair.parameters <= first.parameters and bool(at_bound(first))
+    return explains_more and pair.parameters <= first.parameters + 1 and bool(at_bound(first))
 
 
 def _faint(base: Candidate, first: Candidate, pairs: list[Candidate]) -> Decision | None:
@@ -197,15 +197,35 @@ def gain(before: Candidate, after: Candidate) -> float:
     return before.reduced - after.reduced
 
 
-def seconds(singles: list[Candidate]) -> list[Candidate]:
-    """Pairs from the two best singles, best first, each pair once."""
+def seconds(base: Candidate, singles: list[Candidate]) -> list[Candidate]:
+    """Pairs from the two best singles, best first, each pair once.
+
+    Where the first leaves nothing, from the second only if that explains half: of two effects that
+    a third one imitates, one does.
+    """
+    first, *others = singles
+    half = base.reduced - 0.5 * gain(base, first)
+    second = [c for c in others[:1] if first.reduced > quiet(first) or c.reduced < half]
     found: dict[frozenset[str], Candidate] = {}
-    for parent in singles[:2]:
+    for parent in (first, *second):
         for pair in refine(parent, 4):
             key = frozenset(pair.names)
             if key not in found or pair.chi2 < found[key].chi2:
                 found[key] = pair
-    return simplest_first(list(found.values()))
+    return settled(simplest_first(list(found.values())))
+
+
+def settled(found: list[Candidate]) -> list[Candidate]:
+    """Explanations, best first, with the best one at its minimum.
+
+    A fit with secant updates can end before it, where the model has corners. So the best one is
+    fitted once more from where it ended, with fresh derivatives, if something is left with it.
+    """
+    if not found or found[0].reduced <= quiet(found[0]):
+        return found
+    best, *others = found
+    again = fit(best.problem, best.names, best.x)
+    return [again if again.chi2 < best.chi2 else best, *others]
 
 
 def simplest_first(found: list[Candidate]) -> list[Candidate]:

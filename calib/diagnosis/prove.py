@@ -27,6 +27,7 @@ from calib.diagnosis.decide import (
     gain,
     quiet,
     refuted,
+    settled,
     simplest_first,
     spared,
     strange,
@@ -247,9 +248,15 @@ def _judged(held: HoldOuts, candidate: Candidate) -> tuple[tuple[Log, ...], Rema
 
 
 def _further(held: HoldOuts, present: Proved) -> Proved | None:
-    """More effects on top of those that are named, one or a pair; None if none help enough."""
-    at = present.decision.best
-    return _helping(held, present, _options(at)) or _helping(held, present, _pairs_on(at))
+    """More effects on top of those that are named, one or a pair; None if none help enough.
+
+    Or the best pair of the search instead of the one that is named: that may stand for both.
+    """
+    at, faint = present.decision.best, present.decision.faint
+    options = _options(at)
+    if faint is not None and len(faint.best.names) == len(at.names) + 1:
+        options = simplest_first([*options, faint.best])
+    return _helping(held, present, options) or _helping(held, present, _pairs_on(at))
 
 
 def _helping(held: HoldOuts, present: Proved, options: list[Candidate]) -> Proved | None:
@@ -378,7 +385,7 @@ def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:
 
 def _options(at: Candidate) -> list[Candidate]:
     """The best further effects that are worth their parameters."""
-    fitted = simplest_first(refine(at, TRIED))
+    fitted = settled(simplest_first(refine(at, TRIED)))
     return [c for c in fitted if gain(at, c) > FAINT_SECOND * (c.parameters - at.parameters)]
 
 

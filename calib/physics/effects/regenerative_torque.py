@@ -28,14 +28,13 @@ def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pai
 
     It sets in at ``regen_onset`` and grows with the pressure over ``regen_span``; what the pedal
     asks for it follows with the time constant ``regen_lag``, and its limits at once. omega is that
-    of free rolling. Not valid for a motor that slows the car without the brake (`engine_drag`). A
+    of free rolling: P is found too high by the slip of the wheels, 1 to 3 %. Not valid for a motor that slows the car without the brake (`engine_drag`). A
     logged ``T_drive`` counts besides: the effect is what the log does not hold.
     """
     share = parameters["regen_rear_share"]
     onset = parameters.get("regen_onset", BITE)
-    first = (1.0 - 0.5 * BLEND) * onset
     span = parameters.get("regen_span", BLEND * onset)
-    braked = np.clip((motion.history.p_mc - first) / span, 0.0, 1.0)
+    braked = np.clip((motion.history.p_mc - onset) / span, 0.0, 1.0)
     lag = parameters.get("regen_lag", 0.0)
     if lag > 0.0:
         braked = first_order(motion.history.time, braked, lag)

@@ -24,7 +24,8 @@ def test_torque_power_and_the_end_of_a_stop():
 
 
 def test_none_without_the_brake():
-    history = made_history(3, p_mc=np.array([1.19e5, 1.5e5, 1.81e5]))
+    """From 1.5 bar on, and in full 40 % above it."""
+    history = made_history(3, p_mc=np.array([1.49e5, 1.8e5, 2.11e5]))
     motion = made_motion([8.0, 8.0, 8.0])
     motion = type(motion)(motion.v, motion.load_f, motion.load_r, history)
     front, _ = EFFECT.axle_moment(SEDAN, MOTOR, motion)
@@ -32,12 +33,25 @@ def test_none_without_the_brake():
 
 
 def test_a_torque_that_follows_the_pedal():
-    """From 1.2 bar on, in full 6 bar above: a half 3 bar above."""
-    history = made_history(4, p_mc=np.array([1.1e5, 4.2e5, 7.2e5, 9e5]))
+    """From 1.5 bar on, in full 6 bar above: a half 3 bar above."""
+    history = made_history(4, p_mc=np.array([1.4e5, 4.5e5, 7.5e5, 9e5]))
     motion = made_motion([8.0, 8.0, 8.0, 8.0])
     motion = type(motion)(motion.v, motion.load_f, motion.load_r, history)
     front, _ = EFFECT.axle_moment(SEDAN, {**MOTOR, "regen_span": 6e5}, motion)
     assert front == pytest.approx([0.0, 112.5, 225.0, 225.0])
+
+
+def test_a_torque_that_lags():
+    """On at once at 0.2 s: 63 % of it one time constant later, and as much less after the end."""
+    time = np.arange(600) * 0.001
+    pedal = np.where((time >= 0.2) & (time < 0.4), 9e5, 0.0)
+    history = made_history(600, time=time, p_mc=pedal)
+    motion = made_motion(np.full(600, 8.0))
+    motion = type(motion)(motion.v, motion.load_f, motion.load_r, history)
+    front, _ = EFFECT.axle_moment(SEDAN, {**MOTOR, "regen_lag": 0.03}, motion)
+    assert np.all(front[:200] == 0.0)
+    assert front[230] == pytest.approx(225.0 * (1.0 - np.exp(-1.0)), rel=0.03)
+    assert front[430] == pytest.approx(225.0 * np.exp(-1.0), rel=0.03)
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0])

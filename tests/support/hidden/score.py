@@ -111,6 +111,7 @@ COUNTERPARTS: dict[str, dict[str, Counterpart]] = {
     "regenerative_torque": {
         "regen_torque": Counterpart(lambda h: 2.0 * h.regen_torque, 0.05),
         "regen_power": Counterpart(lambda h: 2.0 * h.regen_power, 0.05),
+        "regen_onset": Counterpart(lambda h: 1e5, 0.1),
         "regen_lag": Counterpart(lambda h: h.regen_lag, 0.1),
     },
 }
