@@ -89,9 +89,15 @@ QUANTITIES: dict[str, tuple[str, dict[str, Unit]]] = {
     "kg*m^2": ("moment of inertia", {"kg*m^2": ONE, "kg*cm^2": Unit(per=1e4)}),
     "1": ("dimensionless number", {"1": ONE, "-": ONE, "%": Unit(per=100)}),
     # These occur only as parameters of effects.
-    "1/K": ("change per temperature", {"1/K": ONE, "1/degC": ONE}),
-    "1/Pa": ("change per pressure", {"1/Pa": ONE, "1/bar": Unit(per=1e5), "1/MPa": Unit(per=1e6)}),
-    "s/m": ("change per speed", {"s/m": ONE, "h/km": Unit(36, per=10)}),
+    "1/K": ("change per temperature", {"1/K": ONE, "1/degC": ONE, "%/K": Unit(per=100)}),
+    "1/Pa": (
+        "change per pressure",
+        {"1/Pa": ONE, "1/bar": Unit(per=1e5), "1/MPa": Unit(per=1e6), "%/bar": Unit(per=1e7)},
+    ),
+    "s/m": (
+        "change per speed",
+        {"s/m": ONE, "h/km": Unit(36, per=10), "%/(km/h)": Unit(36, per=1e3)},
+    ),
     "J": ("energy", {"J": ONE, "kJ": Unit(1e3), "MJ": Unit(1e6)}),
     "W": ("power", {"W": ONE, "kW": Unit(1e3)}),
 }

@@ -107,12 +107,14 @@ def _told(found: "Diagnosis") -> str:
     """The diagnosis in the sentences of the report."""
     from calib.diagnosis import words
     from calib.diagnosis.headline import headline
-    from calib.diagnosis.printed import value_of
+    from calib.diagnosis.printed import interval_of, value_of
 
     lines = [headline(found)]
     for effect in found.effects:
         lines += [f"{effect.name}: {words.where(effect)}", words.evidence(effect, found)]
-        lines += [f"  {n} = {value_of(v)}" for n, v in effect.parameters.items()]
+        lines += [
+            f"  {n} = {value_of(v)} (95 %: {interval_of(v)})" for n, v in effect.parameters.items()
+        ]
         lines.append(words.rivals(effect))
     lines += [
         words.known(found),

@@ -33,9 +33,18 @@ PINT = {
     "m^2": {"m^2": "meter^2", "cm^2": "centimeter^2", "mm^2": "millimeter^2"},
     "kg*m^2": {"kg*m^2": "kilogram*meter^2", "kg*cm^2": "kilogram*centimeter^2"},
     "1": {"1": "", "-": "", "%": "percent"},
-    "1/K": {"1/K": "1/kelvin", "1/degC": "1/delta_degC"},
-    "1/Pa": {"1/Pa": "1/pascal", "1/bar": "1/bar", "1/MPa": "1/megapascal"},
-    "s/m": {"s/m": "second/meter", "h/km": "hour/kilometer"},
+    "1/K": {"1/K": "1/kelvin", "1/degC": "1/delta_degC", "%/K": "percent/kelvin"},
+    "1/Pa": {
+        "1/Pa": "1/pascal",
+        "1/bar": "1/bar",
+        "1/MPa": "1/megapascal",
+        "%/bar": "percent/bar",
+    },
+    "s/m": {
+        "s/m": "second/meter",
+        "h/km": "hour/kilometer",
+        "%/(km/h)": "percent*hour/kilometer",
+    },
     "J": {"J": "joule", "kJ": "kilojoule", "MJ": "megajoule"},
     "W": {"W": "watt", "kW": "kilowatt"},
 }

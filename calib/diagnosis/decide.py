@@ -153,7 +153,7 @@ def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, flo
 
 
 def _replaces(first: Candidate, pair: Candidate) -> bool:
-    """Whether a pair explains all, and a single effect of hardly fewer parameters ends at its bound.
+    """Whether a pair explains all, and one effect of hardly fewer parameters ends at its bound.
 
     A delay beside a lag looks like two lags in a row, or like an oscillation without overshoot.
     """

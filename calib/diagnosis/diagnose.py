@@ -337,7 +337,8 @@ def named(
         parameters = {}
         card = definition(problem.vehicle.effects, name).card
         for p, width in zip(card.parameters, half[own], strict=True):
-            value = best.effects.parameters[name][p.name]
+            found = best.effects.parameters[name][p.name]
+            value = min(max(found, p.low), p.high)  # bounds of a fit are a trifle wider
             spread = float(width * p.spread)
             ends = (max(value - spread, p.low), min(value + spread, p.high))
             parameters[p.name] = ParameterEstimate(value, p.unit, ends)

@@ -7,10 +7,13 @@ from calib.diagnosis.diagnose import ParameterEstimate
 SHOWN = {
     "Pa": ("bar", 1e-5),
     "m/s": ("km/h", 3.6),
-    "1/Pa": ("1/bar", 1e5),
-    "s/m": ("h/km", 1.0 / 3.6),
+    "1/Pa": ("%/bar", 1e7),
+    "s/m": ("%/(km/h)", 100.0 / 3.6),
+    "1/K": ("%/K", 100.0),
     "rad": ("deg", 180.0 / math.pi),
     "J": ("kJ", 1e-3),
+    "W": ("kW", 1e-3),
+    "s": ("ms", 1e3),
     "1": ("", 1.0),
 }
 """SI unit to the unit that is printed, and the factor; other units are printed unchanged."""
@@ -36,7 +39,13 @@ def number(value: float, step: float) -> str:
     if first < -4 and abs(value) < 1e-2:
         digits = max(0, math.floor(math.log10(max(abs(value), step))) - first + 1)
         return f"{value:.{digits}e}"
-    return f"{value:.{max(0, 1 - first)}f}"
+    return _fixed(value, max(0, 1 - first))
+
+
+def _fixed(value: float, digits: int) -> str:
+    """A value with so many digits behind the point, without a sign before zero."""
+    text = f"{value:.{digits}f}"
+    return text.removeprefix("-") if float(text) == 0.0 else text
 
 
 def percent(share: float) -> str:
@@ -73,5 +82,5 @@ def span(ends: tuple[float, float], unit: str) -> str:
     """A range [SI ``unit``] as it is printed, to three digits at most: `20 to 29 bar`."""
     low, high = (in_shown(end, unit) for end in ends)
     digits = 0 if high - low >= 2.0 else 1
-    text = f"{low:.{digits}f}", f"{high:.{digits}f}"
+    text = _fixed(low, digits), _fixed(high, digits)
     return with_unit(text[0] if text[0] == text[1] else f"{text[0]} to {text[1]}", unit)

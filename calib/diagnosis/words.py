@@ -129,6 +129,10 @@ def _driver(driver: str) -> str:
     }.get(driver, f"the {driver}")
 
 
+def _over(driver: str) -> str:
+    return "at all times" if driver == "constant" else f"over {_driver(driver)}"
+
+
 def where(effect: Named) -> str:
     """Where an effect acts, in one sentence."""
     at = [span(effect.where.pressure, "Pa"), span(effect.where.speed, "m/s")]
@@ -243,7 +247,7 @@ TRIFLE = 0.01
 
 def _placed(found: UnexplainedTerm) -> str:
     text = (
-        f"An empirical term on the {plain(found.term.place)} over {_driver(found.term.driver)} "
+        f"An empirical term on the {plain(found.term.place)} {_over(found.term.driver)} "
         f"explains {percent(found.explained)} of the remaining gap."
     )
     if found.explained < TRIFLE:
@@ -272,7 +276,7 @@ def _placed(found: UnexplainedTerm) -> str:
     if found.runners_up and found.explained >= TRIFLE:
         place, driver, share = found.runners_up[0]
         text += (
-            f" Next: {plain(place)} over {_driver(driver)}, {percent(share)}. "
+            f" Next: {plain(place)} {_over(driver)}, {percent(share)}. "
             "The term describes the gap; its physical cause is not known."
         )
     return text

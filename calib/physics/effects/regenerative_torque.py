@@ -28,8 +28,9 @@ def axle_moment(vehicle: Vehicle, parameters: Parameters, motion: Motion) -> Pai
 
     It sets in at ``regen_onset`` and grows with the pressure over ``regen_span``; what the pedal
     asks for it follows with the time constant ``regen_lag``, and its limits at once. omega is that
-    of free rolling: P is found too high by the slip of the wheels, 1 to 3 %. Not valid for a motor that slows the car without the brake (`engine_drag`). A
-    logged ``T_drive`` counts besides: the effect is what the log does not hold.
+    of free rolling: P is found too high by the slip of the wheels, 1 to 3 %. Not valid for a motor
+    that slows the car without the brake (`engine_drag`). A logged ``T_drive`` counts besides: the
+    effect is what the log does not hold.
     """
     share = parameters["regen_rear_share"]
     onset = parameters.get("regen_onset", BITE)
