@@ -290,7 +290,7 @@ def _without_spare(held: HoldOuts, before: Proved, present: Proved) -> Proved:
 
 
 def _exchanged(held: HoldOuts, present: Proved) -> Proved:
-    """The explanation without an odd effect, or with a simpler one for it, if it fits as well.
+    """The explanation without an odd effect, or with one as simple for it, if it fits as well.
 
     Odd is one that ends at its bound, or acts on both axles in an odd share. Beside a motor, a lag
     and a delay look like an oscillation without overshoot and a delay. An engine at both axles
@@ -324,9 +324,9 @@ def _one_for_two(held: HoldOuts, present: Proved) -> Proved:
 
 
 def _simpler(held: HoldOuts, present: Proved, option: Candidate) -> Proved | None:
-    """What is proved with another explanation; None if it is no simpler, or fits less well."""
+    """What is proved with another explanation; None if it is less simple, or fits less well."""
     at = present.decision.best
-    if option.parameters >= at.parameters or simplest_first([at, option])[0] is at:
+    if option.parameters > at.parameters or simplest_first([at, option])[0] is at:
         return None
     option = spared(option)
     judged = _judged(held, option)

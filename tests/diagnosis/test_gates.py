@@ -86,7 +86,7 @@ def test_other_mistakes_in_one_log_are_refused_in_the_words_of_check(late):
         (lambda log: changed(log, a_x=-log["a_x"]), "a_x is positive while the wheels slow down"),
         (lambda log: changed(log, p_mc=0.0 * log["p_mc"]), "p_mc does not change"),
         (lambda log: changed(log, v=radius * log["omega_rl"]), "v is made of the wheel speeds"),
-        (lambda log: changed(log, p_mc=0.3 * log["p_mc"]), "as strongly on p_mc"),
+        (lambda log: changed(log, p_mc=0.4 * log["p_mc"]), "as strongly on p_mc"),
     ):
         text = refused(late, with_(late, "hot", change))
         assert text.startswith(f"{hot.source}: ")

@@ -9,7 +9,7 @@ from calib.diagnosis.remainder import BLOCK, LEAST, remainder_of
 from calib.logs.log import Log
 from tests.support.made_runs import changed, made_run
 
-SD_V = 1.3 * 0.02
+SD_V = 0.02
 """Noise of v as the gap counts it: that of the made runs, times its allowance for slow noise."""
 
 
