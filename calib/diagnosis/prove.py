@@ -326,7 +326,9 @@ def _one_for_two(held: HoldOuts, present: Proved) -> Proved:
 def _simpler(held: HoldOuts, present: Proved, option: Candidate) -> Proved | None:
     """What is proved with another explanation; None if it is less simple, or fits less well."""
     at = present.decision.best
-    if option.parameters > at.parameters or simplest_first([at, option])[0] is at:
+    if set(option.names) == set(at.names) or option.parameters > at.parameters:
+        return None
+    if simplest_first([at, option])[0] is at:
         return None
     option = spared(option)
     judged = _judged(held, option)

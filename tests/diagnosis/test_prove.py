@@ -136,6 +136,14 @@ def test_an_effect_that_ends_at_its_bound_is_exchanged_for_a_simpler_one():
     assert proved.decision.best.reduced < oscillating.reduced
 
 
+def test_an_effect_is_not_exchanged_for_itself():
+    """A residual torque of which a parameter ends at its bound: it cannot be taken for another."""
+    case = draw("single", 1790017)
+    found = answer(case)
+    assert [effect.name for effect in found.effects] == list(case.effects)
+    assert found.verdict == "named"
+
+
 @pytest.mark.slow
 def test_brake_control_is_not_made_of_four_effects():
     """Front brakes that a control releases: motor, pads, threshold and mass imitate most of it."""
