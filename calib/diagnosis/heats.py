@@ -50,6 +50,7 @@ def with_start_heats(decision: Decision) -> Decision:
     if explains(decision) or not unknown:
         return decision
     at = _jointly(problem, unknown, fit(problem, (FADE,), _start(decision)))
+    at = _jointly(at.problem, unknown, at)  # the first fit can end before the minimum
     if at.reduced - FLOOR > (1.0 - SHARE) * (decision.best.reduced - FLOOR):
         return decision
     return searched_beside(decision, at)
@@ -97,9 +98,16 @@ def _jointly(problem: Problem, unknown: Sequence[int], at: Candidate) -> Candida
         return replace(problem, runs=tuple(runs))
 
     count = len(unknown)
+    first = np.concatenate([_states(problem.runs[i]) for i in unknown])
     one = np.ones(2 * count)
-    heats = LogStates(0.0 * one, np.tile(LOW, count), np.tile(HIGH, count), one, one, driven)
+    heats = LogStates(first, np.tile(LOW, count), np.tile(HIGH, count), one, one, driven)
     return fit_jointly(problem, at.names, at.x, heats)
+
+
+def _states(run: ObservedRun) -> Array:
+    """The two states (2,) of the start heats of a run."""
+    front, rear = run.start_heat
+    return np.array([(front - START) / SPREAD, (rear - front) / APART])
 
 
 def _heated(run: ObservedRun, states: Array) -> ObservedRun:
