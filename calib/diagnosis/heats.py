@@ -49,8 +49,8 @@ def with_start_heats(decision: Decision) -> Decision:
     unknown = [i for i, run in enumerate(problem.runs) if _unknown(run)]
     if explains(decision) or not unknown:
         return decision
-    at = _jointly(problem, unknown, fit(problem, (FADE,), _start(decision)))
-    at = _jointly(at.problem, unknown, at)  # the first fit can end before the minimum
+    at = _jointly(fit(problem, (FADE,), _start(decision)), unknown)
+    at = _jointly(at, unknown)  # the first fit can end before the minimum
     if at.reduced - FLOOR > (1.0 - SHARE) * (decision.best.reduced - FLOOR):
         return decision
     return searched_beside(decision, at)
@@ -88,8 +88,9 @@ def _start(decision: Decision) -> Array:
     return np.concatenate([decision.base.x[: problem.base_size], fade])
 
 
-def _jointly(problem: Problem, unknown: Sequence[int], at: Candidate) -> Candidate:
+def _jointly(at: Candidate, unknown: Sequence[int]) -> Candidate:
     """Fit parameters together with the start heats of the runs with indices ``unknown``."""
+    problem = at.problem
 
     def driven(x: Array) -> Problem:
         runs = list(problem.runs)

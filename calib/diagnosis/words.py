@@ -297,8 +297,7 @@ def start_heats(found: Diagnosis) -> str:
     told = (f"{log} {front:.0f} and {rear:.0f}" for log, (front, rear) in found.start_heats.items())
     return (
         f"No disc temperature is logged. At the start [degC], front and rear, on discs of assumed "
-        f"heat capacity: "
-        f"{', '.join(told)}."
+        f"heat capacity: {', '.join(told)}."
     )
 
 

@@ -10,7 +10,7 @@ from calib.logs.log import Log
 from tests.support.made_runs import changed, made_run
 
 SD_V = 0.02
-"""Noise of v as the gap counts it: that of the made runs, times its allowance for slow noise."""
+"""Noise of v of the made runs, white: the gap counts it as it is."""
 
 
 def runs(seed: int) -> tuple[Log, Log]:

@@ -1,5 +1,7 @@
 """Regeneration against its limits and against Newton's law for the whole car."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,11 @@ MOTOR = {
 }
 
 
+def slowly(history):
+    """The motion at 8 m/s, where the torque of the motor is its limit, with a history."""
+    return replace(made_motion(np.full(history.p_mc.size, 8.0)), history=history)
+
+
 def test_torque_power_and_the_end_of_a_stop():
     """R = 0.322 m: 9 kW are 300 N m at 9.66 m/s, 9e3 x 0.322/v above."""
     motion = made_motion([1.5, 6.0, 9.0, 20.0, 40.0])
@@ -26,8 +33,7 @@ def test_torque_power_and_the_end_of_a_stop():
 def test_none_without_the_brake():
     """From 1.5 bar on, and in full 40 % above it."""
     history = made_history(3, p_mc=np.array([1.49e5, 1.8e5, 2.11e5]))
-    motion = made_motion([8.0, 8.0, 8.0])
-    motion = type(motion)(motion.v, motion.load_f, motion.load_r, history)
+    motion = slowly(history)
     front, _ = EFFECT.axle_moment(SEDAN, MOTOR, motion)
     assert front == pytest.approx([0.0, 112.5, 225.0])
 
@@ -35,8 +41,7 @@ def test_none_without_the_brake():
 def test_a_torque_that_follows_the_pedal():
     """From 1.5 bar on, in full 6 bar above: a half 3 bar above."""
     history = made_history(4, p_mc=np.array([1.4e5, 4.5e5, 7.5e5, 9e5]))
-    motion = made_motion([8.0, 8.0, 8.0, 8.0])
-    motion = type(motion)(motion.v, motion.load_f, motion.load_r, history)
+    motion = slowly(history)
     front, _ = EFFECT.axle_moment(SEDAN, {**MOTOR, "regen_span": 6e5}, motion)
     assert front == pytest.approx([0.0, 112.5, 225.0, 225.0])
 
@@ -46,8 +51,7 @@ def test_a_torque_that_lags():
     time = np.arange(600) * 0.001
     pedal = np.where((time >= 0.2) & (time < 0.4), 9e5, 0.0)
     history = made_history(600, time=time, p_mc=pedal)
-    motion = made_motion(np.full(600, 8.0))
-    motion = type(motion)(motion.v, motion.load_f, motion.load_r, history)
+    motion = slowly(history)
     front, _ = EFFECT.axle_moment(SEDAN, {**MOTOR, "regen_lag": 0.03}, motion)
     assert np.all(front[:200] == 0.0)
     assert front[230] == pytest.approx(225.0 * (1.0 - np.exp(-1.0)), rel=0.03)

@@ -21,7 +21,7 @@ class Hidden:
         rear brake needs half of it.
     radius_mismatch : true over nominal rear radius, less one [1].
     threshold : pressure before the pads press [Pa]; the corner is rounded.
-    lag, lag_behind, delay : of the line pressure [s]; two lags in a row, then the delay.
+    lag, lag_behind, delay : of the line pressure [s]; a delay, then two lags in a row.
     surge, surge_damping : the line pressure swings at this frequency [Hz], damped so far [1].
     knee, knee_slope : rear pressure above the knee [Pa] rises with this slope [1].
     hysteresis : width of the loop between application and release, relative [1].
