@@ -24,7 +24,7 @@ was expected and where to look. Several errors of one file are one message of se
 
 import re
 
-from calib.printable import one_line, printable
+from calib.messages.printable import one_line, printable
 
 
 class BrakeCalError(Exception):
@@ -70,7 +70,7 @@ class BrakeCalError(Exception):
         return "_".join(words).lower()
 
     def to_dict(self) -> dict[str, object]:
-        """The error as plain data, see `calib.error_file`."""
+        """The error as plain data, see `calib.documents.error_file`."""
         return {
             "kind": self.kind,
             "message": str(self),

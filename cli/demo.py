@@ -28,7 +28,7 @@ def demo(
     one folder: the sample logs, the store, results and figures.
     """
     from calib.demo.demo import hidden_story, run, section_five, section_four
-    from calib.diagnosis.document import to_dict
+    from calib.diagnosis.written.document import to_dict
 
     ready_folder(out)
     out.mkdir(parents=True, exist_ok=True)
@@ -64,7 +64,7 @@ def demo(
 
 def _hidden(story: "Story") -> str:
     """The verdict, the gap, and the gain in the agreement of the pads."""
-    from calib.diagnosis.headline import headline
+    from calib.diagnosis.written.headline import headline
 
     pads = [
         f"{100 * a.spread_f:.1f} % front, {100 * a.spread_r:.1f} % rear"

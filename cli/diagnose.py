@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from calib.plain import counted
+from calib.messages.plain import counted
 from cli.console import emit, emit_json, say, stages, warn
 from cli.inputs import channel_map_of, with_own_effects
 from cli.logs import named, read
@@ -64,9 +64,9 @@ def diagnose(
     Ctrl-C or SIGTERM.
     """
     from calib.diagnosis.diagnose import diagnose as find
-    from calib.diagnosis.document import text_of, to_dict
-    from calib.diagnosis.folder import files_of, write_folder
-    from calib.diagnosis.search import REFINED
+    from calib.diagnosis.search.search import REFINED
+    from calib.diagnosis.written.document import text_of, to_dict
+    from calib.diagnosis.written.folder import files_of, write_folder
     from calib.physics.vehicle_file import read_vehicle
     from calib.processes import cores, side_by_side
     from calib.reports.diagnosis import report_html
@@ -105,9 +105,9 @@ def diagnose(
 
 def _told(found: "Diagnosis") -> str:
     """The diagnosis in the sentences of the report."""
-    from calib.diagnosis import words
-    from calib.diagnosis.headline import headline
-    from calib.diagnosis.printed import interval_of, value_of
+    from calib.diagnosis.written import words
+    from calib.diagnosis.written.headline import headline
+    from calib.diagnosis.written.printed import interval_of, value_of
 
     lines = [headline(found)]
     for effect in found.effects:

@@ -43,7 +43,7 @@ def effects(
 
     known = {**CATALOGUE, **{one.name: one.effect for one in read_own_effects(effect or [])}}
     if name is not None and name not in known:
-        from calib.toml import did_you_mean
+        from calib.documents.toml import did_you_mean
 
         hint = did_you_mean(name, known) or "'brake-cal effects' lists the known ones"
         raise typer.BadParameter(f"unknown effect {name!r}; {hint}", param_hint="NAME")

@@ -1,4 +1,4 @@
-"""Errors as JSON, see `calib.error_file`."""
+"""Errors as JSON, see `calib.documents.error_file`."""
 
 from typing import Any
 

@@ -102,10 +102,10 @@ def _page(
 
 
 def _document(stored: "Stored", mass: "MassUsed") -> dict[str, object]:
+    from calib.messages.warning import to_dict
     from calib.store.answer import answer
     from calib.table.budget import summary
     from calib.table.pads_budget import pads_budget
-    from calib.warning import to_dict
 
     table = stored.table
     return {

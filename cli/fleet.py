@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from calib.plain import counted
+from calib.messages.plain import counted
 from cli.completion import names_of
 from cli.console import emit, emit_json, json_text, progress, say
 from cli.group import command_group
@@ -95,10 +95,10 @@ def index(
 
 def _write(found: "Summary", results: Path, out: Path) -> None:
     """Draw all files first, then write them."""
-    from calib.files import write_whole
+    from calib.files.publish import publish, workshop
+    from calib.files.write import write_whole
+    from calib.messages.printable import printable
     from calib.plots.fleet import picture_name
-    from calib.printable import printable
-    from calib.publish import publish, workshop
     from calib.reports.fleet import document, report_html
 
     drawings = _pictures(found)
@@ -145,7 +145,7 @@ def _pictures(found: "Summary") -> "dict[str, tuple[bytes, Picture]]":
 
 
 def _report(found: "Summary") -> None:
-    from calib.plain import plain
+    from calib.messages.plain import plain
     from calib.reports.fleet import described, headline, reach, reason
 
     emit(headline(found))

@@ -106,8 +106,8 @@ def tell_newest(store: Path, stored: "Stored") -> None:
 
 def quantity_of(written: str, si: str, option: str) -> float:
     """A quantity of an option in SI, written as in a vehicle file; else a usage error."""
+    from calib.documents.toml import quantity
     from calib.errors import InputError
-    from calib.toml import quantity
 
     try:
         return quantity(written, si, None, InputError)
@@ -177,7 +177,7 @@ def _limits(path: Path) -> "tuple[Limit, ...]":
 
 def unknown_format(form: str, name: str, known: Collection[str], option: str) -> typer.BadParameter:
     """The error for an unknown export format; ``name`` is ``form`` in the case of ``known``."""
-    from calib.toml import did_you_mean
+    from calib.documents.toml import did_you_mean
 
     near = did_you_mean(name, known)
     what = f"unknown format {form!r}; {near} " if near else f"unknown format {form!r}; "

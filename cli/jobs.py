@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def _command(written: str) -> Command:
-    from calib.toml import did_you_mean
+    from calib.documents.toml import did_you_mean
 
     known = [str(command) for command in Command]
     if written not in known:

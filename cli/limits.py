@@ -38,7 +38,7 @@ def init(
 
 
 def _write(text: str, out: Path, force: bool) -> None:
-    from calib.files import write_whole
+    from calib.files.write import write_whole
 
     refuse_folder(out)
     refuse_foreign(out, lambda data: data == text.encode(), "the file as it is written", force)

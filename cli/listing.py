@@ -77,8 +77,8 @@ def _rows(store: Path) -> "list[Row]":
 
 
 def _check(state: str | None, since: str | None) -> None:
+    from calib.documents.toml import did_you_mean
     from calib.signing.statement import STATES
-    from calib.toml import did_you_mean
 
     if state is not None and state not in STATES:
         near = did_you_mean(state, STATES)
@@ -90,7 +90,7 @@ def _check(state: str | None, since: str | None) -> None:
 
 
 def _none(serial: str, every: "list[Row]") -> str:
-    from calib.toml import did_you_mean
+    from calib.documents.toml import did_you_mean
 
     known = sorted({text for row in every for text in (row.serial, row.vin) if text})
     near = did_you_mean(serial, known)

@@ -88,7 +88,7 @@ def _is_page(out: Path) -> bool:
 
 
 def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
-    from calib.toml import did_you_mean
+    from calib.documents.toml import did_you_mean
 
     have = [column.name for column in log.columns]
     for name in names:
@@ -101,7 +101,7 @@ def _chosen(log: "WholeLog", names: list[str]) -> "WholeLog":
 def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
-    from calib.files import write_whole
+    from calib.files.write import write_whole
     from calib.plots.channels import MOST, figure, panels_of
     from calib.plots.save import render
     from calib.reports.log import log_html

@@ -75,8 +75,8 @@ def _grid(pages: "tuple[Page, ...]") -> "Grid":
 
 
 def _found(asked: str) -> "Page":
+    from calib.documents.toml import did_you_mean
     from calib.manual.page import find, plain_name
-    from calib.toml import did_you_mean
 
     pages = find(asked)
     if len(pages) == 1:
@@ -109,9 +109,9 @@ def _show(page: "Page", json: bool) -> None:
 
 
 def _write(out: Path, json: bool) -> None:
-    from calib.files import write_whole
+    from calib.files.publish import publish, workshop
+    from calib.files.write import write_whole
     from calib.manual.site import START, site
-    from calib.publish import publish, workshop
 
     ready_folder(out)
     files = site()

@@ -24,8 +24,8 @@ def ready_folder(out: Path | None, names: Iterable[str] = ()) -> None:
 
     ``names`` of files that will be written there: a folder in the place of one is refused, too.
     """
-    from calib.intent import refuse_obstacles
-    from calib.publish import settle
+    from calib.files.intent import refuse_obstacles
+    from calib.files.publish import settle
 
     if out is None:
         return
@@ -103,7 +103,7 @@ def refuse_foreign(
     ``what`` says what would be replaced without --force; ``force`` is None where there is no such
     option.
     """
-    from calib.bounded import LOG, read_bounded
+    from calib.files.bounded import LOG, read_bounded
 
     if force:
         return
@@ -148,7 +148,7 @@ def refuse_report(
 
 def write_report(report: Path, page: str) -> None:
     """Write a page and say so."""
-    from calib.files import write_whole
+    from calib.files.write import write_whole
 
     with writing(report, REPORT):
         write_whole(report, page.encode())

@@ -45,8 +45,8 @@ def qualify(
 
 
 def _write(out: Path, document: dict[str, Any], page: str) -> None:
-    from calib.files import write_whole
-    from calib.publish import publish, workshop
+    from calib.files.publish import publish, workshop
+    from calib.files.write import write_whole
 
     with writing(out), workshop(out) as work:
         write_whole(work / REPORT, page.encode())

@@ -105,7 +105,7 @@ def repeatability(
 
 
 def _check_names(wanted: list[str], known: list[str]) -> None:
-    from calib.toml import did_you_mean
+    from calib.documents.toml import did_you_mean
 
     for name in wanted:
         if name not in known:
@@ -235,10 +235,10 @@ def _entry(result: "GaugeResult") -> dict[str, object]:
 
 
 def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
-    from calib.files import write_whole
+    from calib.files.publish import publish, workshop
+    from calib.files.write import write_whole
     from calib.plots.repeatability import sheet
     from calib.plots.save import render
-    from calib.publish import publish, workshop
 
     contents = {
         DOCUMENT: json_text(document).encode(),

@@ -9,7 +9,7 @@ from cli.console import emit, emit_json
 from cli.options import Json, example
 
 if TYPE_CHECKING:
-    from calib.schema import Section
+    from calib.documents.schema import Section
 
 EPILOG = example("brake-cal schema", "brake-cal schema vehicle", "brake-cal schema fit-json")
 
@@ -44,13 +44,13 @@ def schema(
     if name is None:
         _list(json)
     elif name in SCHEMAS:
-        from calib.schema import json_schema
+        from calib.documents.schema import json_schema
 
         emit_json(json_schema(SCHEMAS[name][1]()))
     elif name in documents():
         emit_json(documents()[name].schema)
     else:
-        from calib.toml import did_you_mean
+        from calib.documents.toml import did_you_mean
 
         hint = did_you_mean(name, _names()) or "'brake-cal schema' lists the known ones"
         raise typer.BadParameter(f"unknown file {name!r}; {hint}", param_hint="NAME")
@@ -114,13 +114,13 @@ def _vehicle_facts() -> "type[Section]":
 
 
 def _error() -> "type[Section]":
-    from calib.error_file import ErrorFile
+    from calib.documents.error_file import ErrorFile
 
     return ErrorFile
 
 
 def _settings() -> "type[Section]":
-    from calib.settings_file import SettingsFile
+    from calib.documents.settings_file import SettingsFile
 
     return SettingsFile
 

@@ -93,7 +93,7 @@ def _words(value: object) -> str:
 
 
 def _nowhere(found: "Project") -> str:
-    from calib.settings import NAME, VARIABLE
+    from calib.documents.settings import NAME, VARIABLE
 
     if found.named:
         return f"no settings file: {VARIABLE} is empty"

@@ -182,8 +182,8 @@ def station(
     command gives the same bytes and no new version.
     """
     from calib.checks.gates import refuse_copies
+    from calib.files.publish import workshop
     from calib.physics.vehicle_file import read_vehicle
-    from calib.publish import workshop
     from calib.station.folder import publish_run
     from calib.station.metrics import Car
     from calib.station.station import outcome, table_of, validated
@@ -262,7 +262,7 @@ def _telling_refusals(out: Path, identity: "Identity", logs: list[Path]) -> Iter
 
 def _limits_file(path: Path | None) -> str:
     """Name and digest of the limits, as the report tells them; empty for those of the program."""
-    from calib.digest import file_digest
+    from calib.files.digest import file_digest
 
     return f"{path.name}, SHA-256 {file_digest(path)[:16]}" if path else ""
 

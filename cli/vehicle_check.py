@@ -10,7 +10,7 @@ from cli.options import Json, example
 
 if TYPE_CHECKING:
     from calib.errors import InputError
-    from calib.warning import PlausibilityWarning
+    from calib.messages.warning import PlausibilityWarning
 
 EPILOG = example("brake-cal vehicle check sample_logs/sedan/vehicle.toml")
 IMPLAUSIBLE, UNREADABLE = 1, 3
@@ -29,7 +29,7 @@ def check(files: Files, json: Json = False) -> None:
     outside its usual range, 3 if a file cannot be used. A mistake within what cars differ by, such
     as a mass that is 10 % wrong, is not seen.
     """
-    from calib.warning import to_dict
+    from calib.messages.warning import to_dict
 
     found, errors = _look(files)
     if json:

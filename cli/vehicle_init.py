@@ -37,7 +37,7 @@ def init(
     for each value; Enter takes the one in brackets, that of the reference car. A number without a
     unit has the unit of the question. Ctrl+C ends it without a file.
     """
-    from calib.files import write_whole
+    from calib.files.write import write_whole
     from calib.physics.vehicle_file import read_vehicle
     from calib.vehicles.keys import REFERENCE
     from calib.vehicles.plausible import plausible
@@ -51,7 +51,7 @@ def init(
     warnings = plausible(read_vehicle(file))  # two answers may contradict each other
     warn(warnings)
     if json:
-        from calib.warning import to_dict
+        from calib.messages.warning import to_dict
 
         emit_json({"schema": 1, "out": file, "warnings": [to_dict(one) for one in warnings]})
     say(f"next: edit it, then `brake-cal vehicle check {file}`")

@@ -11,9 +11,10 @@ import pytest
 CALIB = Path(__file__).parents[1] / "calib"
 
 ROOMS = """
-    errors names units toml schema schema_errors bounded printable files intent publish digest \
-    warning plain settings processes
-    settings_file error_file
+    messages
+    errors names units processes
+    files
+    documents
     signing
     statistics
     physics
@@ -40,6 +41,11 @@ ROOMS = """
 """
 """The house, from the ground floor up: a file imports from its own room or from a lower floor."""
 
+INSIDE = {
+    "diagnosis": ["runs", "explanation", "search", "proof", "undecided", "diagnose", "written"]
+}
+"""The order inside a room whose folders stand on each other; a file of the room is a name, too."""
+
 FLOOR = {room: i for i, row in enumerate(ROOMS.split("\n")) for room in row.split()}
 FACE = Path("calib/__init__.py")
 """Names what is in the rooms and loads none of it; `tests/test_face.py` looks at it."""
@@ -55,6 +61,11 @@ HEAVY = {
 def room(module: str) -> str:
     """`store` of calib.store.store, `logs` of calib.logs.text.csv."""
     return module.split(".")[1]
+
+
+def folder(module: str) -> str:
+    """`search` of calib.diagnosis.search.decide, `diagnose` of calib.diagnosis.diagnose."""
+    return module.split(".")[2]
 
 
 def imported(file: Path) -> list[str]:
@@ -92,6 +103,14 @@ def test_imports_go_downhill(file):
         assert below or room(other) == room(module) or FLOOR[room(other)] == FLOOR["errors"], (
             f"{file} imports {other}, which is on its own floor or above"
         )
+
+
+@pytest.mark.parametrize("name", INSIDE)
+def test_imports_go_downhill_inside_a_room(name):
+    for file in (f for f in FILES if f.parts[1] == name and f.name != "__init__.py"):
+        here = INSIDE[name].index(folder(module_of(file)))
+        for other in (m for m in imported(file) if room(m) == name):
+            assert INSIDE[name].index(folder(other)) <= here, f"{file} imports {other}"
 
 
 def test_no_circle():

@@ -15,10 +15,10 @@ from calib.checks.warnings import warnings_of
 from calib.checks.wheel_checks import IntervalEstimate
 from calib.logs.gaps import Gap
 from calib.logs.log import Log, Origin
+from calib.messages.warning import PlausibilityWarning
 from calib.names import CHANNELS
 from calib.signals.driving_record import BrakeEvent
 from calib.units import from_si, to_si
-from calib.warning import PlausibilityWarning
 
 
 @dataclass(frozen=True)

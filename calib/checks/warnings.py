@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from calib.checks.observation import Observation
 from calib.checks.rules import LEAD_IN_GOOD, LEAD_IN_VALIDATE
 from calib.checks.swapped import causes_of_reversed_slip
-from calib.warning import PlausibilityWarning
+from calib.messages.warning import PlausibilityWarning
 
 SLOW = 95.0
 """Lowest rate [Hz] that resolves the build-up of the brake, 0.1 to 0.2 s."""

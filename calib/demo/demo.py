@@ -18,9 +18,9 @@ from calib.demo.samples import sample_logs
 from calib.fitting.fit import fit
 from calib.logs.log import Log
 from calib.logs.read import read_log
+from calib.messages.plain import counted
 from calib.physics.vehicle import Vehicle
 from calib.physics.vehicle_file import read_vehicle
-from calib.plain import counted
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.validation.limits import DEFAULTS
@@ -238,8 +238,8 @@ class Story:
 def hidden_story(out: Path, say: Say) -> Story:
     """Diagnose a car into ``out``/diagnosis, draw it, fit with and without the named effect."""
     from calib.diagnosis.diagnose import diagnose
-    from calib.diagnosis.document import text_of
-    from calib.diagnosis.folder import write_folder
+    from calib.diagnosis.written.document import text_of
+    from calib.diagnosis.written.folder import write_folder
     from calib.physics.model import with_model
     from calib.plots.diagnosis import sheet
     from calib.plots.save import save as save_figures

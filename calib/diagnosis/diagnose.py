@@ -11,38 +11,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.checks.gates import refuse_copies
-from calib.diagnosis.agreement import half_widths
-from calib.diagnosis.axles import require_axles
-from calib.diagnosis.candidate import BASE, Candidate, Problem, fit, problem_of
-from calib.diagnosis.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
-from calib.diagnosis.clocks import with_clocks
-from calib.diagnosis.confirm import confirm
-from calib.diagnosis.confusion import Confusion, confusion_of
-from calib.diagnosis.decide import Decision, confusable, decide, explains, gain
-from calib.diagnosis.doubts import base_half_widths
-from calib.diagnosis.drives import Drive, drives
-from calib.diagnosis.gap import Gap, gap_of
-from calib.diagnosis.gates import (
+from calib.diagnosis.explanation.agreement import half_widths
+from calib.diagnosis.explanation.candidate import BASE, Candidate, Problem, fit, problem_of
+from calib.diagnosis.explanation.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
+from calib.diagnosis.explanation.predict import ObservedRun, predict, run_of
+from calib.diagnosis.explanation.progress import Tell, silent
+from calib.diagnosis.proof.confirm import confirm
+from calib.diagnosis.proof.gap import Gap, gap_of
+from calib.diagnosis.proof.hold_outs import HoldOuts, hold_outs_of, model_of
+from calib.diagnosis.proof.prove import Proved, Step, Withdrawn, prove
+from calib.diagnosis.proof.remainder import Remainder, range_of
+from calib.diagnosis.proof.unexplained import UnexplainedTerm, place_of_rest
+from calib.diagnosis.runs.gates import (
     require_enough,
     require_own_pressure,
     require_right_channels,
 )
-from calib.diagnosis.groups import LogGroup, groups_of
-from calib.diagnosis.heats import start_heats_of, with_start_heats
-from calib.diagnosis.hold_outs import HoldOuts, hold_outs_of, model_of
-from calib.diagnosis.judged import judged_logs
-from calib.diagnosis.predict import ObservedRun, predict, run_of
-from calib.diagnosis.progress import Tell, silent
-from calib.diagnosis.prove import Proved, Step, Withdrawn, prove
-from calib.diagnosis.radii import with_free_radii
-from calib.diagnosis.regroup import regrouped
-from calib.diagnosis.remainder import Remainder, range_of
-from calib.diagnosis.search import unresolved
-from calib.diagnosis.sides import LARGEST, with_even_sides
-from calib.diagnosis.unexplained import UnexplainedTerm, place_of_rest
-from calib.diagnosis.warnings import log_warnings, unexplained_warnings
+from calib.diagnosis.runs.judged import judged_logs
+from calib.diagnosis.runs.sides import LARGEST, with_even_sides
+from calib.diagnosis.runs.warnings import log_warnings, unexplained_warnings
+from calib.diagnosis.search.axles import require_axles
+from calib.diagnosis.search.clocks import with_clocks
+from calib.diagnosis.search.decide import Decision, confusable, decide, explains, gain
+from calib.diagnosis.search.groups import LogGroup, groups_of
+from calib.diagnosis.search.heats import start_heats_of, with_start_heats
+from calib.diagnosis.search.radii import with_free_radii
+from calib.diagnosis.search.regroup import regrouped
+from calib.diagnosis.search.search import unresolved
+from calib.diagnosis.undecided.confusion import Confusion, confusion_of
+from calib.diagnosis.undecided.doubts import base_half_widths
+from calib.diagnosis.undecided.drives import Drive, drives
 from calib.errors import ModelError
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.effects.effect import acts_on_wheels, slows
 from calib.physics.effects.effects import Effects
 from calib.physics.model import Model
@@ -51,7 +52,6 @@ from calib.physics.vehicle import Vehicle
 from calib.processes import Mapped
 from calib.signals.held import without_holds
 from calib.units import behind
-from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
 
@@ -173,7 +173,7 @@ def diagnose(
     Returns
     -------
     The diagnosis. Its ``model_after`` is the car with the identified effects, for `calib.simulate`.
-    Left and right wheel speeds are made even where nothing brakes (`calib.diagnosis.sides`).
+    Left and right wheel speeds are made even where nothing brakes (`calib.diagnosis.runs.sides`).
 
     Raises LogError when there is no hold-out, when nothing in the logs is braked, and for a log
     that looks like a mistake: a run that is given twice, also as a copy; one whose channels `check`

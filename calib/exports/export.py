@@ -18,7 +18,7 @@ from calib.exports.formats import (
     format_named,
     format_of,
 )
-from calib.files import write_whole
+from calib.files.write import write_whole
 from calib.store.quality import UNPROVED, Quality
 from calib.store.version import Stored
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from calib.documents.toml import did_you_mean
 from calib.errors import ExchangeError
 from calib.exports.a2l import write_a2l
 from calib.exports.addresses import Addresses
@@ -15,7 +16,6 @@ from calib.exports.document import write_json
 from calib.exports.inca_csv import write_inca_csv
 from calib.exports.parquet import write_parquet
 from calib.store.version import Stored
-from calib.toml import did_you_mean
 
 NOWHERE = Addresses()
 """No program was given."""

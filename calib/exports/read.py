@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from calib.bounded import CALIBRATION, bytes_of
 from calib.errors import DamagedTable, ExchangeError, TableNotFound
 from calib.exports.build import build
 from calib.exports.cdfx_reader import read_cdfx
 from calib.exports.dataset import Content
 from calib.exports.dcm_reader import read_dcm
 from calib.exports.returned import Returned
+from calib.files.bounded import CALIBRATION, bytes_of
 from calib.store.store import Store
 from calib.store.version import Stored
 

@@ -10,12 +10,12 @@ from calib.errors import LogError
 from calib.fitting.identify import Identified
 from calib.fitting.parameters import RampParameters, tyres_of
 from calib.fitting.settings import SETTINGS
+from calib.messages.warning import PlausibilityWarning
 from calib.names import G
 from calib.physics.balance import brake_forces
 from calib.physics.forces import axle_loads, speed_ratio
 from calib.physics.vehicle import Vehicle
 from calib.table.table import TyrePosterior
-from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
 

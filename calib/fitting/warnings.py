@@ -6,6 +6,7 @@ from calib.fitting.resistance import ROLLING, Resistance
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sensors import judge_accelerometer
 from calib.fitting.sort_logs import Prepared
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.bend import bend_warnings
 from calib.plausibility.resistance import resistance_warnings
@@ -13,7 +14,6 @@ from calib.plausibility.run import run_warnings
 from calib.signals.axle_signals import signals
 from calib.signals.brake_balance import brake_balance
 from calib.signals.brake_response import brake_response
-from calib.warning import PlausibilityWarning
 
 
 def log_warnings(

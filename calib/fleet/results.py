@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.bounded import RESULT, open_bounded
+from calib.documents.toml import did_you_mean
 from calib.errors import InputError
+from calib.files.bounded import RESULT, open_bounded
 from calib.fleet.columns import COLUMNS, HEAD, Kind, ResultColumn, Status
 from calib.fleet.command import Command
 from calib.fleet.line_order import is_unknown, line_order
 from calib.fleet.row import Row
-from calib.toml import did_you_mean
 
 Array = NDArray[np.float64]
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.documents.toml import did_you_mean
 from calib.errors import InputError
 from calib.fleet.columns import Kind, ResultColumn, Status
 from calib.fleet.control_chart import Chart, LevelChange, change, chart, least_p
 from calib.fleet.edges import possible, within
 from calib.fleet.outliers import Spread, judge, named
 from calib.fleet.results import FleetFile
-from calib.plain import plain
-from calib.toml import did_you_mean
+from calib.messages.plain import plain
 
 Array = NDArray[np.float64]
 

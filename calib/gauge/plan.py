@@ -11,9 +11,9 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from calib.bounded import PLAN, bytes_of
+from calib.documents.toml import did_you_mean
 from calib.errors import InputError
-from calib.toml import did_you_mean
+from calib.files.bounded import PLAN, bytes_of
 
 COLUMNS = ("log", "car", "station", "road", "vehicle")
 LAYOUTS = ("car", "car/station", "station/car")

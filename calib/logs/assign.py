@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.documents.toml import nearest
 from calib.errors import ChannelMapError, LogError
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.log import Origin
 from calib.logs.source import Array, Column
 from calib.names import CHANNELS, TRUTH_UNITS
-from calib.toml import nearest
 from calib.units import UnknownUnit, si_of, unit_of
 
 TRUTH = "true_"

@@ -2,8 +2,8 @@
 
 import re
 
-from calib.bounded import POINTER
 from calib.errors import LogError
+from calib.files.bounded import POINTER
 
 MDF = (".mf4", ".mdf", ".dat")
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from calib.bounded import LOG
 from calib.errors import LogError
+from calib.files.bounded import LOG
 from calib.logs.source import Array, Column, ColumnSource
 from calib.logs.text.compressed import too_large
 from calib.logs.text.header import column_from_cell

@@ -5,8 +5,8 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-from calib.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.errors import ChannelMapError, LogError
+from calib.files.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.bus.databases import Databases
 from calib.logs.channel_map import ChannelMap

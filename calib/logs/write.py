@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.files import write_whole
+from calib.files.write import write_whole
 from calib.logs.assign import TRUTH
 from calib.logs.log import Array, Log
 from calib.logs.parquet import UNIT_KEY

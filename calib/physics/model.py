@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from calib.documents.toml import did_you_mean
 from calib.errors import ModelError
 from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects
 from calib.physics.magic_formula import MagicFormula
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
-from calib.toml import did_you_mean
 from calib.units import behind
 
 WET_ASPHALT = MagicFormula(stiffness=25.0, peak=0.9)

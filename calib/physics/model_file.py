@@ -45,8 +45,20 @@ from pydantic import (
 )
 from pydantic_core import core_schema
 
+from calib.documents.schema import (
+    ByName,
+    FileSchema,
+    OneOf,
+    QuantityMark,
+    Section,
+    by_name,
+    quantity_pattern,
+    validated,
+)
+from calib.documents.schema_errors import wrong
+from calib.documents.toml import load_toml, quantity, toml_bytes, written_quantity
 from calib.errors import InputError, ModelError
-from calib.files import write_whole
+from calib.files.write import write_whole
 from calib.physics.effects.catalogue import CATALOGUE
 from calib.physics.effects.effect import Card, Effect
 from calib.physics.effects.effects import DefinedIn, Effects, EmpiricalTerm
@@ -61,18 +73,6 @@ from calib.physics.own_effects.own_effect import (
     not_given,
 )
 from calib.physics.vehicle import Vehicle
-from calib.schema import (
-    ByName,
-    FileSchema,
-    OneOf,
-    QuantityMark,
-    Section,
-    by_name,
-    quantity_pattern,
-    validated,
-)
-from calib.schema_errors import wrong
-from calib.toml import load_toml, quantity, toml_bytes, written_quantity
 
 Friction = Annotated[float, QuantityMark("1", 0.02, 1.0)]
 Factor = Annotated[float, QuantityMark("1", 0.05, 20.0)]

@@ -11,14 +11,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, create_model, model_validator
 
+from calib.documents.schema import (
+    FileSchema,
+    QuantityMark,
+    Section,
+    quantities,
+    read_toml,
+    validated,
+)
+from calib.documents.schema_errors import wrong
+from calib.documents.toml import toml_bytes, written_quantity
 from calib.errors import VehicleError
-from calib.files import write_whole
+from calib.files.write import write_whole
 from calib.physics.effects.effects import Effects
 from calib.physics.mass import LEAST, MOST
 from calib.physics.vehicle import Axle, Vehicle
-from calib.schema import FileSchema, QuantityMark, Section, quantities, read_toml, validated
-from calib.schema_errors import wrong
-from calib.toml import toml_bytes, written_quantity
 
 if TYPE_CHECKING:
     from tomlkit.items import Table

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Iterator
 
+from calib.messages.warning import PlausibilityWarning
 from calib.names import G
 from calib.signals.accelerometer import Accelerometer
 from calib.statistics.intervals import Z95
-from calib.warning import PlausibilityWarning
 
 SCALE = 0.025
 """Scale error of a_x [1] from which it is named: data sheets allow 1 to 3 %."""

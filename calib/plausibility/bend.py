@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.braking import MOVING
 from calib.signals.axle_signals import Signals
 from calib.signals.lateral import lateral, sides
-from calib.warning import PlausibilityWarning
 
 LATERAL = 1.5
 """Mean lateral acceleration of a ramp [m/s^2] from which it is named: half of that from which a

@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from calib.messages.warning import PlausibilityWarning
 from calib.signals.axle_signals import Signals
 from calib.signals.brake_response import FORCE as FORCE_BEFORE
 from calib.signals.brake_response import USUAL, BrakeResponse
 from calib.statistics.half_normal import likelihood_ratio, mean_square
-from calib.warning import PlausibilityWarning
 
 FORCE = 0.045
 """Force without pressure over the usual brake force [1] from which it is named: it moves the pads

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from calib.checks.copies import SAME, alike, is_noise, rough
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
 from calib.names import WHEELS
 from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import HELD, Signals, held_time, rolling_radii
-from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
 

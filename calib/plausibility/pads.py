@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterator
 
 from calib.errors import LogError
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.vehicle import Vehicle
 from calib.statistics.intervals import Z95
 from calib.table.table import Calibration, TyrePosterior
-from calib.warning import PlausibilityWarning
 
 POSSIBLE = (0.05, 1.0)
 """Pad friction [1] that a brake can have: soaked pads have 0.1, racing pads 0.7."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from calib.warning import PlausibilityWarning
+from calib.messages.warning import PlausibilityWarning
 
 MOST = 0.018
 """Rolling coefficient [1] from which it is named: tyres that may be sold have up to 0.0105, of the

@@ -1,6 +1,7 @@
 """All that one run says against its sensors, from fit and estimate alike."""
 
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.accelerometer import accelerometer_warnings
 from calib.plausibility.brakes import pressure_warnings, response_warnings
@@ -8,7 +9,6 @@ from calib.plausibility.channels import channel_warnings
 from calib.signals.accelerometer import Accelerometer
 from calib.signals.axle_signals import Signals
 from calib.signals.brake_response import BrakeResponse
-from calib.warning import PlausibilityWarning
 
 
 def run_warnings(

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.diagnose import Diagnosis
-from calib.diagnosis.headline import outcome
-from calib.diagnosis.printed import in_shown, unit_shown
-from calib.diagnosis.unexplained import UnexplainedTerm
-from calib.diagnosis.words import plain
+from calib.diagnosis.proof.unexplained import UnexplainedTerm
+from calib.diagnosis.written.headline import outcome
+from calib.diagnosis.written.printed import in_shown, unit_shown
+from calib.diagnosis.written.words import plain
 from calib.logs.log import Log
 from calib.physics.effects.empirical import DRIVERS
 from calib.plots.sheet import Panel, Sheet

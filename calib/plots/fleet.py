@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from calib.fleet.control_chart import FEWEST, RULES
 from calib.fleet.edges import in_words
 from calib.fleet.summary import Look, Summary
-from calib.plain import plain
+from calib.messages.plain import plain
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.style import (
     BODY,

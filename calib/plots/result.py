@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.bounded import RESULT, read_bounded
 from calib.errors import InputError
+from calib.files.bounded import RESULT, read_bounded
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from calib.files import write_whole
+from calib.files.write import write_whole
 from calib.plots.style import styled
 
 if TYPE_CHECKING:

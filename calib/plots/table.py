@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.fitting.settings import SETTINGS
-from calib.plain import plus_minus
+from calib.messages.plain import plus_minus
 from calib.plots import ramp as ramp_figures
 from calib.plots.budget import bars
 from calib.plots.distribution import distribution

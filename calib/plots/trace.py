@@ -12,12 +12,12 @@ from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
 from calib.estimation.plan import calibrated, known_resistance
 from calib.logs.log import Log
+from calib.messages.plain import plus_minus
 from calib.names import WHEELS
 from calib.physics import forces
 from calib.physics.balance import force_balance
 from calib.physics.braking import BITE
 from calib.physics.vehicle import Axle, Vehicle
-from calib.plain import plus_minus
 from calib.plots.result import StoredResult
 from calib.plots.verdict import verdict_of, warned
 from calib.table.budget import AxleBudget

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from calib.demo.samples import sample_logs
 from calib.errors import InputError
-from calib.plain import counted
+from calib.messages.plain import counted
 from calib.processes import cores
 from calib.qualification.environment import EXTRAS
 from calib.qualification.needs import Need, needs

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from calib import __version__
-from calib.digest import canonical_json
+from calib.files.digest import canonical_json
 from calib.qualification.check import Outcome
 from calib.qualification.environment import PROGRAM, environment, packages
 from calib.qualification.suite import Qualification

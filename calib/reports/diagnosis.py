@@ -1,12 +1,12 @@
 """The report of a diagnosis: one HTML file that can be read without the program."""
 
-from calib.diagnosis import printed, words
-from calib.diagnosis.confusion import Confusion
-from calib.diagnosis.course import changes
 from calib.diagnosis.diagnose import Diagnosis, Named
-from calib.diagnosis.gap import UNITS, ChannelGap, Gap
-from calib.diagnosis.headline import KINDS, headline, outcome
-from calib.diagnosis.unexplained import UnexplainedTerm
+from calib.diagnosis.proof.gap import UNITS, ChannelGap, Gap
+from calib.diagnosis.proof.unexplained import UnexplainedTerm
+from calib.diagnosis.undecided.confusion import Confusion
+from calib.diagnosis.written import printed, words
+from calib.diagnosis.written.course import changes
+from calib.diagnosis.written.headline import KINDS, headline, outcome
 from calib.physics.effects.empirical import DRIVERS
 from calib.physics.own_effects.own_effect import definition
 from calib.plots import diagnosis

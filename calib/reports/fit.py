@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from calib.logs.log import Log
+from calib.messages.plain import plus_minus
 from calib.physics.mass import MassUsed
-from calib.plain import plus_minus
 from calib.plots.measured import measure
 from calib.plots.table import sheet
 from calib.reports.html import drawn, page

@@ -10,7 +10,7 @@ from calib.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
 from calib.fleet.edges import in_words
 from calib.fleet.outliers import Spread
 from calib.fleet.summary import DRIFT, Look, Outlier, Summary
-from calib.plain import METRICS, NBSP, plain
+from calib.messages.plain import METRICS, NBSP, plain
 from calib.reports.html import Picture, page
 
 NAMES = 50

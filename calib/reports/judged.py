@@ -4,10 +4,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from calib.plain import METRICS, Plain, plain
+from calib.messages.plain import METRICS, Plain, plain
+from calib.messages.warning import PlausibilityWarning
 from calib.reports.bar import Bar, bar
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement
-from calib.warning import PlausibilityWarning
 
 WORST_FIRST = (FAILED, WARNING, PASSED, NOT_KNOWN)
 KINDS = {FAILED: "failed", WARNING: "warning", PASSED: "passed", NOT_KNOWN: "unjudged"}

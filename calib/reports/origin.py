@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from calib import __version__
-from calib.digest import file_digest
+from calib.files.digest import file_digest
 from calib.physics.vehicle import Axle, Vehicle
 
 PACKAGES = ("numpy", "scipy", "matplotlib")

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from calib.plain import plain, plus_minus, signed_percent
+from calib.messages.plain import plain, plus_minus, signed_percent
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.station import pads_over_time
 from calib.plots.stop import sheet as stop_sheet

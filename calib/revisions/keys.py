@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.documents.toml import did_you_mean
 from calib.errors import RevisionError
 from calib.plausibility.pads import POSSIBLE
 from calib.table.table import Table
-from calib.toml import did_you_mean
 
 PADS = ("pad_friction_f", "pad_friction_r")
 CURVES = ("D", "f1", "f2")

@@ -8,9 +8,9 @@ from base64 import b64decode, b64encode
 from collections.abc import Callable
 from pathlib import Path
 
-from calib.bounded import KEY, read_bounded
 from calib.errors import BrakeCalError
-from calib.printable import printable
+from calib.files.bounded import KEY, read_bounded
+from calib.messages.printable import printable
 
 UNTRUSTED = "untrusted comment: "
 TRUSTED = "trusted comment: "

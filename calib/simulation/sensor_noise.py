@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.digest import content_digest
+from calib.files.digest import content_digest
 from calib.logs.log import Log
 from calib.names import WHEELS
 

@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.digest import content_digest
 from calib.errors import ModelError
+from calib.files.digest import content_digest
 from calib.logs.log import Log
 from calib.names import AXLES, WHEELS, G
 from calib.physics import forces

@@ -8,11 +8,11 @@ import math
 from typing import Any
 
 from calib import __version__
+from calib.messages.warning import to_dict as warning_dict
 from calib.station.advice import action
 from calib.station.station import Check, StationOutcome
 from calib.store.version import Stored
 from calib.validation.validate import to_dict as validation_dict
-from calib.warning import to_dict as warning_dict
 
 SCHEMA = 1
 

@@ -10,9 +10,9 @@ import json
 from contextlib import suppress
 from pathlib import Path
 
-from calib.bounded import VALIDATION, read_bounded
 from calib.exports.formats import ENDINGS
-from calib.publish import publish
+from calib.files.bounded import VALIDATION, read_bounded
+from calib.files.publish import publish
 
 DOCUMENT, JUNIT, REPORT = "station.json", "junit.xml", "report.html"
 REFUSED = "refused.json"
@@ -33,7 +33,7 @@ def publish_run(work: Path, out: Path) -> list[Path]:
 
     Every export, every file that an earlier verdict lists, and the refusal of an earlier run are
     removed if this run did not make them again: an export must not stay when the car fails now.
-    Other files in ``out`` stay. Raises OSError, see `calib.publish.publish`.
+    Other files in ``out`` stay. Raises OSError, see `calib.files.publish.publish`.
     """
     return publish(work, out, DOCUMENT, _stale)
 

@@ -16,9 +16,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from calib.bounded import VALIDATION, read_bounded
-from calib.files import write_whole
-from calib.printable import printable
+from calib.files.bounded import VALIDATION, read_bounded
+from calib.files.write import write_whole
+from calib.messages.printable import printable
 from calib.station.folder import DOCUMENT, REFUSED
 
 INDEX, LIVE, KNOWN = "index.html", "live.html", ".index.json"

@@ -6,8 +6,8 @@ from datetime import datetime
 from pathlib import Path
 from urllib.parse import quote
 
-from calib.files import write_whole
-from calib.plain import plain
+from calib.files.write import write_whole
+from calib.messages.plain import plain
 from calib.reports.html import page
 from calib.station.folder import REPORT
 from calib.station.index import INDEX, LIVE, NO_VERDICT, TRENDS, UNREADABLE, Run, runs_below

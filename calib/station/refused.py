@@ -11,9 +11,9 @@ from typing import Any
 
 from calib import __version__
 from calib.errors import BrakeCalError
-from calib.files import write_whole
-from calib.printable import printable
-from calib.publish import publish, workshop
+from calib.files.publish import publish, workshop
+from calib.files.write import write_whole
+from calib.messages.printable import printable
 from calib.station.folder import REFUSED
 from calib.station.identity import Identity
 

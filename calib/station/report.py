@@ -1,7 +1,7 @@
 """The report of a car: verdict, next steps, metrics and limits, curves, origin of the data."""
 
 from calib import __version__
-from calib.plain import plain
+from calib.messages.plain import plain
 from calib.plots.station import sheet
 from calib.reports.html import drawn, page
 from calib.reports.judged import Row, row, sorted_rows, warned

@@ -10,6 +10,7 @@ from calib.checks.check import check
 from calib.errors import LogError
 from calib.fitting.fit import fit
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.vehicle import Vehicle
 from calib.station.identity import Identity
 from calib.station.metrics import METRICS as OF_CAR
@@ -20,7 +21,6 @@ from calib.table.table import Table
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.validation.metrics import METRICS as OF_STOPS
 from calib.validation.validate import CALIBRATION, Validation, validate_one
-from calib.warning import PlausibilityWarning
 
 CAR = "car"
 """Scope of a check of the car as a whole."""

@@ -5,10 +5,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from calib.messages.warning import PlausibilityWarning
 from calib.table.pads_budget import front_share
 from calib.table.table import Table
 from calib.validation.validate import Validation
-from calib.warning import PlausibilityWarning
 
 LEVEL = 0.06
 """Change of the brakes from the ramp to the stops [1] from which it is named: pads with one load

@@ -1,6 +1,6 @@
 """A check in words: value, limit and verdict, for people and for line systems."""
 
-from calib.plain import plain
+from calib.messages.plain import plain
 from calib.station.metrics import CUT
 from calib.station.station import Check, StationOutcome
 from calib.validation.limits import FAILED, NOT_KNOWN, WARNING

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from calib.exports.export import export
-from calib.files import write_whole
+from calib.files.write import write_whole
 from calib.station.document import to_dict, to_text
 from calib.station.folder import DOCUMENT, JUNIT, REPORT, export_name
 from calib.station.junit import junit_xml

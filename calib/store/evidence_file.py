@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict
 
-from calib.schema import FileSchema, Section
+from calib.documents.schema import FileSchema, Section
 
 
 class JudgedTable(Section):

@@ -18,8 +18,8 @@ from datetime import UTC, datetime
 from functools import cached_property
 from typing import Any
 
-from calib.digest import canonical_json
 from calib.errors import DamagedTable
+from calib.files.digest import canonical_json
 from calib.signing.statement import STATES
 from calib.store.state import CHANGES, Decision, Evidence, State
 

@@ -5,11 +5,12 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from calib.digest import canonical_json
+from calib.documents.schema import FileSchema, Section, validated_json
 from calib.errors import StoreError
+from calib.files.digest import canonical_json
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.effects.effects import DefinedIn, Effects, EmpiricalTerm
 from calib.physics.vehicle import Axle, Vehicle
-from calib.schema import FileSchema, Section, validated_json
 from calib.store.curve_file import Array
 from calib.table.budget import TableBudget
 from calib.table.by_hand import SetByHand
@@ -24,7 +25,6 @@ from calib.table.table import (
     TyrePosterior,
     Value,
 )
-from calib.warning import PlausibilityWarning
 
 
 class VehicleRecord(Section):

@@ -15,8 +15,8 @@ from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
-from calib.bounded import TABLE, read_bounded
 from calib.errors import DamagedTable, SignatureRefused
+from calib.files.bounded import TABLE, read_bounded
 from calib.signing.lines import read_small
 from calib.signing.public_key import PublicKey
 from calib.signing.secret_key import SecretKey

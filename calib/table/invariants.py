@@ -11,7 +11,7 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.digest import canonical_json
+from calib.files.digest import canonical_json
 from calib.physics.forces import axle_loads
 from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
 

@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from calib.checks.fingerprint import Fingerprint
 from calib.checks.same_run import same_as
-from calib.digest import content_digest
+from calib.files.digest import content_digest
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.effects.effects import Effects
 from calib.physics.tyre import PARAMETERS as TYRE
 from calib.physics.tyre import Tyre
@@ -29,7 +30,6 @@ from calib.statistics.intervals import Z95
 from calib.table.budget import TableBudget
 from calib.table.by_hand import SetByHand
 from calib.table.spread import Spread
-from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
 SCHEMA = 1

@@ -28,12 +28,12 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.exchanged import Exchanged, exchanged
 from calib.estimation.gates import LOCKS, NO_PAD
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
 from calib.signals.blocks import Blocks
 from calib.signals.one_axle import braked_alone
 from calib.statistics.intervals import Z95
 from calib.table.pads_budget import front_share
 from calib.table.table import Table
-from calib.warning import PlausibilityWarning
 
 REVERSED = 0.5
 """Share of the table's rise of eta by which eta must fall for the axles to count as reversed."""

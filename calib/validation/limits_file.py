@@ -18,9 +18,9 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
 
+from calib.documents.schema import FileSchema, Section, by_name, read_toml
+from calib.documents.schema_errors import wrong
 from calib.errors import LimitsError
-from calib.schema import FileSchema, Section, by_name, read_toml
-from calib.schema_errors import wrong
 from calib.validation.limits import Limit
 
 Range = tuple[float | None, float | None]

@@ -25,9 +25,9 @@ from calib.estimation.estimator import Estimate
 from calib.estimation.gates import still_narrow
 from calib.estimation.pads import grown, lowered
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
 from calib.names import G
 from calib.plausibility.brakes import motor_of
-from calib.warning import PlausibilityWarning
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import json
 from pathlib import Path
 
 from calib.estimation.estimator import COLUMNS, Estimate
-from calib.files import write_whole
-from calib.publish import publish, workshop
+from calib.files.publish import publish, workshop
+from calib.files.write import write_whole
 from calib.validation.validate import Validation
 
 SUMMARY = "summary.json"

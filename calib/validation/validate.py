@@ -20,6 +20,8 @@ from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
 from calib.estimation.plan import as_used
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
+from calib.messages.warning import to_dict as warning_dict
 from calib.names import G
 from calib.physics.mass import MassUsed, mass_used
 from calib.physics.vehicle import Vehicle
@@ -41,8 +43,6 @@ from calib.validation.metrics import baseline_errors, score, truth_of
 from calib.validation.motor import with_motor
 from calib.validation.roads import Road, roads_of
 from calib.validation.warnings import limit_warnings, warnings_of
-from calib.warning import PlausibilityWarning
-from calib.warning import to_dict as warning_dict
 
 HOLDOUT, CALIBRATION = "hold-out", "calibration"
 """Roles of a log in a validation."""

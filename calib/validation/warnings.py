@@ -7,6 +7,7 @@ import numpy as np
 
 from calib.estimation.estimator import Basis, Estimate
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.forces import axle_loads
 from calib.plausibility.load import is_load, load_behind
 from calib.plausibility.pads import LEVEL, LOADED, change_warnings, level_warnings
@@ -15,7 +16,6 @@ from calib.statistics.intervals import Z95
 from calib.table.pads_budget import front_share
 from calib.validation.limits import Judgement
 from calib.validation.metrics import METRICS
-from calib.warning import PlausibilityWarning
 
 
 def warnings_of(log: Log, e: Estimate) -> tuple[PlausibilityWarning, ...]:

@@ -3,8 +3,8 @@
 import re
 from collections.abc import Mapping
 
+from calib.documents.toml import NUMBER
 from calib.errors import InputError, VehicleError
-from calib.toml import NUMBER
 from calib.vehicles.keys import FRONT, REAR, Key
 
 

@@ -4,11 +4,11 @@ from typing import Annotated
 
 from pydantic import ConfigDict, Field
 
+from calib.documents.schema import FileSchema, Section
+from calib.messages.warning import to_dict
 from calib.physics.vehicle import Vehicle
-from calib.schema import FileSchema, Section
 from calib.vehicles.follows import VehicleFacts, what_follows
 from calib.vehicles.plausible import plausible
-from calib.warning import to_dict
 
 
 class WarningEntry(Section):

@@ -10,12 +10,12 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.bias import front_share, lock_efficiency, pressure_per_g
 from calib.physics.forces import front_biased_up_to
 from calib.physics.vehicle import Axle, Vehicle
 from calib.units import from_si
 from calib.vehicles.keys import CHASSIS, FRONT, KEYS, REAR, Key
-from calib.warning import PlausibilityWarning
 
 GOOD_ROAD = 0.8
 """Friction [1] of a road on which the efficiency of the brakes is judged: dry asphalt, used up to

@@ -34,7 +34,7 @@ import cli.main
 from calib.logs.read import read_log
 from calib.station.advice import LIMITS
 from calib.station.metrics import Car
-from calib.publish import workshop
+from calib.files.publish import workshop
 from calib.station.folder import publish_run
 from calib.station.identity import Identity
 from calib.station.report import report_html

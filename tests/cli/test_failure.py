@@ -5,9 +5,9 @@ import json
 import jsonschema
 import pytest
 
-from calib.error_file import ErrorFile
+from calib.documents.error_file import ErrorFile
+from calib.documents.schema import json_schema
 from calib.errors import BrakeCalError, InputError, StoreError
-from calib.schema import json_schema
 from calib.store.store import Store
 
 SEVERAL = InputError("2 errors", where="car.toml", lines=("mass: missing", "h: is text"))

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.candidate import BASE, fit, problem_of
-from calib.diagnosis.decide import decide
 from calib.diagnosis.diagnose import Diagnosis, diagnose
-from calib.diagnosis.document import to_dict
-from calib.diagnosis.predict import run_of
+from calib.diagnosis.explanation.candidate import BASE, fit, problem_of
+from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.search.decide import decide
+from calib.diagnosis.written.document import to_dict
 from calib.errors import LogError
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase, draw

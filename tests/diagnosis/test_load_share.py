@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.candidate import BASE, fit, problem_of, unpack
-from calib.diagnosis.predict import run_of
+from calib.diagnosis.explanation.candidate import BASE, fit, problem_of, unpack
+from calib.diagnosis.explanation.predict import run_of
 from calib.physics.effects.effects import Effects
 from tests.support.hidden.cases import draw
 

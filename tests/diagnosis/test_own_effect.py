@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.diagnose import Diagnosis, diagnose
-from calib.diagnosis.document import to_dict
+from calib.diagnosis.written.document import to_dict
 from calib.physics.own_effects.own_effect import OwnEffect, with_own
 from calib.physics.own_effects.read import read_own_effect
 from calib.reports.diagnosis import report_html

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.candidate import BASE, fit, problem_of
-from calib.diagnosis.gap import gap_of
-from calib.diagnosis.hold_outs import hold_outs_of
-from calib.diagnosis.predict import run_of, wheel_angles
+from calib.diagnosis.explanation.candidate import BASE, fit, problem_of
+from calib.diagnosis.explanation.predict import run_of, wheel_angles
+from calib.diagnosis.proof.gap import gap_of
+from calib.diagnosis.proof.hold_outs import hold_outs_of
 from calib.logs.log import Log
 from calib.simulation.sensor_noise import add_noise
 from tests.support.hidden.cases import CARS, NOISE, SURFACES

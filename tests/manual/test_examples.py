@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
-from calib.schema import json_schema
+from calib.documents.schema import json_schema
 from cli.schema import SCHEMAS
 from tests.support.manual import LANGUAGES, PAGES, examples, run, working_folder
 

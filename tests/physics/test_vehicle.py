@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from calib.documents.schema import quantities
 from calib.errors import VehicleError
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle import Axle, Vehicle
 from calib.physics.vehicle_file import AxleSection, ChassisSection, read_vehicle, write_vehicle
-from calib.schema import quantities
 from tests.support.refusals import refusal
 
 CHASSIS, AXLE = quantities(ChassisSection), quantities(AxleSection)

@@ -5,13 +5,13 @@ from dataclasses import replace
 import pytest
 from lxml import html
 
-from calib.diagnosis.confusion import Confusion, Explanation, Pair
-from calib.diagnosis.document import to_dict
-from calib.diagnosis.drives import Drive
-from calib.diagnosis.prove import Step, Withdrawn
+from calib.diagnosis.proof.prove import Step, Withdrawn
+from calib.diagnosis.undecided.confusion import Confusion, Explanation, Pair
+from calib.diagnosis.undecided.drives import Drive
+from calib.diagnosis.written.document import to_dict
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.effects.catalogue import effect_named
 from calib.reports.diagnosis import report_html
-from calib.warning import PlausibilityWarning
 from tests.support.written_diagnosis import MARKUP, named_drag, unknown
 
 

@@ -6,7 +6,7 @@ import os
 import pytest
 
 from calib.exports.formats import ENDINGS
-from calib.publish import workshop
+from calib.files.publish import workshop
 from calib.station.folder import DOCUMENT, EXPORTS, export_name, publish_run
 
 

@@ -23,8 +23,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.diagnosis.clocks import DELAYS
 from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.search.clocks import DELAYS
 from tests.studies.naming import wilson
 from tests.studies.pool import carried_out
 from tests.support.hidden.cases import draw

@@ -24,8 +24,8 @@ from collections.abc import Callable
 from itertools import count
 from pathlib import Path
 
-from calib.files import write_whole
-from calib.publish import settle, workshop
+from calib.files.publish import settle, workshop
+from calib.files.write import write_whole
 from calib.station.folder import DOCUMENT, publish_run
 
 LONGEST = 0.02

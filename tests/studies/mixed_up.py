@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from calib.checks.observation import observe
 from calib.diagnosis.diagnose import checked
-from calib.diagnosis.judged import judged_logs
+from calib.diagnosis.runs.judged import judged_logs
 from calib.errors import LogError
 from calib.logs.log import Log
 from tests.support.hidden.cases import HiddenCase, draw

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.bounded import KINDS
 from calib.checks.check import Findings, check
 from calib.errors import BrakeCalError, LogError
+from calib.files.bounded import KINDS
 from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.store.journal import Journal

@@ -224,7 +224,7 @@ def models() -> list[bytes]:
 
 
 def read_some_settings(path: Path) -> object:
-    from calib.settings_file import read_settings
+    from calib.documents.settings_file import read_settings
 
     return read_settings(path)
 

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from calib.diagnosis.candidate import Candidate
-from calib.diagnosis.channels import ChannelNoise
 from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate, Where
-from calib.diagnosis.gap import CHANNELS, ChannelGap, Gap
-from calib.diagnosis.oscillation import Oscillation
-from calib.diagnosis.prove import Step
-from calib.diagnosis.remainder import Remainder
-from calib.diagnosis.unexplained import UnexplainedTerm
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.channels import ChannelNoise
+from calib.diagnosis.proof.gap import CHANNELS, ChannelGap, Gap
+from calib.diagnosis.proof.oscillation import Oscillation
+from calib.diagnosis.proof.prove import Step
+from calib.diagnosis.proof.remainder import Remainder
+from calib.diagnosis.proof.unexplained import UnexplainedTerm
 from calib.logs.read import read_log
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.magic_formula import MagicFormula

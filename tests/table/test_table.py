@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.digest import canonical_json, content_digest
 from calib.errors import StoreError
+from calib.files.digest import canonical_json, content_digest
 from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.store.record_file import from_content
 from calib.table.table import EXTRAPOLATED, Value

@@ -8,10 +8,10 @@ import pytest
 from calib.estimation.budget import budget
 from calib.estimation.estimator import estimate
 from calib.fitting.fit import fit
+from calib.messages.warning import PlausibilityWarning
 from calib.statistics.intervals import Z95
 from calib.validation.motor import with_motor
 from calib.validation.validate import validate
-from calib.warning import PlausibilityWarning
 from tests.support.reference_car import CAR, REAL, WET, noisy, ramp, stop, with_pads, without
 
 CHANNELS = ("T_drive_f", "T_drive_r")

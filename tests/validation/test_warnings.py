@@ -9,9 +9,9 @@ import pytest
 
 from calib.estimation.estimator import estimate
 from calib.estimation.gates import Gates
+from calib.messages.warning import PlausibilityWarning
 from calib.validation.validate import to_dict, validate
 from calib.validation.warnings import warnings_of
-from calib.warning import PlausibilityWarning
 from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, WET, noisy, stop, with_pads, without
 from tests.support.tables import stored_as

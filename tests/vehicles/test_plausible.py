@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from calib.messages.warning import UNITS
 from calib.physics.vehicle import Axle, Vehicle
 from calib.physics.vehicle_file import read_vehicle
 from calib.station.advice import BY_FIGURE
 from calib.vehicles.plausible import LEAST_FRONT_BIASED, plausible, to_confirm
-from calib.warning import UNITS
 
 LOGS = Path(__file__).parents[2] / "sample_logs"
 SEDAN = read_vehicle(LOGS / "sedan/vehicle.toml")

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from calib.documents.schema import quantities
 from calib.errors import VehicleError
 from calib.physics.vehicle import Vehicle
 from calib.physics.vehicle_file import AxleSection, ChassisSection, read_vehicle
-from calib.schema import quantities
 from calib.units import to_si
 from calib.vehicles.answer import answered, default_of
 from calib.vehicles.keys import KEYS, REFERENCE

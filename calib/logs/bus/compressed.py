@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from calib.bounded import LOG, bytes_of
 from calib.errors import LogError
+from calib.files.bounded import LOG, bytes_of
 from calib.logs.bus.databases import Databases
 from calib.logs.recording import Recording
 from calib.logs.text.compressed import gunzip

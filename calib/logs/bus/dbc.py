@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.bounded import DBC, bytes_of
 from calib.errors import ChannelMapError
+from calib.files.bounded import DBC, bytes_of
 from calib.logs.bus.bits import last_byte, number, raw
 from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.bus.frames import Frames, Key

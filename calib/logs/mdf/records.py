@@ -8,8 +8,8 @@ import struct
 from pathlib import Path
 from typing import BinaryIO
 
-from calib.bounded import RECORDING
 from calib.errors import LogError
+from calib.files.bounded import RECORDING
 
 _BLOCK = struct.Struct("<4s4xQQ")
 _COUNT = struct.Struct("<8xQHHLLL")

@@ -2,8 +2,8 @@
 
 import zlib
 
-from calib.bounded import LOG
 from calib.errors import LogError
+from calib.files.bounded import LOG
 
 _GZIP = 31
 """Window bits of zlib for a gzip file."""

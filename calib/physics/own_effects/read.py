@@ -11,8 +11,8 @@ from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
 
-from calib.bounded import EFFECT, bytes_of
 from calib.errors import ModelError
+from calib.files.bounded import EFFECT, bytes_of
 from calib.physics.effects.effect import Effect
 from calib.physics.own_effects.card import check_card
 from calib.physics.own_effects.hooks import at, checked, hooks_of, line_of, raised

@@ -1,0 +1,1 @@
+"""The proof on the hold-outs, and what is left unexplained."""

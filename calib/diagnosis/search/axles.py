@@ -1,0 +1,66 @@
+"""Whether the wheel speeds of front and rear axle are swapped, in some logs or in all.
+
+Where the rear wheels slip more than the front ones, the wheel speeds are swapped, or a motor brakes
+the rear wheels, which is an effect with a name. Both are tried on all logs together, and the better
+one is believed:
+
+    the logs as given, with a motor      against      the logs with their axles exchanged
+
+One more effect, whichever helps most, is allowed to both: what is hidden must not decide.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from calib.checks.gates import require_right_slip, wrong_slip
+from calib.diagnosis.explanation.candidate import Candidate, fit, problem_of
+from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.runs.judged import JudgedLog
+from calib.diagnosis.search.decide import quiet
+from calib.diagnosis.search.search import added, refine
+from calib.logs.log import Log
+from calib.physics.effects import regenerative_torque
+from calib.physics.vehicle import Vehicle
+
+MOTOR = regenerative_torque.EFFECT.card.name
+"""The effect that makes the rear wheels slip more."""
+
+
+def require_axles(vehicle: Vehicle, logs: Sequence[Log], judged: Sequence[JudgedLog]) -> None:
+    """Raise LogError if the logs are better explained with front and rear wheels exchanged.
+
+    ``judged`` are the same ``logs``, in their order. Nothing is tried unless eta goes the wrong
+    way in one of them.
+    """
+    wrong = [wrong_slip(one.vehicle, one.blocks) is not None for one in judged]
+    if not any(wrong):
+        return
+    motor = added(_fitted(vehicle, logs), MOTOR)
+    if motor.reduced <= quiet(motor):
+        return  # nothing is left for exchanged axles to explain
+    motor = _with_another(motor)
+    tried = (wrong, [True] * len(logs))
+    swapped = [
+        _with_another(_fitted(vehicle, [_exchanged(log) if other else log for log, other in pairs]))
+        for pairs in (list(zip(logs, which, strict=True)) for which in tried)
+    ]
+    if min(one.reduced for one in swapped) < motor.reduced:
+        first = judged[wrong.index(True)]
+        sources = ", ".join(log.source for log, other in zip(logs, wrong, strict=True) if other)
+        require_right_slip(first.vehicle, replace(first.log, source=sources), first.blocks)
+
+
+def _with_another(at: Candidate) -> Candidate:
+    """The explanation with the effect that brings most: something else may be hidden, too."""
+    return min(at, *refine(at, 1), key=lambda one: one.reduced)
+
+
+def _fitted(vehicle: Vehicle, logs: Sequence[Log]) -> Candidate:
+    problem = problem_of(vehicle, [run_of(log) for log in logs])
+    return fit(problem, (), problem.start)
+
+
+def _exchanged(log: Log) -> Log:
+    """The log with the wheel speeds of the other axle."""
+    other = {f"omega_{a}{side}": log[f"omega_{b}{side}"] for a, b in ("fr", "rf") for side in "lr"}
+    return replace(log, channels=log.channels | other)

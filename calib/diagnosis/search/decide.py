@@ -1,0 +1,303 @@
+"""From fitted candidates to a verdict: no effect, one, two, a set that the logs cannot
+distinguish, or a cause that is not in the catalogue.
+
+    base ──> gap? ──> best single ──> enough? ──> best second ──> enough? ──> unknown
+              no: no_gap       yes: named or ambiguous      yes: named
+
+The measure is the excess of the mean squared innovation over 1. An effect is named if it reduces
+the innovations enough, explains most of the excess, and helps on hold-outs it was not fitted to.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.diagnosis.explanation.candidate import (
+    Candidate,
+    at_bound,
+    fit,
+    fit_without,
+    without_its_noise,
+)
+from calib.diagnosis.explanation.channels import CHANNELS
+from calib.diagnosis.search.chance import chance_of
+from calib.diagnosis.search.search import refine
+
+Array = NDArray[np.float64]
+
+SURE = 4.0
+"""Gain, over what chance gives, above which an effect counts as present: twice the size. From 1 on
+it may be present, and counts only if the hold-outs, which may excite it more, show it clearly."""
+
+FORM = 0.003
+"""Least gain in the mean squared innovation with which the calibration logs alone show an effect.
+Where the form of the tyre differs from the car's, an effect that is not there gains as much,
+however many logs there are."""
+
+FLOOR = 1.01
+"""Mean squared innovation that the best model leaves on an independent plant."""
+
+QUIET, STRANGE = 3.0, 6.0
+"""Scatter above `FLOOR` up to which nothing is left to explain, and from which a cause is present
+even if no known effect explains it."""
+
+PARAMETER = 0.001
+"""Gain in the mean squared innovation that each further parameter must bring. So an effect that can
+imitate a simpler one is not preferred to it."""
+
+HURTS = 0.35
+"""Rise of the mean squared innovation of one channel in one run above which a cause is refuted:
+five sigma of the difference of two runs of 450 steps."""
+
+ENOUGH = 0.80
+"""Share of the excess over what is quiet that an explanation must close to be accepted."""
+
+FELT_POWER = 50.0
+"""Least change by an effect, in squared sigma, for a channel to count in the test of that effect. A
+wrong effect raises the channel's sum of squares by as much, which is seven sigma of chance."""
+
+SECOND = 0.02
+"""Least gain in the mean squared innovation of a second effect."""
+
+SECOND_OF_ALL = 0.03
+"""Least share of the whole gap that a further effect must explain of the rest to count."""
+
+SECOND_SHARE = 0.6
+"""Share of the excess left by the first effect that a second must close."""
+
+FAINT_SECOND = 0.002
+"""Gain above which a second effect may be present. It counts only if the hold-outs show it clearly.
+A wrong second effect gains up to 0.003, or 0.009 where the form of the first differs from the
+plant's; on the hold-outs up to 0.012."""
+
+CONFUSABLE = 0.004
+"""Rivals whose mean squared innovation is within this of the best are indistinguishable from it."""
+
+
+@dataclass(frozen=True)
+class Decision:
+    """The verdict with its candidates.
+
+    ``verdict`` as in diagnosis.json; ``base`` without effects; ``best`` the explanation that was
+    accepted or comes nearest; ``rivals`` the other fitted ones of the last step, best first.
+    ``faint`` is the decision for two effects that replaces this one if the hold-outs confirm it;
+    ``chance`` the gain in chi-square, by effect, that chance alone could give
+    (`calib.diagnosis.search.chance`).
+    """
+
+    verdict: str
+    base: Candidate
+    best: Candidate
+    rivals: tuple[Candidate, ...]
+    first: Candidate | None = None
+    faint: "Decision | None" = None
+    chance: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def detected(self) -> bool:
+        """Whether the calibration logs alone show the best explanation."""
+        if not self.best.names or gain(self.base, self.best) < FORM:
+            return False
+        return beyond_chance(self.chance, self.base, self.best) > SURE
+
+    @property
+    def least_shown(self) -> dict[str, float]:
+        """Gain in chi-square from which the calibration logs alone show an effect, by effect."""
+        return {name: SURE * gain for name, gain in self.chance.items()}
+
+
+def decide(base: Candidate) -> Decision:
+    """Search for one or two effects and judge them; ``base`` is the fit without any.
+
+    Where the best explanation leaves less noise, the search is repeated with that noise: the
+    candidates' problem, `Candidate.problem`, then is another than the one that was given.
+    """
+    decision = _searched(base)
+    named = [c for c in (decision.best, *decision.rivals) if c.names]
+    quieter = without_its_noise(named[0]) if named else None
+    if quieter is None:
+        return decision
+    return _searched(fit(quieter, (), base.x))
+
+
+def decided_anew(at: Candidate) -> Decision:
+    """The decision of a new search, on the problem of an explanation and from its base."""
+    return decide(fit(at.problem, (), at.x[: at.problem.base_size]))
+
+
+def _searched(base: Candidate) -> Decision:
+    singles = settled(simplest_first(refine(base)))
+    chance = chance_of(base, singles[0] if singles else base)
+    decision = _decided(base, singles, chance)
+    faint = decision.faint and replace(decision.faint, chance=chance)
+    return replace(decision, chance=chance, faint=faint)
+
+
+def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, float]) -> Decision:
+    if not singles or beyond_chance(chance, base, singles[0]) < 1.0:
+        verdict = "unknown" if strange(base) else "no_gap"
+        return Decision(verdict, base, base, tuple(singles))
+    first = singles[0]
+    pairs = seconds(base, singles)
+    faint = _faint(base, first, pairs)
+    if pairs and gain(first, pairs[0]) > max(SECOND, SECOND_OF_ALL * gain(base, first)):
+        # something the first does not explain lies along another effect
+        verdict = standing(base, pairs[0], pairs[1:])
+        if second_earns(first, pairs[0]):
+            return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
+        return Decision("unknown", base, pairs[0], tuple(pairs[1:]), faint=faint)
+    if pairs and strange(base) and _replaces(first, pairs[0]):
+        return Decision(standing(base, pairs[0], pairs[1:]), base, pairs[0], tuple(pairs[1:]))
+    verdict = standing(base, first, singles[1:])
+    if verdict == "unknown" and not strange(base) and gain(base, first) < SECOND:
+        # too weak here for an excess; the hold-outs may excite it more
+        shown = "ambiguous" if confusable(first, singles[1:]) else "named"
+        faint = faint or Decision(shown, base, first, tuple(singles[1:]), first=base)
+    return Decision(verdict, base, first, tuple(singles[1:]), faint=faint)
+
+
+def _replaces(first: Candidate, pair: Candidate) -> bool:
+    """Whether a pair explains all, and one effect of hardly fewer parameters ends at its bound.
+
+    A delay beside a lag looks like two lags in a row, or like an oscillation without overshoot.
+    """
+    explains_more = pair.reduced < min(quiet(pair), first.reduced - CONFUSABLE)
+    return explains_more and pair.parameters <= first.parameters + 1 and bool(at_bound(first))
+
+
+def _faint(base: Candidate, first: Candidate, pairs: list[Candidate]) -> Decision | None:
+    """A decision for the best pair, None if the pair cannot be accepted."""
+    if not pairs or gain(first, pairs[0]) < FAINT_SECOND:
+        return None
+    verdict = standing(base, pairs[0], pairs[1:])
+    if verdict == "unknown":
+        return None
+    return Decision(verdict, base, pairs[0], tuple(pairs[1:]), first=first)
+
+
+def beyond_chance(chance: Mapping[str, float], base: Candidate, best: Candidate) -> float:
+    """Gain of an explanation over the largest that chance gives one of its effects [1]."""
+    by_chance = max(chance.get(name, 0.0) for name in best.names)
+    return (base.chi2 - best.chi2) / max(by_chance, 1e-9)
+
+
+def quiet(candidate: Candidate) -> float:
+    """Mean squared innovation up to which nothing is left to explain."""
+    return FLOOR + QUIET * candidate.scatter
+
+
+def explains(decision: Decision) -> bool:
+    """Whether the innovations have a verdict and no more than noise is left in them."""
+    return decision.verdict != "unknown" and decision.best.reduced <= quiet(decision.best)
+
+
+def strange(candidate: Candidate) -> bool:
+    """Whether a cause is present, even if no known effect explains it."""
+    return candidate.reduced > FLOOR + STRANGE * candidate.scatter
+
+
+def gain(before: Candidate, after: Candidate) -> float:
+    """Fall of the mean squared innovation."""
+    return before.reduced - after.reduced
+
+
+def seconds(base: Candidate, singles: list[Candidate]) -> list[Candidate]:
+    """Pairs from the two best singles, best first, each pair once.
+
+    Where the first leaves nothing, from the second only if that explains half: of two effects that
+    a third one imitates, one does.
+    """
+    first, *others = singles
+    half = base.reduced - 0.5 * gain(base, first)
+    second = [c for c in others[:1] if first.reduced > quiet(first) or c.reduced < half]
+    found: dict[frozenset[str], Candidate] = {}
+    for parent in (first, *second):
+        for pair in refine(parent, 4):
+            key = frozenset(pair.names)
+            if key not in found or pair.chi2 < found[key].chi2:
+                found[key] = pair
+    return settled(simplest_first(list(found.values())))
+
+
+def settled(found: list[Candidate]) -> list[Candidate]:
+    """Explanations, best first, with the best one at its minimum.
+
+    A fit with secant updates can end before it, where the model has corners. So the best one is
+    fitted once more from where it ended, with fresh derivatives, if something is left with it.
+    """
+    if not found or found[0].reduced <= quiet(found[0]):
+        return found
+    best, *others = found
+    again = fit(best.problem, best.names, best.x)
+    return [again if again.chi2 < best.chi2 else best, *others]
+
+
+def simplest_first(found: list[Candidate]) -> list[Candidate]:
+    """Best first; every further parameter must gain `PARAMETER`."""
+    return sorted(found, key=lambda candidate: candidate.reduced + PARAMETER * candidate.parameters)
+
+
+def second_earns(first: Candidate, pair: Candidate) -> bool:
+    """Whether the second effect of a pair explains enough to be named."""
+    left = max(first.reduced - FLOOR, 1e-9)
+    return gain(first, pair) / left > SECOND_SHARE
+
+
+def standing(base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
+    """The verdict on the best explanation: named, ambiguous or unknown."""
+    closed = gain(base, best) / max(base.reduced - quiet(best), 1e-9)
+    if (best.reduced > quiet(best) and closed < ENOUGH) or refuted(base, best):
+        return "unknown"
+    return "ambiguous" if confusable(best, rivals) else "named"
+
+
+def refuted(base: Candidate, best: Candidate) -> bool:
+    """Whether a channel of a run is explained worse with the effects than without them."""
+    worse = float(np.max(_mean_squares(best) - _mean_squares(base)))
+    return worse > HURTS or contradicted(best)
+
+
+def contradicted(best: Candidate) -> bool:
+    """Whether a channel refutes an effect that fits the other channels.
+
+    The effect must reduce the residual of every channel that it changes. Example: unevenly spaced
+    teeth ripple in the wheel speeds as a disc of uneven thickness does, but not in a_x.
+    """
+    after = best.whitened
+    for name in best.names:
+        before = best.problem.whitened(best.base, best.without(name))
+        for channel in range(len(CHANNELS)):
+            x = np.concatenate([run[channel] for run in before])
+            y = np.concatenate([run[channel] for run in after])
+            power = float(np.sum((x - y) ** 2))
+            if power > FELT_POWER and float(x @ x - y @ y) < -0.5 * power:
+                return True
+    return False
+
+
+def _mean_squares(candidate: Candidate) -> Array:
+    """Mean squared innovation by run and channel."""
+    return np.array([[float(np.mean(c**2)) for c in run] for run in candidate.whitened])
+
+
+def confusable(best: Candidate, rivals: list[Candidate] | tuple[Candidate, ...]) -> list[Candidate]:
+    """Rivals that the data cannot distinguish from the best, with no more parameters than it."""
+    return [
+        rival
+        for rival in rivals
+        if rival.reduced - best.reduced < CONFUSABLE
+        and (rival.parameters <= best.parameters or rival.reduced < best.reduced - CONFUSABLE)
+        and len(rival.names) <= len(best.names)
+    ]
+
+
+def spared(at: Candidate) -> Candidate:
+    """The explanation without effects that are not worth their parameters."""
+    for name in at.names:
+        fewer = fit_without(at, name)
+        price = FAINT_SECOND * (at.parameters - fewer.parameters)
+        if fewer.reduced - at.reduced < price:
+            return spared(fewer)
+    return at

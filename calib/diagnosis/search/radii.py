@@ -1,0 +1,97 @@
+"""Rolling radii that are not those of the file: freed where that explains more with less.
+
+    decision ──> does its explanation gain by other radii? ──> search with free radii ──> better?
+
+A radius is known to some tenths of a percent, and a wheel that rolls 0.1 % faster than the file
+says looks much like one that a small torque slows. So radii must be free where they are wrong.
+Where they are right they must not: a moment on all wheels and a slope of the road differ by a slip
+of 0.05 % alone. The logs decide between the two.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from calib.diagnosis.explanation.candidate import BASE, Candidate, fit, fit_without
+from calib.diagnosis.search.decide import (
+    CONFUSABLE,
+    FLOOR,
+    Decision,
+    decided_anew,
+    explains,
+    gain,
+    simplest_first,
+)
+from calib.diagnosis.search.search import refine
+
+LEAST = 25.0
+"""Least fall of the chi-square by other radii with which they are tried. Where nothing is left, it
+is what tells two explanations apart."""
+
+SHARE = 0.02
+"""Share of what is left unexplained that other radii must explain to be tried. With radii 0.3 % off
+they explained 85 to 99 % of it beside effects that stood for them; with right ones at most 1 %."""
+
+NEARLY = 0.25
+"""Share of what an effect brings that it may still bring beside free radii, for them to be tried.
+Radii 0.1 % off with a drag were a rolling resistance and a slope, which still brought 14 %."""
+
+FURTHER = 3
+"""Further effects that are fitted, the most promising ones, before radii count as better."""
+
+
+def with_free_radii(decision: Decision) -> Decision:
+    """The decision with rolling radii as base parameters where that is better, else this one.
+
+    It is better where fewer effects explain as much, or where as many explain clearly more.
+    """
+    freed = _freed(decision.best)
+    if not _explain_something(decision, freed) and not _replace_an_effect(decision, freed):
+        return decision
+    other = decided_anew(freed)
+    return other if _better(decision, other) else decision
+
+
+def _freed(at: Candidate) -> Candidate:
+    """An explanation fitted anew with free radii."""
+    problem = replace(at.problem, free_radius=True)
+    return fit(problem, at.names, np.insert(at.x, BASE, 0.0))
+
+
+def _explain_something(decision: Decision, freed: Candidate) -> bool:
+    best = decision.best
+    fall = best.chi2 - freed.chi2
+    if explains(decision):
+        return fall >= max(LEAST, CONFUSABLE * best.count)
+    return fall >= max(LEAST, SHARE * (best.chi2 - FLOOR * best.count))
+
+
+def _replace_an_effect(decision: Decision, freed: Candidate) -> bool:
+    """Whether free radii do what an effect does, or nearly so.
+
+    Two effects together can imitate radii, or radii and a third one.
+    """
+    best = decision.best
+    for name in freed.names:
+        lost = -gain(best, fit_without(freed, name))
+        if lost < CONFUSABLE or lost < -NEARLY * gain(best, fit_without(best, name)):
+            return True
+    return False
+
+
+def _better(decision: Decision, other: Decision) -> bool:
+    brought = gain(decision.best, other.best)
+    if other.verdict == "unknown" and decision.verdict != "unknown":
+        return False
+    if len(other.best.names) < len(decision.best.names):
+        return brought > -CONFUSABLE
+    if len(other.best.names) > len(decision.best.names) or brought <= CONFUSABLE:
+        return False
+    return brought > _by_a_further_effect(decision)
+
+
+def _by_a_further_effect(decision: Decision) -> float:
+    """What one more effect would bring, with about as many parameters as other radii."""
+    best = decision.best
+    further = refine(best, FURTHER)
+    return gain(best, simplest_first(further)[0]) if further else 0.0

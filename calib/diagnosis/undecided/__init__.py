@@ -1,0 +1,1 @@
+"""What the logs cannot tell, and the drives that would."""

@@ -1,0 +1,1 @@
+"""A diagnosis as it is written down: document, words, folder."""

@@ -1,0 +1,57 @@
+"""The files of a diagnosis: document, model, report and replays, all of them or none.
+
+DIR/diagnosis.json  model.toml  report.html  sim/before/<log>.csv  sim/after/<log>.csv
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+from calib.diagnosis.diagnose import Diagnosis
+from calib.files.publish import publish, workshop
+from calib.files.write import write_whole
+from calib.logs.log import Log
+from calib.logs.write import write_csv
+from calib.names import WHEELS
+
+DOCUMENT, MODEL, REPORT = "diagnosis.json", "model.toml", "report.html"
+COLUMNS = ("time", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
+"""Channels of a replay on disk."""
+
+
+def files_of(stems: list[str]) -> list[Path]:
+    """Every file that a diagnosis with these hold-outs writes, relative to its folder."""
+    sims = [Path("sim", when, f"{s}.csv") for when in ("before", "after") for s in stems]
+    return [Path(DOCUMENT), Path(MODEL), Path(REPORT), *sims]
+
+
+def write_folder(found: Diagnosis, document: str, report: str, out: Path) -> list[Path]:
+    """Write everything to ``out``, the document last, and return the paths.
+
+    Replays of an earlier run that are not made again are removed. Other files in ``out`` stay.
+    Raises OSError if ``out`` cannot be written.
+    """
+    with workshop(out) as work:
+        _fill(found, document, report, work)
+        return publish(work, out, DOCUMENT, _replays)
+
+
+def _replays(out: Path) -> list[str]:
+    return [path.relative_to(out).as_posix() for path in out.glob("sim/*/*.csv")]
+
+
+def _fill(found: Diagnosis, document: str, report: str, work: Path) -> None:
+    from calib.physics.model_file import write_model
+
+    write_whole(work / DOCUMENT, document.encode())
+    write_model(found.model_after, work / MODEL)
+    write_whole(work / REPORT, report.encode())
+    for when, sims in (("before", found.before), ("after", found.after)):
+        folder = work / "sim" / when
+        folder.mkdir(parents=True)
+        for sim in sims:
+            write_csv(_replayed(sim), folder / f"{sim.name}.csv")
+
+
+def _replayed(sim: Log) -> Log:
+    """A replay with the channels of `REPLAYED` only, without the truth."""
+    return replace(sim, channels={name: sim[name] for name in COLUMNS}, truth={})

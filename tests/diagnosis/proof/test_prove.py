@@ -1,0 +1,153 @@
+"""The proof on hold-outs: what makes them worse is not named, and what is left is told."""
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.explanation.candidate import BASE, at_bound, fit, problem_of
+from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.proof.hold_outs import hold_outs_of
+from calib.diagnosis.proof.prove import better, prove, remains
+from calib.diagnosis.search.decide import Decision
+from calib.diagnosis.search.search import added
+from calib.diagnosis.written.document import to_dict
+from calib.diagnosis.written.words import something_else, verdict
+from calib.reports.diagnosis import report_html
+from tests.support.hidden.cases import HiddenCase, draw
+from tests.support.reference_car import CAR, IDEAL, noisy, ramp, stop
+
+
+def answer(case: HiddenCase) -> Diagnosis:
+    return diagnose(case.vehicle, list(case.calibration), list(case.holdout))
+
+
+def test_three_effects_at_once_are_named_and_nothing_else():
+    hidden = ("aerodynamic_drag", "pad_thermal_fade", "accelerometer_bias")
+    found = answer(draw("double", 71, names=hidden, severity=1))
+    assert {effect.name for effect in found.effects} == set(hidden)
+    assert found.unexplained is None
+    assert len(found.steps[-1].names) == 3
+    assert found.steps[-1].left < 2.0 < found.steps[0].left
+
+
+@pytest.fixture(scope="module")
+def beside() -> Diagnosis:
+    """A drag of the catalogue, beside brakes that weaken, which no card has."""
+    return answer(draw("double", 72, names=("aerodynamic_drag", "weaker_applications"), severity=1))
+
+
+def test_a_cause_outside_the_catalogue_beside_an_effect_is_told(beside):
+    assert beside.verdict in ("named", "unknown")
+    assert {effect.name for effect in beside.effects} <= {"aerodynamic_drag"}
+    left = beside.unexplained
+    assert left is not None
+    told = to_dict(beside)["unexplained"]
+    assert told["beside"] == [effect.name for effect in beside.effects]
+    assert told["replays"]["size"] > 0.0
+    assert told["replays"]["log"] in {log.name for log in beside.measured}
+
+
+def test_text_and_report_say_that_something_else_is_left(beside):
+    words = verdict(beside)
+    report = report_html(beside, "car")
+    if beside.effects:
+        assert "and something else" in words
+        assert "Something else is left" in something_else(beside)
+        assert "Something else is left" in report
+        assert not beside.model_after.effects.terms
+    else:
+        assert "not in the catalogue" in words
+
+
+def test_an_effect_that_makes_the_hold_outs_worse_is_withdrawn():
+    """The hold-outs are of the car without drag: the named drag would add a gap to them."""
+    calibration = [noisy(ramp(IDEAL), 1), noisy(stop(IDEAL), 2)]
+    problem = problem_of(CAR, [run_of(log) for log in calibration])
+    base = fit(problem, (), np.zeros(BASE))
+    wrong = fit(problem, ("aerodynamic_drag",), np.concatenate([base.x, [1.0, 0.0]]), steps=1)
+    assert wrong.effects.parameters["aerodynamic_drag"]["drag_area"] > 0.2
+    held = hold_outs_of(base, [noisy(stop(IDEAL, pressure=15e5), 3)])
+    proved = prove(held, Decision("named", base, wrong, ()))
+    assert (proved.decision.verdict, proved.rest) == ("no_gap", False)  # nothing is hidden
+    (withdrawn,) = proved.withdrawn
+    assert withdrawn.names == ("aerodynamic_drag",)
+    assert withdrawn.closed < 0.0
+    kept = prove(held, Decision("no_gap", base, base, ()))
+    assert (kept.decision.verdict, kept.rest) == ("no_gap", False)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"),
+    [
+        (393.0, 396.0, False),
+        (393.0, 390.0, False),
+        (20.0, 1.0, True),
+        (0.5, 0.6, True),
+        (0.5, 1.2, False),
+    ],
+)
+def test_replays_must_become_better_or_stay_at_the_noise(before, after, expected):
+    assert better(before, after) is expected
+
+
+def test_no_effect_is_named_for_a_better_fit_of_those_before_it():
+    """A motor and a delay, not fitted to the end: a ripple explains what that leaves."""
+    case = draw("double", 1360008)
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
+    base = fit(problem, (), problem.start)
+    motor = np.zeros(problem.parameters_of("regenerative_torque"))
+    motor[0] = 1.0
+    names = ("hydraulic_delay", "regenerative_torque")
+    beside = fit(problem, names, np.concatenate([base.x, [1.0], motor]), steps=4)
+    proved = prove(hold_outs_of(base, list(case.holdout)), Decision("named", base, beside, ()))
+    assert proved.decision.best.names == beside.names
+    assert proved.steps[-1].names == beside.names
+    assert proved.steps[-1].innovation < beside.reduced - 0.05
+    assert not proved.rest
+
+
+def test_a_second_effect_is_asked_for_where_nothing_significant_is_left():
+    """A lag of a_x beside a delay that explains three hundred times as much."""
+    case = draw("double", 1330013)
+    assert set(case.effects) == {"hydraulic_delay", "accelerometer_lag"}
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
+    base = fit(problem, (), np.zeros(BASE))
+    first = added(base, "hydraulic_delay")
+    held = hold_outs_of(base, list(case.holdout[:2]))
+    assert not remains(first, held.left(first, held.replayed(first)))
+    proved = prove(held, Decision("named", base, first, ()))
+    assert proved.decision.best.names == ("hydraulic_delay", "accelerometer_lag")
+    assert (proved.decision.verdict, proved.rest) == ("named", False)
+
+
+def test_an_effect_that_ends_at_its_bound_is_exchanged_for_a_simpler_one():
+    """A lag and a delay beside a motor, first taken for an oscillation without overshoot."""
+    hidden = ("hydraulic_lag", "hydraulic_delay", "regenerative_torque")
+    case = draw("triple", 1450000, names=hidden)
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration[:8]])
+    base = fit(problem, (), problem.start)
+    oscillating = base
+    for name in ("hydraulic_oscillation", "regenerative_torque", "hydraulic_delay"):
+        oscillating = added(oscillating, name)
+    assert "hydraulic_oscillation" in at_bound(oscillating)
+    held = hold_outs_of(base, list(case.holdout[:2]))
+    proved = prove(held, Decision("named", base, oscillating, ()))
+    assert set(proved.decision.best.names) == set(hidden)
+    assert proved.decision.best.reduced < oscillating.reduced
+
+
+def test_an_effect_is_not_exchanged_for_itself():
+    """A residual torque of which a parameter ends at its bound: it cannot be taken for another."""
+    case = draw("single", 1790017)
+    found = answer(case)
+    assert [effect.name for effect in found.effects] == list(case.effects)
+    assert found.verdict == "named"
+
+
+@pytest.mark.slow
+def test_brake_control_is_not_made_of_four_effects():
+    """Front brakes that a control releases: motor, pads, threshold and mass imitate most of it."""
+    found = answer(draw("outside", 1480002))
+    assert found.verdict == "unknown"
+    assert found.unexplained is not None
+    assert (found.unexplained.axle, found.unexplained.driver) == ("front", "slip")

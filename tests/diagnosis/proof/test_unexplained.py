@@ -1,0 +1,102 @@
+"""Where an unknown cause is put: on the plant of tests/hidden, with causes of no catalogue."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.explanation.candidate import BASE, fit, problem_of
+from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.proof.hold_outs import HoldOuts
+from calib.diagnosis.proof.unexplained import (
+    WHEEL_ANGLE,
+    UnexplainedTerm,
+    held_from,
+    locate,
+    place_of_rest,
+)
+from calib.physics.effects.effects import EmpiricalTerm
+from tests.support.hidden.cases import draw
+
+FEW = ("ramp", "release", "coast", "step_high")
+
+
+def placed(name: str, seed: int) -> UnexplainedTerm:
+    case = draw("outside", seed, names=(name,), severity=2)
+    runs = [run_of(log) for log in case.calibration if log.name in FEW]
+    problem = problem_of(case.vehicle, runs)
+    return locate(fit(problem, (), np.zeros(BASE)))
+
+
+def test_what_turns_with_the_front_wheels_is_told_by_their_angle():
+    found = placed("tone_ring_runout", 31)
+    assert found.driver == WHEEL_ANGLE
+    assert found.axle == "front"
+    assert 0.5 < found.turning <= 1.0
+
+
+def test_a_wheel_that_always_drags_is_named_and_depends_on_nothing():
+    found = placed("seized_wheel", 32)
+    assert (found.axle, found.driver) == ("rear", "constant")
+    assert found.wheel is not None
+    assert found.wheel.startswith("rear_")
+    assert found.turning < 0.05
+
+
+def test_liquid_that_swings_in_a_tank_is_told_by_its_frequency():
+    case = draw("outside", 35, names=("tank_slosh",), severity=2)
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
+    found = locate(fit(problem, (), np.zeros(BASE)))
+    assert (found.axle, found.driver) == ("body", "frequency")
+    # a mass on a spring, beside a car that it moves with
+    mass, own = case.hidden.slosh_mass, case.hidden.slosh_frequency
+    assert found.oscillation.frequency == pytest.approx(own / np.sqrt(1.0 - mass), rel=0.1)
+    assert found.oscillation.share > 0.5
+
+
+@pytest.mark.parametrize("seed", [36, 37])
+def test_brakes_that_a_control_releases_go_with_the_slip(seed):
+    case = draw("outside", seed, names=("abs_modulation",), severity=1)
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
+    found = locate(fit(problem, (), np.zeros(BASE)))
+    assert (found.axle, found.driver) == ("front", "slip")
+
+
+@pytest.mark.parametrize(("name", "axles"), [("weaker_applications", {"both"})])
+def test_brakes_that_weaken_go_with_the_time_of_the_run(name, axles):
+    found = placed(name, 33)
+    assert found.axle in axles
+    assert found.driver == "elapsed"
+    assert found.wheel is None
+
+
+def test_what_only_the_hold_outs_show_is_placed_with_them():
+    case = draw("outside", 33, names=("weaker_applications",), severity=2)
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration if log.name in FEW])
+    coasts = tuple(run for run in problem.runs if run.name == "coast")
+    at = fit(replace(problem, runs=coasts), (), np.zeros(BASE))
+    found = place_of_rest(at, HoldOuts((), problem))
+    assert found.on_hold_outs
+    assert (found.axle, found.driver) == ("both", "elapsed")
+    assert not place_of_rest(fit(problem, (), at.x), HoldOuts((), problem)).on_hold_outs
+
+
+def test_a_temperature_that_a_hold_out_lacks_is_no_driver():
+    """The pads of both axles fade; without the rear discs only a term in front can be proved."""
+    case = draw("single", 34, names=("pad_thermal_fade",), severity=2)
+    runs = [run_of(log) for log in case.calibration if log.name in ("ramp", "coast", "hot")]
+    problem = problem_of(case.vehicle, runs)
+    held = (replace(runs[0], temperature_r=None),)
+    found = locate(fit(problem, (), np.zeros(BASE)), held)
+    tried = [(found.term.place, found.term.driver), *(r[:2] for r in found.runners_up)]
+    assert tried[0] == ("front_brakes", "temperature")
+    assert not {("brakes", "temperature"), ("rear_brakes", "temperature")} & set(tried)
+
+
+@pytest.mark.parametrize(("limit", "told"), [(14e5, 15e5), (30e5, None)])
+def test_a_torque_that_is_held_from_a_pressure_on_is_told(limit, told):
+    p = np.array([0.0, 1.5e5, 8e5, 15e5, 22e5, 29e5])
+    factor = np.minimum(p, limit) / np.maximum(p, 1.0)
+    values = tuple(np.where(p > 0.0, factor - 1.0, 0.0).tolist())
+    assert held_from(EmpiricalTerm("front_brakes", "pressure", tuple(p.tolist()), values)) == told
+    assert held_from(EmpiricalTerm("body", "pressure", tuple(p.tolist()), values)) is None

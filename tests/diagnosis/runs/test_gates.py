@@ -1,0 +1,114 @@
+"""Mistakes of the people who record logs are refused before the search; hidden effects are not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.diagnose import checked
+from calib.diagnosis.runs.warnings import unexplained_warnings
+from calib.errors import LogError
+from calib.logs.log import Log
+from tests.support.hidden.cases import HiddenCase, draw
+from tests.support.reference_car import swapped
+
+
+@pytest.fixture(scope="module")
+def late() -> HiddenCase:
+    """A car whose brakes lag: the pressure does not go with the deceleration at once."""
+    return few(draw("single", 21, names=("hydraulic_lag",), severity=2))
+
+
+def few(case: HiddenCase) -> HiddenCase:
+    """The case with five of its logs."""
+    logs = tuple(log for log in case.calibration if log.name in ("coast", "ramp", "hot", "release"))
+    return replace(case, calibration=logs, holdout=case.holdout[:1])
+
+
+def changed(log: Log, **channels: np.ndarray) -> Log:
+    return replace(log, channels=log.channels | channels, digest=f"{log.digest} changed")
+
+
+def refused(case: HiddenCase, logs: list[Log], held: list[Log] | None = None) -> str:
+    with pytest.raises(LogError) as error:
+        checked(case.vehicle, logs, list(case.holdout) if held is None else held)
+    return str(error.value)
+
+
+def with_(case: HiddenCase, name: str, change) -> list[Log]:
+    assert name in [log.name for log in case.calibration]
+    return [change(log) if log.name == name else log for log in case.calibration]
+
+
+def named(case: HiddenCase, name: str) -> Log:
+    return next(log for log in (*case.calibration, *case.holdout) if log.name == name)
+
+
+def test_a_copy_of_a_calibration_log_is_no_hold_out(late):
+    ramp = named(late, "ramp")
+    copy = Log("mine", "mine.parquet", "", {n: x[200:] for n, x in ramp.channels.items()})
+    said = refused(late, list(late.calibration), [*late.holdout, copy])
+    assert said.startswith(f"mine.parquet: the same run as {ramp.source}")
+    assert "no hold-out and proves nothing" in said
+    assert "given twice" in refused(late, [*late.calibration, copy])
+    assert "held out twice" in refused(
+        late, list(late.calibration), [*late.holdout, changed(late.holdout[0])]
+    )
+
+
+@pytest.mark.parametrize("where", ["all", "hold-out"])
+def test_swapped_axles_are_refused_by_name(late, where):
+    logs, held = list(late.calibration), list(late.holdout)
+    if where == "hold-out":
+        held[0] = swapped(held[0])
+        wrong = held[0].source
+    else:
+        logs = [swapped(log) if where in ("all", log.name) else log for log in logs]
+        held = [swapped(log) for log in held] if where == "all" else held
+        wrong = named(late, "ramp").source
+    said = refused(late, logs, held)
+    assert wrong in said.split(":")[0]
+    assert "are the axles swapped?" in said
+
+
+def test_a_motor_on_the_rear_axle_is_no_swap():
+    case = few(draw("single", 41, names=("regenerative_torque",), severity=2))
+    assert case.hidden.regen_axle == 1
+    warnings = checked(case.vehicle, list(case.calibration), list(case.holdout))
+    assert "axles_swapped" in {one.code for one in warnings}
+    assert unexplained_warnings(warnings, left=False, grouped=False) == ()
+    assert set(unexplained_warnings(warnings, left=True, grouped=False)) == set(warnings)
+
+
+def test_other_mistakes_in_one_log_are_refused_in_the_words_of_check(late):
+    hot, radius = named(late, "hot"), late.vehicle.rear.rolling_radius
+    for change, said in (
+        (lambda log: changed(log, a_x=-log["a_x"]), "a_x is positive while the wheels slow down"),
+        (lambda log: changed(log, p_mc=0.0 * log["p_mc"]), "p_mc does not change"),
+        (lambda log: changed(log, v=radius * log["omega_rl"]), "v is made of the wheel speeds"),
+        (lambda log: changed(log, p_mc=0.4 * log["p_mc"]), "as strongly on p_mc"),
+    ):
+        text = refused(late, with_(late, "hot", change))
+        assert text.startswith(f"{hot.source}: ")
+        assert said in text
+
+
+def test_a_pressure_of_another_run_is_refused(late):
+    other = named(late, "release")["p_mc"]
+    at = np.arange(named(late, "hot").time.size)
+    taken = other[np.minimum(at, other.size - 1)]
+    said = refused(late, with_(late, "hot", lambda log: changed(log, p_mc=taken)))
+    assert "look for a pressure of another run" in said
+
+
+def test_a_zero_of_the_pressure_is_warned_of_whatever_was_found(late):
+    logs = with_(late, "hot", lambda log: changed(log, p_mc=log["p_mc"] + 0.8e5))
+    warnings = checked(late.vehicle, logs, list(late.holdout))
+    kept = unexplained_warnings(warnings, left=False, grouped=False)
+    assert [(one.code, one.log) for one in kept] == [("pressure_zero", "hot")]
+
+
+@pytest.mark.parametrize("seed", [70, 71])
+def test_clean_logs_of_any_car_are_not_complained_of(seed):
+    case = draw("none", seed)
+    assert checked(case.vehicle, list(case.calibration), list(case.holdout)) == ()

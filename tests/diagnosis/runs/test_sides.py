@@ -1,0 +1,70 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.runs.sides import LARGEST, with_even_sides
+from calib.diagnosis.written import words
+from tests.support.hidden.cases import draw
+
+
+def changed(log, factors):
+    return replace(
+        log,
+        channels={
+            k: v * factors.get(k.removeprefix("omega_"), 1.0) for k, v in log.channels.items()
+        },
+    )
+
+
+def test_unlike_radii_of_left_and_right_are_taken_out_and_axles_stay():
+    logs = draw("none", 11).calibration
+    even, _ = with_even_sides(logs)
+    again, sides = with_even_sides(
+        [changed(log, {"fl": 1.0005, "fr": 0.9997, "rr": 1.0006}) for log in logs]
+    )
+    for one, other in zip(even, again, strict=True):
+        for axle, mean in (("f", np.sqrt(1.0005 * 0.9997)), ("r", np.sqrt(1.0006))):
+            for side in "lr":
+                name = f"omega_{axle}{side}"
+                assert other[name] == pytest.approx(mean * one[name], rel=1e-9)
+    plain = with_even_sides(logs)[1]
+    assert sides["f"] - plain["f"] == pytest.approx(-0.0008, abs=2e-6)
+    assert sides["r"] - plain["r"] == pytest.approx(0.0006, abs=2e-6)
+
+
+def test_more_than_tyres_make_is_left_in():
+    logs = [changed(log, {"rl": 1.003}) for log in draw("none", 11).calibration]
+    for log, even in zip(logs, with_even_sides(logs)[0], strict=True):
+        assert np.array_equal(even["omega_rl"], log["omega_rl"])
+    assert with_even_sides(logs, LARGEST)[1]["r"] == pytest.approx(-0.003, abs=2e-4)
+
+
+def test_a_new_tyre_beside_an_old_one_hides_nothing():
+    """It makes the mean of its axle larger, too: that is a mismatch of the axles."""
+    case = draw("single", 11, names=("hydraulic_lag",))
+    runs = [
+        [changed(log, {"rl": 1.003}) for log in logs] for logs in (case.calibration, case.holdout)
+    ]
+    found = diagnose(case.vehicle, *runs)
+    assert found.verdict == "named"
+    assert {effect.name for effect in found.effects} == {"hydraulic_lag", "rolling_radius_mismatch"}
+    assert "Compare the tyres" in words.sides(found)
+
+
+def test_a_wheel_whose_brake_drags_is_no_new_tyre():
+    case = draw("outside", 3, names=("seized_wheel",))
+    told = [log for log in case.calibration if log.name in ("coast", "ramp", "step_high")]
+    found = diagnose(case.vehicle, told, [case.holdout[0]])
+    assert found.verdict == "unknown"
+    assert found.sides["r"] == 0.0
+
+
+def test_logs_that_never_roll_freely_stay_as_they_are():
+    logs = [
+        replace(log, channels={**log.channels, "p_mc": np.full_like(log.time, 20e5)})
+        for log in draw("none", 11).calibration
+    ]
+    for log, even in zip(logs, with_even_sides(logs)[0], strict=True):
+        assert even["omega_fl"] == pytest.approx(log["omega_fl"])

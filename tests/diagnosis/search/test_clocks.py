@@ -1,0 +1,66 @@
+"""Logs over a bus: what is sent seldom, late or filtered is no fault of the car."""
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.diagnose import Diagnosis, diagnose
+from calib.diagnosis.proof.gap import CHANNELS, noises_of
+from calib.diagnosis.search.clocks import DELAYS
+from calib.signals.held import without_holds
+from tests.support.hidden.cases import HiddenCase, draw
+from tests.support.measuring_chain import Message, chained
+
+V = CHANNELS.index("v")
+SELDOM = {
+    "p_mc": Message(100.0, step=0.1e5),
+    "a_x": Message(50.0, step=0.02),
+    "omega": Message(100.0, step=0.02),
+    "v": Message(20.0, step=0.01),
+}
+LATE = {
+    "p_mc": Message(100.0, 0.005),
+    "a_x": Message(50.0, 0.02, corner=15.0),
+    "omega": Message(100.0, 0.01),
+    "v": Message(20.0, 0.06),
+}
+
+
+def over_a_bus(case: HiddenCase, messages: dict[str, Message]) -> Diagnosis:
+    rng = np.random.default_rng(5)
+    logs = [chained(log, messages, rng) for log in (*case.calibration, *case.holdout)]
+    split = len(case.calibration)
+    return diagnose(case.vehicle, logs[:split], logs[split:])
+
+
+def test_a_car_that_lacks_nothing_has_no_gap_with_channels_that_are_sent_seldom():
+    assert over_a_bus(draw("none", 4404), SELDOM).verdict == "no_gap"
+
+
+def test_channels_that_are_late_are_named_as_that_together():
+    found = over_a_bus(draw("none", 4402), LATE)
+    assert found.verdict == "named"
+    assert {effect.name for effect in found.effects} <= set(DELAYS)
+    late = {effect.name: effect.parameters for effect in found.effects}
+    # against the wheels, as all of them are late against p_mc besides
+    apart = late["speed_delay"]["v_delay"].value
+    if "wheel_speed_delay" in late:
+        apart -= late["wheel_speed_delay"]["omega_delay"].value
+    assert apart == pytest.approx(0.05, abs=0.006)
+    # two poles of 15 Hz are a delay of 15 ms, and 20 ms come besides
+    assert late["accelerometer_lag"]["filter_time"].value == pytest.approx(0.03, abs=0.015)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [4400, 4408])
+def test_an_effect_is_named_beside_channels_that_are_late(seed):
+    case = draw("single", seed)
+    found = over_a_bus(case, LATE)
+    assert {effect.name for effect in found.effects} - set(DELAYS) == set(case.answer["effects"])
+
+
+def test_the_noise_of_a_channel_is_that_of_its_values_however_seldom_they_are_sent():
+    log = draw("none", 4403).holdout[0]
+    sent = without_holds(chained(log, {"v": Message(20.0)}, np.random.default_rng(1)))
+    # between two values noise is averaged: to two thirds of its variance, on the mean
+    assert noises_of([sent])[V] == pytest.approx(np.sqrt(2.0 / 3.0) * 0.02, rel=0.2)
+    assert noises_of([log])[V] == pytest.approx(0.02, rel=0.1)

@@ -1,0 +1,89 @@
+"""Rolling radii that the vehicle file has wrong, and effects that it has right or wrong."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.diagnose import diagnose
+from calib.diagnosis.explanation.candidate import BASE, bounds, fit, problem_of, unpack
+from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.search.decide import decide
+from calib.diagnosis.search.radii import with_free_radii
+from calib.diagnosis.written.document import to_dict
+from calib.diagnosis.written.words import known, radii
+from calib.physics.effects.effects import Effects
+from tests.support.hidden.cases import draw
+
+
+def decision(car, logs):
+    problem = problem_of(car, [run_of(log) for log in logs])
+    return decide(fit(problem, (), np.zeros(BASE)))
+
+
+@pytest.mark.parametrize("factor", [0.999, 1.002])
+def test_wrong_radii_are_found_and_no_effect_is_named_for_them(factor):
+    case = draw("none", 11)
+    logs = case.calibration[:4]
+    fixed = decision(case.vehicle.with_radii(factor), logs)
+    assert fixed.best.names != ()  # a small torque looks like another radius
+    free = with_free_radii(fixed)
+    assert (free.verdict, free.best.names) == ("no_gap", ())
+    assert free.best.base.radius == pytest.approx(1.0 / factor, abs=1e-4)
+
+
+def test_right_radii_stay_those_of_the_file():
+    case = draw("none", 11)
+    fixed = decision(case.vehicle, case.calibration[:4])
+    assert with_free_radii(fixed) is fixed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("factor", [0.999, 1.003])
+def test_an_effect_beside_wrong_radii_is_named_with_its_size(factor):
+    case = draw("single", 12, names=("aerodynamic_drag",), severity=1)
+    car = case.vehicle.with_radii(factor)
+    found = diagnose(car, list(case.calibration), list(case.holdout))
+    assert [effect.name for effect in found.effects] == ["aerodynamic_drag"]
+    low, high = found.effects[0].parameters["drag_area"].ci95
+    assert low <= case.hidden.drag_area <= high
+    assert found.base["rolling_radius"].value == pytest.approx(1.0 / factor, abs=2e-4)
+    assert found.gap.after < 1.5
+    assert f"{100.0 * (1.0 / factor - 1.0):+.1f}"[:4] in radii(found)
+    assert found.model_after.vehicle.front.rolling_radius == pytest.approx(
+        case.vehicle.front.rolling_radius, rel=2e-4
+    )
+
+
+def declared(case, drag_area):
+    return replace(case.vehicle, effects=Effects({"aerodynamic_drag": {"drag_area": drag_area}}))
+
+
+def test_effects_of_the_vehicle_file_are_where_a_vector_counts_from():
+    case = draw("none", 11)
+    car = declared(case, 0.7)
+    problem = problem_of(car, [run_of(case.calibration[0])])
+    _, plain = unpack(problem, (), problem.start)
+    assert plain.parameters == {"aerodynamic_drag": {"drag_area": 0.7, "load_share": 0.5}}
+    ones = np.ones(problem.base_size + 3)
+    _, moved = unpack(problem, ("aerodynamic_drag", "accelerometer_bias"), ones)
+    spread = moved.parameters["aerodynamic_drag"]["drag_area"] - 0.7
+    low, _ = bounds(problem, ("aerodynamic_drag",))
+    assert low[-2] == pytest.approx(-0.7 / spread)
+    assert set(moved.parameters) == {"aerodynamic_drag", "accelerometer_bias"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_a_declared_effect_is_known_and_named_only_where_its_size_is_wrong(share):
+    case = draw("single", 12, names=("aerodynamic_drag",), severity=2)
+    car = declared(case, share * case.hidden.drag_area)
+    found = diagnose(car, list(case.calibration), list(case.holdout))
+    names = [effect.name for effect in found.effects]
+    assert names == ([] if share == 1.0 else ["aerodynamic_drag"])
+    kept = found.model_after.effects.parameters["aerodynamic_drag"]["drag_area"]
+    assert kept == pytest.approx(case.hidden.drag_area, rel=0.03)
+    assert to_dict(found)["known"] == {
+        "aerodynamic_drag": dict(car.effects.parameters["aerodynamic_drag"])
+    }
+    assert "aerodynamic drag" in known(found)

@@ -1,0 +1,80 @@
+"""The drive that would show what the logs could not: it does so when it is simulated.
+
+`calib.simulation.simulate` integrates the motion and shares no step with the prediction that chose
+the drive.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.diagnosis.explanation.candidate import BASE, fit, problem_of
+from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.proof.hold_outs import model_of
+from calib.diagnosis.undecided.drives import drives
+from calib.diagnosis.undecided.separate import manoeuvres
+from calib.physics.effects.catalogue import effect_named
+from calib.physics.effects.effects import Effects
+from calib.simulation.simulate import simulate
+from tests.support.hidden.cases import draw
+
+
+@pytest.fixture(scope="module")
+def cold():
+    """A light stop of a car that lacks nothing: no heat, little speed, one pressure."""
+    case = draw("none", 42)
+    runs = [run_of(log) for log in case.calibration if log.name == "step_low"]
+    problem = problem_of(case.vehicle, runs)
+    return case.vehicle, problem, fit(problem, (), np.zeros(BASE))
+
+
+def changed(vehicle, at, name, run) -> float:
+    """Rms of v that an effect of usual size changes in a manoeuvre, driven open loop [m/s]."""
+    model = model_of(vehicle, at)
+    with_it = replace(model, effects=Effects({name: effect_named(name).card.usual}))
+    heat = {} if run.temperature_f is None else {"f": run.temperature_f, "r": run.temperature_r}
+    one, other = (
+        simulate(m, run.time, run.p_mc, float(run.v[0]), temperature=heat) for m in (model, with_it)
+    )
+    n = min(one.time.size, other.time.size)
+    return float(np.sqrt(np.mean((one["v"][:n] - other["v"][:n]) ** 2)))
+
+
+def test_drag_is_seen_in_a_coast_and_fade_in_a_hard_stop(cold):
+    vehicle, problem, at = cold
+    drag, fade = drives(problem, at, ("aerodynamic_drag", "pad_thermal_fade"))
+    assert drag.clear
+    assert fade.clear
+    assert drag.name.startswith("coast down from 130")
+    assert "45 bar" in fade.name
+    tests = dict(manoeuvres(problem))
+    weak = tests["light stop at 8 bar from 60 km/h"]
+    for drive in (drag, fade):
+        strong = tests[drive.name]
+        shown = changed(vehicle, at, drive.effect, strong)
+        assert shown > 2.0 * changed(vehicle, at, drive.effect, weak)
+
+
+def test_what_pads_imitate_is_taken_out(cold):
+    """A mass scales all forces of the brakes, and so do the pads."""
+    vehicle, problem, at = cold
+    (mass,) = drives(problem, at, ("mass_error",))
+    assert not mass.clear
+    run = dict(manoeuvres(problem))[mass.name]
+    assert changed(vehicle, at, "mass_error", run) > 0.1  # though it changes the drive a lot
+
+
+def test_more_of_it_shows_more(cold):
+    """The logs themselves count: after a coast in them, drag shows at least as clearly."""
+    _, problem, at = cold
+    (alone,) = drives(problem, at, ("aerodynamic_drag",))
+    coast = dict(manoeuvres(problem))["coast down from 130 km/h"]
+    more = replace(problem, runs=(*problem.runs, coast))
+    (both,) = drives(more, at, ("aerodynamic_drag",))
+    assert both.sigma > 1.2 * alone.sigma
+
+
+def test_without_unresolved_effects_nothing_is_driven(cold):
+    _, problem, at = cold
+    assert drives(problem, at, ()) == ()

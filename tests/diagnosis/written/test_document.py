@@ -1,0 +1,86 @@
+"""diagnosis.json and the page that explains it."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from calib.diagnosis.undecided.confusion import Confusion, Explanation, Pair
+from calib.diagnosis.undecided.drives import Drive
+from calib.diagnosis.written.document import text_of, to_dict
+from calib.diagnosis.written.headline import KINDS
+from calib.physics.effects.catalogue import effect_named
+from tests.support.documents import missing_and_unknown
+from tests.support.written_diagnosis import MARKUP, named_drag
+
+PAGE = Path(__file__).parents[3] / "calib" / "manual" / "diagnosis.md"
+
+
+@pytest.fixture(scope="module")
+def named():
+    return named_drag()
+
+
+def test_the_gap_is_told_by_log_and_channel(named):
+    log = to_dict(named)["gap"]["by_log"][MARKUP]
+    assert (log["before"], log["after"]) == (8.25, 1.5)
+    assert log["by_channel"]["v"] == {
+        "before": 0.25, "after": 0.5, "noise": 0.0625, "closed": -1.0, "unit": "m/s"
+    }  # fmt: skip
+
+
+def test_every_step_but_the_first_tells_what_it_brought(named):
+    first, second = to_dict(named)["steps"]
+    assert first == {"names": (), "innovation": 3.5, "left": 8.0}
+    assert second == {
+        "names": ("aerodynamic_drag",), "innovation": 1.0, "left": 0.25,
+        "added": ("aerodynamic_drag",), "removed": (), "innovation_gain": 2.5, "left_fall": 7.75,
+    }  # fmt: skip
+
+
+def test_confusion_and_drives_are_told_with_units(named):
+    assert to_dict(named)["confusion"] is None
+    assert to_dict(named)["would_show"] == []
+    alike = Confusion(
+        (Explanation(("road_grade",), 1.0), Explanation(("mass_error",), 1.25)),
+        (Pair(0, 1, 3.0, "coast", 48.0),),
+    )
+    unseen = (Drive(effect_named("aerodynamic_drag").card, "coast", 48.0),)
+    told = to_dict(replace(named, confusion=alike, drives=unseen))
+    assert told["confusion"]["explanations"][1] == {
+        "effects": ["mass_error"], "innovation": 1.25, "behind": 0.25
+    }  # fmt: skip
+    assert told["confusion"]["pairs"] == [{
+        "between": [0, 1], "apart_in_logs": 3.0, "drive": "coast", "apart_in_drive": 48.0,
+        "unit": "sigma",
+    }]  # fmt: skip
+    assert told["would_show"] == [{
+        "effect": "aerodynamic_drag",
+        "usual_size": {
+            "drag_area": {"value": 0.65, "unit": "m^2"}, "load_share": {"value": 0.5, "unit": "1"}
+        },
+        "drive": "coast", "sigma": 48.0, "clear": True,
+    }]  # fmt: skip
+
+
+def test_the_manual_has_every_headline_and_names_keys_that_exist(named):
+    text = PAGE.read_text()
+    for kind in KINDS.values():
+        assert kind in text, kind
+    told = to_dict(named)
+    keys = re.findall(r"((?:`\w+`(?:, | and )?)+)\s+in\s+`diagnosis\.json`", text)
+    names = {name for group in keys for name in re.findall(r"\w+", group.replace(" and ", " "))}
+    assert len(names) >= 7
+    assert names <= set(told)
+
+
+def test_it_has_the_keys_of_the_page_of_documents(named):
+    document = json.loads(text_of(named))
+    assert missing_and_unknown("diagnose-json", document) == []
+
+
+def test_the_readme_leads_to_the_manual():
+    readme = (PAGE.parents[2] / "README.md").read_text()
+    assert f"({PAGE.relative_to(PAGE.parents[2])})" in readme
