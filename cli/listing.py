@@ -14,7 +14,7 @@ from cli.options import Json, Store, example
 from cli.project import STORE
 
 if TYPE_CHECKING:
-    from calib.store.listing import Row
+    from calib.store.listing import ListedVersion
 
 LIST = example("brake-cal tables list", "brake-cal tables list --state released")
 FIND = example("brake-cal tables find 0815")
@@ -70,7 +70,7 @@ def find(
         _print(rows)
 
 
-def _rows(store: Path) -> "list[Row]":
+def _rows(store: Path) -> "list[ListedVersion]":
     from calib.store.listing import row_of
 
     return [row_of(entry) for entry in calib.Store(store).list()]
@@ -89,7 +89,7 @@ def _check(state: str | None, since: str | None) -> None:
     require_day(since, "--since")
 
 
-def _none(serial: str, every: "list[Row]") -> str:
+def _none(serial: str, every: "list[ListedVersion]") -> str:
     from calib.documents.toml import did_you_mean
 
     known = sorted({text for row in every for text in (row.serial, row.vin) if text})
@@ -97,7 +97,7 @@ def _none(serial: str, every: "list[Row]") -> str:
     return f"no table of {serial!r}{'; ' + near if near else ''}; {len(known)} numbers are known"
 
 
-def _print(rows: "list[Row]") -> None:
+def _print(rows: "list[ListedVersion]") -> None:
     heads = ("table", "state", "stored", "car", "logs", "pads f/r", "range [g]", "band", "verdict")
     table = grid(*heads, right=("logs", "band"), fold=True)
     table.collapse_padding = True  # so that a row has its line on 80 columns

@@ -9,7 +9,7 @@ import typer.main
 
 
 @dataclass
-class Run:
+class CommandRun:
     """One run of the program: ``quiet`` of -q, ``verbose`` of -v, ``documents`` on stdout."""
 
     quiet: bool = False
@@ -17,18 +17,18 @@ class Run:
     documents: int = 0
 
 
-_RUN: ContextVar[Run] = ContextVar("run")
+_RUN: ContextVar[CommandRun] = ContextVar("run")
 
 
-def begin() -> Run:
+def begin() -> CommandRun:
     """Begin a run: nothing is asked for, nothing is printed."""
-    _RUN.set(Run())
+    _RUN.set(CommandRun())
     return _RUN.get()
 
 
-def this_run() -> Run:
+def this_run() -> CommandRun:
     """The run that goes on; one that asks for nothing where none was begun."""
-    return _RUN.get(Run())
+    return _RUN.get(CommandRun())
 
 
 def loudness_options() -> list[Any]:

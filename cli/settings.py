@@ -22,7 +22,7 @@ KEYS = {
 
 
 @dataclass(frozen=True)
-class Setting:
+class ShownSetting:
     """One setting: its key in the file, its value, and who says so."""
 
     key: str
@@ -66,7 +66,7 @@ def settings(json: Json = False) -> None:
     emit(table)
 
 
-def _rows(found: "Project") -> list[Setting]:
+def _rows(found: "Project") -> list[ShownSetting]:
     from calib.store.state import user
 
     told, source = found.settings, f"file:{found.file}"
@@ -75,12 +75,12 @@ def _rows(found: "Project") -> list[Setting]:
         key = KEYS.get(field.name, field.name)
         value = getattr(told, field.name)
         if value is not None:
-            rows.append(Setting(key, value, source))
+            rows.append(ShownSetting(key, value, source))
         elif field.name == "by":
-            rows.append(Setting(key, user(), "environment"))
+            rows.append(ShownSetting(key, user(), "environment"))
         else:
             built_in = {"store": STORE, "require_signed": False}.get(field.name)
-            rows.append(Setting(key, built_in, "built-in"))
+            rows.append(ShownSetting(key, built_in, "built-in"))
     return rows
 
 

@@ -108,7 +108,9 @@ def simulate(
     if log is not None:
         result = _replay(driven, log, channel_map)
     else:
-        braking = Braking(speed, pressure, deceleration, duration, RATE if rate is None else rate)
+        braking = BrakingOptions(
+            speed, pressure, deceleration, duration, RATE if rate is None else rate
+        )
         result = _drive(driven, str(manoeuvre), braking)
     output = result if noise is None else add_noise(result, noise)
     _write(output, out)
@@ -149,7 +151,7 @@ def _replay(model: "Model", path: Path, channel_map: Path | None) -> "Log":
 
 
 @dataclass(frozen=True)
-class Braking:
+class BrakingOptions:
     """How a manoeuvre is driven, as the options say it; ``rate`` [Hz]."""
 
     speed: str | None
@@ -159,7 +161,7 @@ class Braking:
     rate: float
 
 
-def _drive(model: "Model", name: str, how: Braking) -> "Log":
+def _drive(model: "Model", name: str, how: BrakingOptions) -> "Log":
     from calib.errors import ModelError
     from calib.simulation.manoeuvre import manoeuvre
     from calib.simulation.simulate import simulate
@@ -174,7 +176,7 @@ def _drive(model: "Model", name: str, how: Braking) -> "Log":
     return simulate(model, plan.time, plan.pressure, v0, name=name)
 
 
-def _pressure(model: "Model", how: Braking) -> float | None:
+def _pressure(model: "Model", how: BrakingOptions) -> float | None:
     """The pressure [Pa] that was asked for, or the one that makes the deceleration."""
     if how.deceleration is None:
         return None if how.pressure is None else quantity_of(how.pressure, "Pa", "--pressure")

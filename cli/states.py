@@ -78,10 +78,10 @@ def withdraw(
     A bare name never means it, and it is not exported. A version that is missing and cannot be
     restored is withdrawn, too: `tables verify` then no longer counts it.
     """
-    from calib.store.state import Decision
+    from calib.store.state import StateDecision
 
     _check(table, reason)
-    decision = Decision("withdrawn", reason, by=by or "")
+    decision = StateDecision("withdrawn", reason, by=by or "")
     if not calib.Store(store).withdraw_missing(table, decision):
         _judge(table, "withdrawn", reason, None, by, store, json)
     elif json:
@@ -129,7 +129,7 @@ def _judge(
     json: bool,
 ) -> None:
     from calib.store.evidence import read_evidence
-    from calib.store.state import Decision
+    from calib.store.state import StateDecision
 
     _check(table, reason)
     before = calib.Store(store).load(table)
@@ -142,7 +142,7 @@ def _judge(
                 f"{evidence} says that {table} failed, which releases nothing",
                 param_hint="--evidence",
             )
-    decision = Decision(word, reason, verdict, tuple(proofs), by or "")
+    decision = StateDecision(word, reason, verdict, tuple(proofs), by or "")
     after = calib.Store(store).judge(table, decision)
     _report(before, after, json)
 

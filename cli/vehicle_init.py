@@ -12,7 +12,7 @@ from cli.options import Force, Json, example
 from cli.outputs import refuse_folder, refuse_foreign, writing
 
 if TYPE_CHECKING:
-    from calib.vehicles.keys import Key
+    from calib.vehicles.keys import VehicleKey
 
 EPILOG = example("brake-cal vehicle init my_car.toml --from sedan")
 SEDAN = "sedan"
@@ -95,7 +95,7 @@ def _asked() -> Mapping[str, str]:
     return values
 
 
-def _one(key: "Key", before: Mapping[str, str]) -> str:
+def _one(key: "VehicleKey", before: Mapping[str, str]) -> str:
     """One answer; what cannot be used is asked again."""
     from calib.errors import VehicleError
     from calib.vehicles.answer import answered, default_of

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import settings
 
 from calib.fitting.fit import fit
-from calib.store.state import Decision
+from calib.store.state import StateDecision
 from calib.store.store import Store
 from calib.store.version import Stored
 from calib.table.table import Table
@@ -38,7 +38,7 @@ def store(tmp_path: Path) -> Path:
 @pytest.fixture
 def stored(table: Table, store: Path) -> Stored:
     """sedan@1, released."""
-    return Store(store).save(table, Decision("released", "made for a test"))
+    return Store(store).save(table, StateDecision("released", "made for a test"))
 
 
 @dataclass(frozen=True)

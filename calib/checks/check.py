@@ -13,7 +13,7 @@ from calib.checks.sensors import Sensor
 from calib.checks.uses import uses
 from calib.checks.warnings import warnings_of
 from calib.checks.wheel_checks import IntervalEstimate
-from calib.logs.gaps import Gap
+from calib.logs.gaps import ChannelHole
 from calib.logs.log import Log, Origin
 from calib.messages.warning import PlausibilityWarning
 from calib.names import CHANNELS
@@ -85,7 +85,7 @@ class Findings:
     verdicts: tuple[LogVerdict, ...]
     taken: tuple[Taken, ...] = ()
     uses: tuple[str, ...] = ()
-    bridged: tuple[Gap, ...] = ()
+    bridged: tuple[ChannelHole, ...] = ()
 
     def __repr__(self) -> str:
         """The findings as lines of text, in the units of a log file."""

@@ -19,7 +19,7 @@ from calib.diagnosis.explanation.progress import Tell, silent
 from calib.diagnosis.proof.confirm import confirm
 from calib.diagnosis.proof.gap import Gap, gap_of
 from calib.diagnosis.proof.hold_outs import HoldOuts, hold_outs_of, model_of
-from calib.diagnosis.proof.prove import Proved, Step, Withdrawn, prove
+from calib.diagnosis.proof.prove import Proved, SearchStep, Withdrawn, prove
 from calib.diagnosis.proof.remainder import Remainder, range_of
 from calib.diagnosis.proof.unexplained import UnexplainedTerm, place_of_rest
 from calib.diagnosis.runs.gates import (
@@ -40,7 +40,7 @@ from calib.diagnosis.search.regroup import regrouped
 from calib.diagnosis.search.search import unresolved
 from calib.diagnosis.undecided.confusion import Confusion, confusion_of
 from calib.diagnosis.undecided.doubts import base_half_widths
-from calib.diagnosis.undecided.drives import Drive, drives
+from calib.diagnosis.undecided.drives import ShowingDrive, drives
 from calib.errors import ModelError
 from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
@@ -127,12 +127,12 @@ class Diagnosis:
     reduced_after: float
     left: Remainder
     withdrawn: tuple[Withdrawn, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[SearchStep, ...]
     noise: ChannelNoise
     groups: tuple[LogGroup, ...]
     start_heats: Mapping[str, tuple[float, float]]
     not_resolved: tuple[str, ...]
-    drives: tuple[Drive, ...]
+    drives: tuple[ShowingDrive, ...]
     confusion: Confusion | None
     sides: Mapping[str, float]
     warnings: tuple[PlausibilityWarning, ...]

@@ -48,7 +48,7 @@ class Baselines(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Run:
+class BaselineRun:
     """One run as the methods need it.
 
     ``car`` has the nominal pads; ``known`` its known effects, which are taken out of ``log``;
@@ -67,7 +67,7 @@ class Run:
     priors: Priors
 
 
-def baselines(run: Run, *, laws: bool = True) -> Baselines:
+def baselines(run: BaselineRun, *, laws: bool = True) -> Baselines:
     """All methods on one run. Without ``laws`` only the nominal pads."""
     car, s, priors = run.car, run.s, run.priors
     flat = np.ones_like(run.eta)
@@ -83,7 +83,7 @@ def baselines(run: Run, *, laws: bool = True) -> Baselines:
     return Baselines(pads, tyre.inside, notes)
 
 
-def _methods(run: Run, tyre: LookupReading) -> dict[str, Callable[[], Pair]]:
+def _methods(run: BaselineRun, tyre: LookupReading) -> dict[str, Callable[[], Pair]]:
     """The methods beside nominal pads by name, ready to be run; ``tyre`` is that look-up read."""
     car, s, b, priors = run.car, run.s, run.b, run.priors
     methods: dict[str, Callable[[], Pair]] = {

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.estimator import Basis, Estimate, split_of
-from calib.estimation.pad_ratio import Step
+from calib.estimation.pad_ratio import RatioStep
 from calib.estimation.plan import Plan
 from calib.estimation.split_budget import ratio_parts
 from calib.estimation.weighed_level import WeighedLevel
@@ -29,7 +29,7 @@ from calib.table.budget import PARTS, AxleBudget, Parts, axle_budget
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Steps = Sequence[Step | None]
+Steps = Sequence[RatioStep | None]
 
 
 def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
@@ -43,7 +43,7 @@ def budget(estimate: Estimate) -> tuple[AxleBudget, AxleBudget] | None:
     e, telling = estimate, estimate.telling
     if e.basis is None or not telling.any():
         return None
-    steps: list[Step | None] = []
+    steps: list[RatioStep | None] = []
     split_of(e.plan, e.blocks, e.basis.demand, steps)
     front, rear = (_median(telling, axle.lower, axle.upper) for axle in (e.front, e.rear))
     return (

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from calib.errors import LogError
 from calib.estimation.axle_estimate import AxleEstimate
-from calib.estimation.baselines import Run, baselines
+from calib.estimation.baselines import BaselineRun, baselines
 from calib.estimation.block_level import block_level
 from calib.estimation.block_pitch import block_pitch
 from calib.estimation.filter_input import SplitInput
@@ -27,7 +27,7 @@ from calib.estimation.jolts import without_jolts
 from calib.estimation.lookup import smoothed
 from calib.estimation.odds_by_level import odds_by_level
 from calib.estimation.pad_level import PadLevel, estimate_pad_level
-from calib.estimation.pad_ratio import PadRatio, Step
+from calib.estimation.pad_ratio import PadRatio, RatioStep
 from calib.estimation.pads import estimate_axles
 from calib.estimation.plan import Plan, plan_for, with_effects, with_known_pitch, with_pads
 from calib.estimation.priors import Priors
@@ -269,7 +269,7 @@ def estimate(
     driven = drive_slips(used, forces.balance)
     zero = zero_of_eta(s, driven)
     eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
-    run = Run(used, plan.nominal, car.effects, ran.log, read, s, forces, eta, plan.priors)
+    run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, s, forces, eta, plan.priors)
     others = baselines(run, laws=with_laws)
     slips = zeroed_slips(s, driven)
     greatest = float(table.tyre.force[-1])
@@ -361,7 +361,7 @@ def demand_of(
 
 
 def split_of(
-    plan: Plan, b: Blocks, demand: SplitInput, steps: list[Step | None] | None = None
+    plan: Plan, b: Blocks, demand: SplitInput, steps: list[RatioStep | None] | None = None
 ) -> PadRatio:
     """Run the split filter as the plan has it; ``steps`` as in `filter_pad_ratio`."""
     known = plan.table.posterior

@@ -13,7 +13,7 @@ from calib.statistics.mixture_posterior import mixture_posterior
 Array = NDArray[np.float64]
 
 
-class Step(NamedTuple):
+class RatioStep(NamedTuple):
     """What one block did to the filter's covariance P, so that it can be taken apart afterwards.
 
     ``rows`` gradients of eta and slip, (2, COUNT); ``whitening`` of their innovations, (2, 2), its

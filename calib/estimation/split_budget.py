@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.estimation.filter_input import process_noise
-from calib.estimation.pad_ratio import Step
+from calib.estimation.pad_ratio import RatioStep
 from calib.estimation.plan import Plan
 from calib.estimation.priors import Priors
 from calib.estimation.states import (
@@ -62,7 +62,7 @@ PAIR = [AT.log_pad_ratio, AT.table_log_pad_ratio]
 
 
 def ratio_parts(
-    plan: Plan, b: Blocks, steps: Sequence[Step | None], block: int
+    plan: Plan, b: Blocks, steps: Sequence[RatioStep | None], block: int
 ) -> dict[str, Array]:
     """Covariance (2, 2) of `PAIR` after a block, by part; their sum is the filter's.
 

@@ -40,7 +40,7 @@ from calib.estimation.measurement import (
     coasting,
     measurement,
 )
-from calib.estimation.pad_ratio import KEPT, PadRatio, Step, weigh
+from calib.estimation.pad_ratio import KEPT, PadRatio, RatioStep, weigh
 from calib.estimation.priors import Priors
 from calib.estimation.states import (
     AT,
@@ -67,7 +67,7 @@ def filter_pad_ratio(
     noise: SensorNoise,
     posterior: TyrePosterior,
     priors: Priors,
-    steps: list[Step | None] | None = None,
+    steps: list[RatioStep | None] | None = None,
 ) -> PadRatio:
     """Run the filter over the blocks of a stop, from the table's ``posterior``.
 
@@ -191,7 +191,7 @@ def _measure(
     lasting: float,
     innovation: Array,
     gate: float,
-) -> tuple[float, Step | None]:
+) -> tuple[float, RatioStep | None]:
     """Take in eta and, where there is one, the slip, if their mean squared innovation is in `gate`.
 
     Returns the logarithm of the probability density of what was measured, less a constant, and the
@@ -227,7 +227,7 @@ def _measure(
     white = moved[:, :COUNT]
     moved[0, -1], moved[1, -1] = -first, -second
     carried -= white.T.dot(moved)
-    return width - 0.5 * square, Step(rows, whitening, white)
+    return width - 0.5 * square, RatioStep(rows, whitening, white)
 
 
 MOST = SETTINGS.form_error

@@ -14,7 +14,7 @@ import re
 from collections.abc import Iterator
 
 from calib.errors import ExchangeError
-from calib.exports.a2l_objects import Item, items
+from calib.exports.a2l_objects import A2lItem, items
 from calib.exports.addresses import Addresses
 from calib.exports.dataset import Dataset
 from calib.exports.dcm import FUNCTION
@@ -81,7 +81,7 @@ def _layout(data: Dataset, axis: bool) -> str:
     return label(data.prefix, "points" if axis else "values")
 
 
-def _method(item: Item, data: Dataset) -> Iterator[str]:
+def _method(item: A2lItem, data: Dataset) -> Iterator[str]:
     name, form, unit = _method_of(item), f'"{item.form}"', _text(item.unit)
     if item.step is None:
         yield f'/begin COMPU_METHOD {name} "value = raw" IDENTICAL {form} {unit}'
@@ -91,11 +91,11 @@ def _method(item: Item, data: Dataset) -> Iterator[str]:
     yield "/end COMPU_METHOD"
 
 
-def _method_of(item: Item) -> str:
+def _method_of(item: A2lItem) -> str:
     return label(item.label, "cm")
 
 
-def _object(item: Item, data: Dataset, bits: int | None, addresses: Addresses) -> Iterator[str]:
+def _object(item: A2lItem, data: Dataset, bits: int | None, addresses: Addresses) -> Iterator[str]:
     kind = "AXIS_PTS" if item.kind == "AXIS_PTS" else "CHARACTERISTIC"
     at, limits = f"0x{addresses.of(item.label):08X}", _pair(item.limits)
     layout = _layout(data, item.kind == "AXIS_PTS")

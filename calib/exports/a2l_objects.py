@@ -22,7 +22,7 @@ DOUBLE = (-sys.float_info.max, sys.float_info.max)
 
 
 @dataclass(frozen=True)
-class Item:
+class A2lItem:
     """An object: ``kind`` AXIS_PTS, CURVE or VALUE; a curve has its ``axis``.
 
     ``limits`` of the numbers with their 95 % band, ``type_limits`` of the type in C [unit];
@@ -39,10 +39,10 @@ class Item:
     step: float | None
     origin: float
     form: str
-    axis: "Item | None" = None
+    axis: "A2lItem | None" = None
 
 
-def items(data: Dataset, bits: int | None) -> Iterator[Item]:
+def items(data: Dataset, bits: int | None) -> Iterator[A2lItem]:
     """Every object of ``data``, axes first. Raises ExchangeError as `fixed_axis` does."""
     axes = {axis.label: _axis(axis, bits) for axis in data.axes}
     yield from axes.values()
@@ -52,18 +52,18 @@ def items(data: Dataset, bits: int | None) -> Iterator[Item]:
         yield _scalar(scalar, bits)
 
 
-def _axis(axis: Axis, bits: int | None) -> Item:
+def _axis(axis: Axis, bits: int | None) -> A2lItem:
     fixed = None if bits is None else fixed_axis(axis, bits)
     return _item(axis, "AXIS_PTS", axis.values, axis.values, fixed, bits)
 
 
-def _curve(curve: Curve, axis: Item, bits: int | None) -> Item:
+def _curve(curve: Curve, axis: A2lItem, bits: int | None) -> A2lItem:
     fixed = None if bits is None else to_fixed(curve.values, bits)
     band = np.concatenate((curve.values, curve.lower, curve.upper))
     return _item(curve, "CURVE", curve.values, band, fixed, bits, axis)
 
 
-def _scalar(scalar: Scalar, bits: int | None) -> Item:
+def _scalar(scalar: Scalar, bits: int | None) -> A2lItem:
     values, half = np.array([scalar.value]), Z95 * (scalar.sigma or 0.0)
     fixed = None if bits is None else to_fixed(values, bits)
     return _item(scalar, "VALUE", values, scalar.value + np.array([-half, half]), fixed, bits)
@@ -71,8 +71,8 @@ def _scalar(scalar: Scalar, bits: int | None) -> Item:
 
 def _item(
     one: Axis | Curve | Scalar, kind: str, values: Array, band: Array, fixed: Fixed | None,
-    bits: int | None, axis: Item | None = None,
-) -> Item:  # fmt: skip
+    bits: int | None, axis: A2lItem | None = None,
+) -> A2lItem:  # fmt: skip
     largest = float(np.abs(values).max())
     step, origin, type_limits = None, 0.0, DOUBLE
     if fixed is not None and bits is not None:
@@ -82,7 +82,7 @@ def _item(
     finest = step or largest * 10.0**-DIGITS
     band = np.concatenate((values, band[np.isfinite(band)]))
     limits = (max(float(band.min()), type_limits[0]), min(float(band.max()), type_limits[1]))
-    return Item(
+    return A2lItem(
         one.label, kind, one.meaning, one.unit, len(values), limits, type_limits,
         step, origin, _form(largest, finest), axis,
     )  # fmt: skip

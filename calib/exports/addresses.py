@@ -15,7 +15,7 @@ from calib.exports.dataset import Dataset
 from calib.exports.elf import MAGIC, read_elf
 from calib.exports.fixed_point import fixed_axis, to_fixed
 from calib.exports.linker_map import read_map
-from calib.exports.memory import Memory
+from calib.exports.memory import EcuSymbols
 
 Numbers = NDArray[np.float64] | NDArray[np.signedinteger]
 
@@ -83,7 +83,7 @@ def numbers_in_memory(data: Dataset, bits: int | None) -> dict[str, Numbers]:
     return {name: one.raw.astype(f"i{bits // 8}") for name, one in fixed.items()}
 
 
-def _read(path: Path, wanted: set[str]) -> Memory:
+def _read(path: Path, wanted: set[str]) -> EcuSymbols:
     if path.exists() and not path.is_file():
         raise ProgramError("is not a regular file", where=path, expected="an ELF or map file")
     try:
@@ -102,7 +102,9 @@ def _read(path: Path, wanted: set[str]) -> Memory:
     return read(path, content, wanted)
 
 
-def _check_present(path: Path, data: Dataset, memory: Memory, numbers: dict[str, Numbers]) -> None:
+def _check_present(
+    path: Path, data: Dataset, memory: EcuSymbols, numbers: dict[str, Numbers]
+) -> None:
     missing = [name for name in numbers if name not in memory.symbols]
     if missing:
         more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
@@ -115,7 +117,7 @@ def _check_present(path: Path, data: Dataset, memory: Memory, numbers: dict[str,
         )
 
 
-def _check_sizes(path: Path, memory: Memory, numbers: dict[str, Numbers]) -> None:
+def _check_sizes(path: Path, memory: EcuSymbols, numbers: dict[str, Numbers]) -> None:
     for name, values in numbers.items():
         found = memory.symbols[name].size
         if found not in (None, values.nbytes):
@@ -127,7 +129,9 @@ def _check_sizes(path: Path, memory: Memory, numbers: dict[str, Numbers]) -> Non
             )
 
 
-def _check_numbers(path: Path, data: Dataset, memory: Memory, numbers: dict[str, Numbers]) -> None:
+def _check_numbers(
+    path: Path, data: Dataset, memory: EcuSymbols, numbers: dict[str, Numbers]
+) -> None:
     for name, values in numbers.items():
         content = memory.symbols[name].content
         kind = values.dtype.newbyteorder(">" if memory.big_endian else "<")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from calib.exports.breakpoints import Misfit
 from calib.store.quality import Quality
-from calib.store.state import State
+from calib.store.state import VersionState
 from calib.table.by_hand import SetByHand
 from calib.table.table import Array
 
@@ -106,7 +106,7 @@ class Dataset:
     curves: tuple[Curve, ...]
     scalars: tuple[Scalar, ...]
     quality: Quality
-    release: State
+    release: VersionState
     parents: tuple[str, ...] = ()
     by_hand: tuple[SetByHand, ...] = ()
 

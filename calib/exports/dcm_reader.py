@@ -18,7 +18,7 @@ TEXTS = ("LANGNAME", "DISPLAYNAME", "FUNKTION", "EINHEIT_X", "EINHEIT_W", "FKT")
 
 
 @dataclass
-class Block:
+class DcmBlock:
     """One object of the file, with the line at which it begins."""
 
     kind: str
@@ -49,9 +49,9 @@ def _facts(lines: list[str]) -> dict[str, str]:
     return {key: value for key, colon, value in pairs if colon}
 
 
-def _blocks(path: Path, lines: list[str], start: int) -> Iterator[Block]:
+def _blocks(path: Path, lines: list[str], start: int) -> Iterator[DcmBlock]:
     """The objects of the file, each complete up to its END."""
-    block: Block | None = None
+    block: DcmBlock | None = None
     for i, line in enumerate(lines[start:], start):
         word = line.split()[0] if line.split() else ""
         if word == END and block is not None:
@@ -71,17 +71,17 @@ def _blocks(path: Path, lines: list[str], start: int) -> Iterator[Block]:
         raise _open(path, block)
 
 
-def _opened(path: Path, i: int, line: str) -> Block:
+def _opened(path: Path, i: int, line: str) -> DcmBlock:
     kind, *rest = line.split()
     sized = kind in (AXIS, GROUP, LINE)
     if kind == FUNCTIONS and not rest:
-        return Block(kind, "", 0, i)
+        return DcmBlock(kind, "", 0, i)
     if len(rest) != 1 + sized or (sized and not rest[1].isdecimal()):
         raise _bad(path, i, repr(line), f"{kind} NAME" + " SIZE" * sized)
-    return Block(kind, rest[0], int(rest[1]) if sized else 1, i)
+    return DcmBlock(kind, rest[0], int(rest[1]) if sized else 1, i)
 
 
-def _take(path: Path, i: int, line: str, block: Block) -> None:
+def _take(path: Path, i: int, line: str, block: DcmBlock) -> None:
     """One line within an object."""
     word, _, rest = line.partition(" ")
     if word in ARRAYS.get(block.kind, ()):
@@ -97,7 +97,7 @@ def _take(path: Path, i: int, line: str, block: Block) -> None:
         block.unit = rest.strip('"')
 
 
-def _check_counts(path: Path, block: Block) -> None:
+def _check_counts(path: Path, block: DcmBlock) -> None:
     for word in ARRAYS.get(block.kind, ()):
         count = len(block.numbers.get(word, []))
         if count != block.size:
@@ -105,7 +105,7 @@ def _check_counts(path: Path, block: Block) -> None:
             raise _bad(path, block.line, what, "as many as it says")
 
 
-def _content(path: Path, blocks: list[Block]) -> Content:
+def _content(path: Path, blocks: list[DcmBlock]) -> Content:
     axes = {b.name: tuple(b.numbers["ST/X"]) for b in blocks if b.kind == AXIS}
     curves = [b for b in blocks if b.kind in (GROUP, LINE)]
     for b in curves:
@@ -122,7 +122,7 @@ def _content(path: Path, blocks: list[Block]) -> Content:
     )
 
 
-def _open(path: Path, block: Block) -> ExchangeError:
+def _open(path: Path, block: DcmBlock) -> ExchangeError:
     return _bad(path, block.line, f"{block.kind} {block.name} has no {END}", "the whole object")
 
 

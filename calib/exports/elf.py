@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from calib.errors import ProgramError
-from calib.exports.memory import Memory, Symbol
+from calib.exports.memory import EcuSymbols, Symbol
 
 MAGIC = b"\x7fELF"
 RELOCATABLE, DYNAMIC = 1, 3
@@ -67,7 +67,7 @@ class _File:
         return struct.unpack(form, self.part(offset, struct.calcsize(form)))
 
 
-def read_elf(path: Path, data: bytes, wanted: Collection[str]) -> Memory:
+def read_elf(path: Path, data: bytes, wanted: Collection[str]) -> EcuSymbols:
     """The ``wanted`` global symbols of an ELF file, with their bytes where the file holds them.
 
     Raises ProgramError for a file that is cut off, damaged, not linked or without symbol table.
@@ -96,7 +96,7 @@ def read_elf(path: Path, data: bytes, wanted: Collection[str]) -> Memory:
         for name, entry in _entries(file, sections, table, names)
     }
     moved = "it is position-independent: its addresses count from where it is loaded"
-    return Memory(found, file.order == ">", (moved,) if kind == DYNAMIC else ())
+    return EcuSymbols(found, file.order == ">", (moved,) if kind == DYNAMIC else ())
 
 
 def _opened(path: Path, data: bytes) -> _File:

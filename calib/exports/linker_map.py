@@ -12,7 +12,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from calib.errors import ProgramError
-from calib.exports.memory import Memory, Symbol
+from calib.exports.memory import EcuSymbols, Symbol
 
 LINE = re.compile(rb"^[ \t]{1,40}0x([0-9a-fA-F]{1,16})[ \t]{1,40}([A-Za-z_]\w*)\r?$", re.MULTILINE)
 
@@ -22,7 +22,7 @@ REMARK = (
 )
 
 
-def read_map(path: Path, data: bytes, wanted: Collection[str]) -> Memory:
+def read_map(path: Path, data: bytes, wanted: Collection[str]) -> EcuSymbols:
     """The ``wanted`` symbols of a map file.
 
     Raises ProgramError for a file without lines of symbols, or a symbol with two addresses.
@@ -48,4 +48,4 @@ def read_map(path: Path, data: bytes, wanted: Collection[str]) -> Memory:
             where=path,
             expected="an ELF file, or a map file of GNU ld (-Wl,-Map=FILE)",
         )
-    return Memory(found, None, (REMARK,))
+    return EcuSymbols(found, None, (REMARK,))

@@ -16,7 +16,7 @@ class Symbol:
 
 
 @dataclass(frozen=True)
-class Memory:
+class EcuSymbols:
     """The wanted symbols that a file has; ``big_endian`` is None where the file does not tell.
 
     ``remarks`` are sentences for the user about what the file leaves open.

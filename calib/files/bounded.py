@@ -23,7 +23,7 @@ VARIABLE = "BRAKE_CAL_MOST_"
 
 
 @dataclass(frozen=True)
-class Kind:
+class FileKind:
     """A kind of file: its ``name``, and the ``megabytes`` that one may have or unpack to."""
 
     name: str
@@ -62,25 +62,25 @@ class Kind:
         return f"if it is meant, set {self.variable} to the MB that may be read"
 
 
-LOG = Kind("log", 120)
+LOG = FileKind("log", 120)
 """Text and Parquet, as unpacked: an hour of 13 channels at 200 Hz has 100 MB of text."""
-RECORDING = Kind("recording", 600)
+RECORDING = FileKind("recording", 600)
 """MDF and bus logs; loggers begin a new file at 512 MB or before."""
-DBC = Kind("dbc", 8)
-TOML = Kind("toml", 1)
-PLAN = Kind("plan", 16)
-EFFECT = Kind("effect", 1)
-CALIBRATION = Kind("calibration", 16)
+DBC = FileKind("dbc", 8)
+TOML = FileKind("toml", 1)
+PLAN = FileKind("plan", 16)
+EFFECT = FileKind("effect", 1)
+CALIBRATION = FileKind("calibration", 16)
 """DCM and CDF that come back."""
-VALIDATION = Kind("validation", 16)
+VALIDATION = FileKind("validation", 16)
 """JSON that `validate` and `station` wrote."""
-RESULT = Kind("result", 120)
+RESULT = FileKind("result", 120)
 """Parquet that `validate` wrote."""
-TABLE = Kind("table", 16)
+TABLE = FileKind("table", 16)
 """Each file of a version in a store, and what was seen of stores."""
-JOURNAL = Kind("journal", 64)
+JOURNAL = FileKind("journal", 64)
 """Some 100,000 lines."""
-KEY = Kind("key", 0.016384)
+KEY = FileKind("key", 0.016384)
 """Keys and signatures: no file of minisign is longer."""
 
 KINDS = (
@@ -96,7 +96,7 @@ _OTHERS = (
 )
 
 
-def open_bounded(path: Path, kind: Kind) -> BufferedReader:
+def open_bounded(path: Path, kind: FileKind) -> BufferedReader:
     """Open a regular file for reading; a link to one is one.
 
     Raises OSError with a ``strerror`` for people: no such file, a loop of links, a pipe or device,
@@ -116,7 +116,7 @@ def open_bounded(path: Path, kind: Kind) -> BufferedReader:
     return file
 
 
-def _refuse(found: os.stat_result, path: Path, kind: Kind) -> None:
+def _refuse(found: os.stat_result, path: Path, kind: FileKind) -> None:
     if not stat.S_ISREG(found.st_mode):
         what = next(word for is_one, word in _OTHERS if is_one(found.st_mode))
         raise OSError(errno.EINVAL, f"{what} is not a file", str(path))
@@ -124,11 +124,11 @@ def _refuse(found: os.stat_result, path: Path, kind: Kind) -> None:
         raise _too_large(path, kind.excess(found.st_size), kind)
 
 
-def _too_large(path: Path, words: str, kind: Kind) -> OSError:
+def _too_large(path: Path, words: str, kind: FileKind) -> OSError:
     return OSError(errno.EFBIG, f"{words}; {kind.advice}", str(path))
 
 
-def read_bounded(path: Path, kind: Kind) -> bytes:
+def read_bounded(path: Path, kind: FileKind) -> bytes:
     """The bytes of a regular file. Raises OSError as `open_bounded` does."""
     with open_bounded(path, kind) as file:
         most = kind.most
@@ -142,7 +142,9 @@ POINTER = b"version https://git-lfs"
 """First bytes of what git leaves where a file of LFS was not fetched."""
 
 
-def bytes_of(path: Path, kind: Kind, error: Callable[..., BrakeCalError], expected: str) -> bytes:
+def bytes_of(
+    path: Path, kind: FileKind, error: Callable[..., BrakeCalError], expected: str
+) -> bytes:
     """The bytes of a regular file. Raises ``error`` with what it is instead of ``expected``."""
     try:
         data = read_bounded(path, kind)

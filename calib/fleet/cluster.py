@@ -9,7 +9,7 @@ from typing import Any
 
 from calib.errors import BatchError
 from calib.fleet.pool import Rows
-from calib.fleet.work import Item, run_items
+from calib.fleet.work import WorkItem, run_items
 
 PATIENCE = "10s"
 """Longest wait for an answer of the scheduler [s]."""
@@ -70,7 +70,7 @@ class Cluster:
             self._asked = time.monotonic()
         return self._threads
 
-    def submit(self, packed: bytes, items: tuple[Item, ...]) -> "Future[Rows]":
+    def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> "Future[Rows]":
         """Submit logs to the scheduler. Raises BatchError if it is gone."""
         rows: Future[Rows] = Future()
         given = self._client.submit(run_items, packed, items, pure=False)

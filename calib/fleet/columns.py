@@ -16,7 +16,7 @@ class Status(StrEnum):
     ERROR = "error"
 
 
-class Kind(StrEnum):
+class ColumnKind(StrEnum):
     """Type of a column: 64-bit floats, booleans, or text."""
 
     NUMBER = "number"
@@ -29,17 +29,17 @@ class ResultColumn:
     """One column; ``meaning`` is empty if the file does not give it."""
 
     name: str
-    kind: Kind
+    kind: ColumnKind
     unit: str = "1"
     meaning: str = ""
 
 
 def _number(name: str, unit: str, meaning: str) -> ResultColumn:
-    return ResultColumn(name, Kind.NUMBER, unit, meaning)
+    return ResultColumn(name, ColumnKind.NUMBER, unit, meaning)
 
 
 def _text(name: str, meaning: str) -> ResultColumn:
-    return ResultColumn(name, Kind.TEXT, "1", meaning)
+    return ResultColumn(name, ColumnKind.TEXT, "1", meaning)
 
 
 HEAD = (
@@ -78,10 +78,10 @@ VALIDATE = (
 )
 
 CHECK = (
-    ResultColumn("usable_fit", Kind.YES_NO, "1", "usable for fit"),
-    ResultColumn("usable_validate", Kind.YES_NO, "1", "usable for validate"),
-    ResultColumn("usable_coast", Kind.YES_NO, "1", "usable for a fit, as a coast log"),
-    ResultColumn("usable_diagnose", Kind.YES_NO, "1", "usable for diagnose"),
+    ResultColumn("usable_fit", ColumnKind.YES_NO, "1", "usable for fit"),
+    ResultColumn("usable_validate", ColumnKind.YES_NO, "1", "usable for validate"),
+    ResultColumn("usable_coast", ColumnKind.YES_NO, "1", "usable for a fit, as a coast log"),
+    ResultColumn("usable_diagnose", ColumnKind.YES_NO, "1", "usable for diagnose"),
     _number("samples", "1", "samples"),
     _number("duration", "s", "duration"),
     _number("rate", "Hz", "rate of the median step"),

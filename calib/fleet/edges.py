@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from calib.fleet.columns import COLUMNS, Kind
+from calib.fleet.columns import COLUMNS, ColumnKind
 
 Range = tuple[float, float]
 
@@ -25,7 +25,10 @@ MOST = {
 OTHERS = {"innovation_lag1": (-1.0, 1.0), "gap_closed": (-math.inf, 1.0)}
 
 KNOWN = frozenset(
-    column.name for columns in COLUMNS.values() for column in columns if column.kind == Kind.NUMBER
+    column.name
+    for columns in COLUMNS.values()
+    for column in columns
+    if column.kind == ColumnKind.NUMBER
 )
 
 

@@ -39,7 +39,7 @@ TABLES = (
 )
 
 
-class Journal:
+class BatchJournal:
     """The journal of a folder, open for one run at a time.
 
     Its methods raise OSError when the disk is full or fails, BatchError when the file is damaged.
@@ -98,7 +98,7 @@ class Journal:
             self._db.close()
 
 
-def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) -> Journal:
+def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) -> BatchJournal:
     """Open the journal of ``folder``, or make one; ``fresh`` deletes its content.
 
     Raises BatchError when it was written with other settings, is no journal of this version, is
@@ -116,7 +116,7 @@ def open_journal(folder: Path, settings: dict[str, str], fresh: bool = False) ->
         for rest in (path, Path(f"{path}-wal")):
             rest.unlink(missing_ok=True)
         db, stored = _locked(path)
-    journal = Journal(db, path)
+    journal = BatchJournal(db, path)
     try:
         if fresh or stored is None:
             with _explained(path):

@@ -63,7 +63,7 @@ _MAD = 1.4826
 
 
 @dataclass(frozen=True)
-class Spread:
+class MetricSpread:
     """Centre and scale of one metric, and the position of each car.
 
     ``count`` finite values; ``median``, ``scale`` in the metric's unit; ``z`` (n,) the normal
@@ -91,7 +91,7 @@ class Judged:
     ``p`` (n,) of each car over its metrics; ``together`` number of metrics that say new things.
     """
 
-    spreads: tuple[Spread, ...]
+    spreads: tuple[MetricSpread, ...]
     named: Mask
     p: Array
     together: float
@@ -296,12 +296,12 @@ def _priors(evidences: list[Array], together: float) -> list[Array]:
     return out
 
 
-def _spread(values: Array, p: Array, edges: tuple[float, float] | None) -> Spread:
+def _spread(values: Array, p: Array, edges: tuple[float, float] | None) -> MetricSpread:
     from scipy.special import ndtri
 
     known = values[np.isfinite(values)]
     if known.size == 0:
-        return Spread(0, np.nan, np.nan, p, p, 0, 0.0, (np.nan,) * 4, None)
+        return MetricSpread(0, np.nan, np.nan, p, p, 0, 0.0, (np.nan,) * 4, None)
     median = float(np.median(known))
     scale = _MAD * float(np.median(np.abs(known - median)))
     z = -np.sign(values - median) * ndtri(np.maximum(0.5 * p, 1e-19))
@@ -309,4 +309,4 @@ def _spread(values: Array, p: Array, edges: tuple[float, float] | None) -> Sprea
     expected = 0.0027 * int(np.isfinite(p).sum())
     q = [float(x) for x in np.quantile(known, [0.05, 0.25, 0.75, 0.95])]
     quantiles = (q[0], q[1], q[2], q[3])
-    return Spread(known.size, median, scale, z, p, beyond, expected, quantiles, edges)
+    return MetricSpread(known.size, median, scale, z, p, beyond, expected, quantiles, edges)

@@ -4,7 +4,7 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from typing import Protocol
 
 from calib.fleet.row import Row
-from calib.fleet.work import Item, run_items
+from calib.fleet.work import WorkItem, run_items
 from calib.processes import end, workers
 
 Rows = list[Row | None]
@@ -24,7 +24,7 @@ class Executor(Protocol):
     def worn(self) -> bool:
         """Whether it should be renewed at the next pause."""
 
-    def submit(self, packed: bytes, items: tuple[Item, ...]) -> "Future[Rows]":
+    def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> "Future[Rows]":
         """Compute the rows of some logs, see `calib.fleet.work.run_items`."""
 
     def renew(self) -> None:
@@ -51,7 +51,7 @@ class Pool:
         """Whether the workers should be replaced."""
         return self._given >= LIFETIME * self._workers
 
-    def submit(self, packed: bytes, items: tuple[Item, ...]) -> "Future[Rows]":
+    def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> "Future[Rows]":
         """Submit logs to the next free worker."""
         self._given += len(items)
         return self._pool.submit(run_items, packed, items)

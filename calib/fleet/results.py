@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from calib.documents.toml import did_you_mean
 from calib.errors import InputError
 from calib.files.bounded import RESULT, open_bounded
-from calib.fleet.columns import COLUMNS, HEAD, Kind, ResultColumn, Status
+from calib.fleet.columns import COLUMNS, HEAD, ColumnKind, ResultColumn, Status
 from calib.fleet.command import Command
 from calib.fleet.line_order import is_unknown, line_order
 from calib.fleet.row import Row
@@ -59,7 +59,11 @@ def write_results(rows: Iterable[Row], settings: dict[str, str], folder: Path) -
 def _schema_of(columns: tuple[ResultColumn, ...], settings: dict[str, str]) -> Any:
     import pyarrow as pa
 
-    types = {Kind.NUMBER: pa.float64(), Kind.YES_NO: pa.bool_(), Kind.TEXT: pa.string()}
+    types = {
+        ColumnKind.NUMBER: pa.float64(),
+        ColumnKind.YES_NO: pa.bool_(),
+        ColumnKind.TEXT: pa.string(),
+    }
     fields = [
         pa.field(c.name, types[c.kind], metadata={"unit": c.unit, "meaning": c.meaning})
         for c in columns
@@ -189,6 +193,6 @@ def _column_of(field: Any) -> ResultColumn:
 
     metadata = {key.decode(): value.decode() for key, value in (field.metadata or {}).items()}
     number = types.is_floating(field.type) or types.is_integer(field.type)
-    other = Kind.YES_NO if types.is_boolean(field.type) else Kind.TEXT
-    kind = Kind.NUMBER if number else other
+    other = ColumnKind.YES_NO if types.is_boolean(field.type) else ColumnKind.TEXT
+    kind = ColumnKind.NUMBER if number else other
     return ResultColumn(field.name, kind, metadata.get("unit", "1"), metadata.get("meaning", ""))

@@ -17,12 +17,12 @@ from calib.fleet.columns import Status
 from calib.fleet.command import Command
 from calib.fleet.find import find_logs
 from calib.fleet.job import Job
-from calib.fleet.journal import Journal, open_journal
+from calib.fleet.journal import BatchJournal, open_journal
 from calib.fleet.pace import Pace
 from calib.fleet.pool import Executor, Rows
 from calib.fleet.results import write_results
 from calib.fleet.row import Row
-from calib.fleet.work import Item
+from calib.fleet.work import WorkItem
 from calib.messages.printable import printable
 
 CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
@@ -108,7 +108,7 @@ class Sweep:
     def __init__(
         self,
         job: Job,
-        journal: Journal,
+        journal: BatchJournal,
         executor: Executor,
         report: Report,
         total: int,
@@ -117,7 +117,7 @@ class Sweep:
         self.packed, self.journal, self.executor = job.packed(), journal, executor
         self.command, self.report, self.total, self.tell = job.command, report, total, tell
         self.wanted: set[str] = set()
-        self.pending: dict[Future[Rows], tuple[Item, ...]] = {}
+        self.pending: dict[Future[Rows], tuple[WorkItem, ...]] = {}
         self.counts: Counter[Status] = Counter()
         self.fresh = 0
         self.start = self.synced = time.monotonic()
@@ -138,7 +138,7 @@ class Sweep:
             self.pending[self._submit(chunk)] = chunk
         self._drain(0)
 
-    def _submit(self, chunk: tuple[Item, ...]) -> Future[Rows]:
+    def _submit(self, chunk: tuple[WorkItem, ...]) -> Future[Rows]:
         """Submit a chunk; if the pool just broke, return a failed future."""
         try:
             return self.executor.submit(self.packed, chunk)
@@ -147,16 +147,16 @@ class Sweep:
             future.set_exception(error)
             return future
 
-    def _chunks(self, logs: Iterable[tuple[str, str]]) -> Iterator[tuple[Item, ...]]:
+    def _chunks(self, logs: Iterable[tuple[str, str]]) -> Iterator[tuple[WorkItem, ...]]:
         """Small chunks first, so that few logs are spread over all workers."""
-        chunk: list[Item] = []
+        chunk: list[WorkItem] = []
         begun = 0
         for name, path in logs:
             if name in self.wanted:  # two patterns match it
                 self.total -= 1
                 continue
             self.wanted.add(name)
-            chunk.append(Item(name, os.path.abspath(path), self._known(name)))
+            chunk.append(WorkItem(name, os.path.abspath(path), self._known(name)))
             if len(chunk) >= min(CHUNK[self.command], 1 + begun // (8 * self.executor.workers)):
                 begun += len(chunk)
                 yield tuple(chunk)
@@ -177,9 +177,9 @@ class Sweep:
             if suspects:
                 self._alone(suspects)
 
-    def _gather(self, finished: Iterable[Future[Rows]]) -> list[Item]:
+    def _gather(self, finished: Iterable[Future[Rows]]) -> list[WorkItem]:
         """Store the rows of finished chunks; return the logs whose worker died."""
-        suspects: list[Item] = []
+        suspects: list[WorkItem] = []
         for future in finished:
             items = self.pending.pop(future)
             try:
@@ -192,7 +192,7 @@ class Sweep:
                 self._keep(items, rows)
         return suspects
 
-    def _alone(self, suspects: list[Item]) -> None:
+    def _alone(self, suspects: list[WorkItem]) -> None:
         """Repeat the logs of dead workers one at a time; an error for one that kills again."""
         # a pool that lost one worker loses all unfinished logs
         suspects += self._gather(wait(self.pending).done)
@@ -209,7 +209,7 @@ class Sweep:
                 self.executor.renew()
             self._keep((item,), rows)
 
-    def _keep(self, items: tuple[Item, ...], rows: Rows) -> None:
+    def _keep(self, items: tuple[WorkItem, ...], rows: Rows) -> None:
         """Store the rows of a chunk; an unchanged log already has its row in the journal."""
         new = [row for row in rows if row is not None and not self._same(row)]
         self.journal.add(new)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from calib.documents.toml import did_you_mean
 from calib.errors import InputError
-from calib.fleet.columns import Kind, ResultColumn, Status
+from calib.fleet.columns import ColumnKind, ResultColumn, Status
 from calib.fleet.control_chart import Chart, LevelChange, change, chart, least_p
 from calib.fleet.edges import possible, within
-from calib.fleet.outliers import Spread, judge, named
+from calib.fleet.outliers import MetricSpread, judge, named
 from calib.fleet.results import FleetFile
 from calib.messages.plain import plain
 
@@ -61,7 +61,7 @@ class Look:
     metric: ResultColumn
     rows: NDArray[np.int64]
     values: Array
-    spread: Spread
+    spread: MetricSpread
     chart: Chart | None
     change: LevelChange | None
     drifts: bool
@@ -123,7 +123,7 @@ class Summary:
 def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     """Summarise all metrics, or only those ``wanted``. Raises InputError for an unknown one."""
     metrics = _chosen(fleet, wanted)
-    numbers = [m for m in metrics if m.kind == Kind.NUMBER]
+    numbers = [m for m in metrics if m.kind == ColumnKind.NUMBER]
     values = {m.name: fleet.numbers(m.name) for m in numbers}
     every = np.array(list(values.values())).reshape(len(numbers), len(fleet.logs))
     judged = judge(every, [plain(name).step for name in values])
@@ -162,7 +162,7 @@ def summarise(fleet: FleetFile, wanted: tuple[str, ...] = ()) -> Summary:
     )
 
 
-def _real(name: str, spread: Spread) -> Spread:
+def _real(name: str, spread: MetricSpread) -> MetricSpread:
     """The spread of the metric ``name`` without edges that no value of it can pass."""
     if spread.edges is None:
         return spread
@@ -201,8 +201,8 @@ MANY = 20
 
 
 def _is_class(fleet: FleetFile, metric: ResultColumn) -> bool:
-    few = metric.kind == Kind.TEXT and len({*fleet.values(metric.name)}) <= MANY
-    return few or metric.kind == Kind.YES_NO
+    few = metric.kind == ColumnKind.TEXT and len({*fleet.values(metric.name)}) <= MANY
+    return few or metric.kind == ColumnKind.YES_NO
 
 
 def _shares(fleet: FleetFile, metric: ResultColumn) -> Shares:

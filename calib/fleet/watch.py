@@ -18,7 +18,7 @@ from calib.fleet.columns import Status
 from calib.fleet.command import Command
 from calib.fleet.find import logs_below
 from calib.fleet.job import Job
-from calib.fleet.journal import Journal, open_journal
+from calib.fleet.journal import BatchJournal, open_journal
 from calib.fleet.pool import Executor
 from calib.fleet.results import NAME as RESULTS
 from calib.fleet.results import write_results
@@ -154,7 +154,7 @@ class _Watch:
     executor: Executor
     stop: Event
     tell: Callable[[Row], None]
-    journal: Journal
+    journal: BatchJournal
     settings: dict[str, str]
     settled: Settled
     clock: Callable[[], float]

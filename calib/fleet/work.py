@@ -24,7 +24,7 @@ CALIBRATION, HOLDOUT = "calibration", "holdout"
 
 
 @dataclass(frozen=True)
-class Item:
+class WorkItem:
     """A log to process: its name in the results, its path, and the digest in its row, if any.
 
     A log whose digest is still ``known`` is not processed again.
@@ -35,7 +35,7 @@ class Item:
     known: str | None = None
 
 
-def run_items(packed: bytes, items: tuple[Item, ...]) -> list[Row | None]:
+def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
     """Rows of some logs in their order; None for an unchanged log. ``packed``: a `Job`.
 
     Raises BatchError if the job comes from another version of the program.
@@ -57,7 +57,7 @@ def _unpacked(packed: bytes) -> Job:
     return job
 
 
-def run_item(job: Job, item: Item) -> Row | None:
+def run_item(job: Job, item: WorkItem) -> Row | None:
     """The row of one log; every error gives a row too."""
     digest = None
     try:
@@ -91,7 +91,7 @@ def digest_of(files: Files) -> str:
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
-def _contents(job: Job, item: Item) -> Files:
+def _contents(job: Job, item: WorkItem) -> Files:
     """The bytes of a log by name. Raises LogError if a file cannot be read."""
     if job.command != Command.DIAGNOSE:
         return {item.name: log_bytes(Path(item.path), item.name)}
@@ -105,7 +105,7 @@ def _contents(job: Job, item: Item) -> Files:
     return files
 
 
-def _log(job: Job, item: Item, files: Files, require: tuple[str, ...] = REQUIRED) -> Log:
+def _log(job: Job, item: WorkItem, files: Files, require: tuple[str, ...] = REQUIRED) -> Log:
     (data,) = files.values()
     name, file = Path(item.name), Path(item.path)
     return log_of(data, name, job.channel_map, require=require, file=file)
@@ -115,7 +115,7 @@ def _verdict(passed: bool) -> Status:
     return Status.PASSED if passed else Status.FAILED
 
 
-def _validate(job: Job, item: Item, files: Files) -> Answer:
+def _validate(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.validation.metrics import METRICS
     from calib.validation.validate import validate_one
 
@@ -128,7 +128,7 @@ def _validate(job: Job, item: Item, files: Files) -> Answer:
     return _verdict(found.passed), cells
 
 
-def _fit(job: Job, item: Item, files: Files) -> Answer:
+def _fit(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.fitting.fit import fit
 
     assert job.vehicle is not None
@@ -145,7 +145,7 @@ def _codes(warnings: Iterable[PlausibilityWarning]) -> str | None:
     return ", ".join(dict.fromkeys(one.code for one in warnings)) or None
 
 
-def _check(job: Job, item: Item, files: Files) -> Answer:
+def _check(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.checks.check import check
     from calib.checks.figures import figures
 
@@ -155,7 +155,7 @@ def _check(job: Job, item: Item, files: Files) -> Answer:
     return _verdict(found.usable), (*usable, *metrics, _codes(found.warnings))
 
 
-def _diagnose(job: Job, item: Item, files: Files) -> Answer:
+def _diagnose(job: Job, item: WorkItem, files: Files) -> Answer:
     from calib.diagnosis.diagnose import diagnose
     from calib.physics.vehicle_file import read_vehicle
 
@@ -172,7 +172,7 @@ def _diagnose(job: Job, item: Item, files: Files) -> Answer:
     return Status.DONE, (found.verdict, names, *map(number, gap))
 
 
-RUNS: dict[Command, Callable[[Job, Item, Files], Answer]] = {
+RUNS: dict[Command, Callable[[Job, WorkItem, Files], Answer]] = {
     Command.FIT: _fit,
     Command.VALIDATE: _validate,
     Command.CHECK: _check,

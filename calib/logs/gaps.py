@@ -41,7 +41,7 @@ ONLY = f"only up to {BRIDGE:g} s, and where the channel is smooth around the gap
 
 
 @dataclass(frozen=True)
-class Gap:
+class ChannelHole:
     """A gap of ``channel``: its last sample before it, ``start`` [s], and its ``length`` [s]."""
 
     channel: str
@@ -54,8 +54,8 @@ class Filled:
     """``values`` at the wanted times; gaps of more than `STEPS` that were bridged, or left open."""
 
     values: Array
-    bridged: tuple[Gap, ...] = ()
-    left_open: tuple[Gap, ...] = ()
+    bridged: tuple[ChannelHole, ...] = ()
+    left_open: tuple[ChannelHole, ...] = ()
 
 
 def step_of(time: Array) -> float:
@@ -88,7 +88,7 @@ def fill(channel: str, t: Array, x: Array, at: Array) -> Filled:
         inside = slice(np.searchsorted(at, t[i], side="right"), np.searchsorted(at, t[i + 1]))
         if inside.start == inside.stop:
             continue  # no value is wanted there
-        gap = Gap(channel, float(t[i]), float(steps[i]))
+        gap = ChannelHole(channel, float(t[i]), float(steps[i]))
         if gap.length <= BRIDGE * (1.0 + 1e-6) and _smooth(t, x, int(i), step, allowed):
             bridged.append(gap)
         else:
@@ -99,7 +99,7 @@ def fill(channel: str, t: Array, x: Array, at: Array) -> Filled:
 
 def fill_rows(
     channels: Mapping[str, Array], time: Array
-) -> tuple[dict[str, Array], list[str], list[Gap]]:
+) -> tuple[dict[str, Array], list[str], list[ChannelHole]]:
     """Fill the rows of a table in which a channel has no value, as `fill` does.
 
     Parameters
@@ -112,7 +112,7 @@ def fill_rows(
     The channels, notes, and the bridged gaps. A channel with infinite values or fewer than two
     values stays as it is; all do if the times do not increase.
     """
-    values, notes, bridged = dict(channels), [], list[Gap]()
+    values, notes, bridged = dict(channels), [], list[ChannelHole]()
     if not (np.isfinite(time).all() and np.all(np.diff(time) > 0)):
         return values, [], []
     for name, x in channels.items():
@@ -149,7 +149,7 @@ def in_words(filled: Filled) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _many(gaps: Sequence[Gap]) -> str:
+def _many(gaps: Sequence[ChannelHole]) -> str:
     plural = "gaps were" if len(gaps) > 1 else "gap was"
     return f"{gaps[0].channel}: {len(gaps)} {plural}"
 

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.logs.gaps import Gap
+from calib.logs.gaps import ChannelHole
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ class Log:
     ignored: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     origins: tuple[Origin, ...] = ()
-    bridged: tuple[Gap, ...] = ()
+    bridged: tuple[ChannelHole, ...] = ()
     interpolated: tuple[str, ...] = ()
 
     def __repr__(self) -> str:

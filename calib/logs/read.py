@@ -10,7 +10,7 @@ from calib.files.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.bus.databases import Databases
 from calib.logs.channel_map import ChannelMap
-from calib.logs.gaps import Gap, fill_rows
+from calib.logs.gaps import ChannelHole, fill_rows
 from calib.logs.kind import refuse_other_kind
 from calib.logs.log import Array, Log, Origin
 from calib.logs.recording import ChannelTrace, Recording
@@ -201,7 +201,7 @@ class _Taken:
     origins: tuple[Origin, ...]
     ignored: tuple[str, ...]
     notes: tuple[str, ...]
-    bridged: tuple[Gap, ...] = ()
+    bridged: tuple[ChannelHole, ...] = ()
     interpolated: tuple[str, ...] = ()
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import LogError
-from calib.logs.gaps import Filled, Gap, fill, in_words, step_of
+from calib.logs.gaps import ChannelHole, Filled, fill, in_words, step_of
 from calib.logs.recording import ChannelTrace
 from calib.logs.running import running
 from calib.logs.source import Array
@@ -59,7 +59,7 @@ class Resampled:
     time: Array
     values: list[Array]
     notes: tuple[str, ...]
-    bridged: tuple[Gap, ...]
+    bridged: tuple[ChannelHole, ...]
     rates: dict[str, float]
     interpolated: tuple[str, ...]
 

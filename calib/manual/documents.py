@@ -35,7 +35,7 @@ _ROW = re.compile(r"^\| `(.+?)` \| (.+?) \| (.+) \|$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
-class Key:
+class DocumentKey:
     """A key of a document: its ``type`` in the words of the page, and what it means."""
 
     name: str
@@ -57,7 +57,7 @@ class Document:
 
     name: str
     title: str
-    keys: tuple[Key, ...]
+    keys: tuple[DocumentKey, ...]
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -87,5 +87,5 @@ def documents() -> dict[str, Document]:
 def _read() -> Iterator[Document]:
     (page,) = find("json")
     for title, name, rest in _PART.findall(page.text):
-        keys = (Key(*cells) for cells in _ROW.findall(rest))
+        keys = (DocumentKey(*cells) for cells in _ROW.findall(rest))
         yield Document(name, title.replace("`", ""), tuple(keys))

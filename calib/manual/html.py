@@ -22,7 +22,7 @@ _PAGE = re.compile(r"(\w+)\.md(#.*)?")
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """A heading and what stands below it up to the next one: ``anchor``, ``title``, plain text."""
 
     anchor: str
@@ -35,7 +35,7 @@ class Body:
     """A page as HTML, its sections, and the paths of its pictures as the Markdown has them."""
 
     html: str
-    sections: tuple[Section, ...]
+    sections: tuple[PageSection, ...]
     pictures: tuple[str, ...]
 
 
@@ -130,13 +130,13 @@ def _without_empty_heads(tokens: "Sequence[Token]") -> "list[Token]":
     return list(tokens)
 
 
-def _sections(tokens: "Sequence[Token]") -> Iterable[Section]:
+def _sections(tokens: "Sequence[Token]") -> Iterable[PageSection]:
     """The sections of a page, of its headings."""
     at = [i for i, token in enumerate(tokens) if token.type == "heading_open"]
     for start, end in zip(at, [*at[1:], len(tokens)], strict=True):
         words = (_plain(token) for token in tokens[start + 3 : end])
         text = re.sub(r"\s+", " ", " ".join(filter(None, words)))
-        yield Section(str(tokens[start].attrs["id"]), _plain(tokens[start + 1]), text)
+        yield PageSection(str(tokens[start].attrs["id"]), _plain(tokens[start + 1]), text)
 
 
 def _plain(token: "Token") -> str:

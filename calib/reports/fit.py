@@ -9,7 +9,7 @@ from calib.plots.measured import measure
 from calib.plots.table import sheet
 from calib.reports.html import drawn, page
 from calib.reports.judged import warned
-from calib.reports.origin import Origin, origin_view
+from calib.reports.origin import PageOrigin, origin_view
 from calib.store.answer import answer, verdict
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
@@ -18,7 +18,7 @@ from calib.table.pads_budget import pads_budget
 from calib.table.table import Value
 
 
-def report_html(stored: Stored, ramps: Sequence[Log], mass: MassUsed, origin: Origin) -> str:
+def report_html(stored: Stored, ramps: Sequence[Log], mass: MassUsed, origin: PageOrigin) -> str:
     """Return the report as one HTML document; ``ramps`` are the logs with braking of the fit.
 
     Equal inputs give equal bytes but for the date of ``origin``.

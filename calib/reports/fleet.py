@@ -8,7 +8,7 @@ import numpy as np
 from calib.fleet import control_chart, outliers
 from calib.fleet.control_chart import BY_CHANCE, FEWEST_BY_CHANCE, RULES
 from calib.fleet.edges import in_words
-from calib.fleet.outliers import Spread
+from calib.fleet.outliers import MetricSpread
 from calib.fleet.summary import DRIFT, Look, Outlier, Summary
 from calib.messages.plain import METRICS, NBSP, plain
 from calib.reports.html import Picture, page
@@ -219,7 +219,7 @@ def _by_chance(look: Look, rule: int) -> float | None:
     return BY_CHANCE[rule] * n if n >= FEWEST_BY_CHANCE else None
 
 
-def number(value: float, about: Spread) -> str:
+def number(value: float, about: MetricSpread) -> str:
     """``value`` rounded to one digit below the scatter of its metric, at least four digits."""
     width = max(about.quantiles[3] - about.quantiles[0], 1e-300)
     digits = 4

@@ -15,7 +15,7 @@ KINDS = {FAILED: "failed", WARNING: "warning", PASSED: "passed", NOT_KNOWN: "unj
 
 
 @dataclass(frozen=True)
-class Row:
+class JudgedRow:
     """One metric: ``key`` is its name in the files; ``kind`` the class of the row."""
 
     name: str
@@ -28,7 +28,7 @@ class Row:
     kind: str
 
 
-def row(judgements: Sequence[Judgement], most: float | None = None) -> Row:
+def row(judgements: Sequence[Judgement], most: float | None = None) -> JudgedRow:
     """The row of one metric, judged once or stop by stop with the same limits.
 
     ``most``: a value that stands for all larger ones.
@@ -48,7 +48,7 @@ def row(judgements: Sequence[Judgement], most: float | None = None) -> Row:
         (first.warn_low, first.warn_high),
         f"{text}{unit}; limit {limit}",
     )
-    return Row(
+    return JudgedRow(
         shown.name,
         first.figure,
         text + unit,
@@ -60,7 +60,7 @@ def row(judgements: Sequence[Judgement], most: float | None = None) -> Row:
     )
 
 
-def sorted_rows(rows: Sequence[Row]) -> list[Row]:
+def sorted_rows(rows: Sequence[JudgedRow]) -> list[JudgedRow]:
     """The rows with the worst verdict first, else in their order."""
     return sorted(rows, key=lambda row: WORST_FIRST.index(row.verdict))
 

@@ -15,21 +15,21 @@ PACKAGES = ("numpy", "scipy", "matplotlib")
 
 
 @dataclass(frozen=True)
-class Origin:
+class PageOrigin:
     """``date`` as it stands on the page; ``files`` (role, name, SHA-256) that are no logs."""
 
     date: str
     files: tuple[tuple[str, str, str], ...] = ()
 
 
-def origin_of(date: str, files: Mapping[str, Path | None]) -> Origin:
+def origin_of(date: str, files: Mapping[str, Path | None]) -> PageOrigin:
     """The origin with the files that were given, by role. Raises OSError for one that is gone."""
     given = [(role, path.name, file_digest(path)) for role, path in files.items() if path]
-    return Origin(date, tuple(given))
+    return PageOrigin(date, tuple(given))
 
 
 def origin_view(
-    origin: Origin, vehicle: Vehicle, logs: Iterable[tuple[str, str, str]], mass: str
+    origin: PageOrigin, vehicle: Vehicle, logs: Iterable[tuple[str, str, str]], mass: str
 ) -> dict[str, object]:
     """What the template `origin.html.j2` shows; ``logs`` (role, name, SHA-256)."""
     return {

@@ -9,7 +9,7 @@ from calib.plots.stop import sheet as stop_sheet
 from calib.plots.trace import StopTrace
 from calib.reports.html import drawn, page
 from calib.reports.judged import row, sorted_rows, warned
-from calib.reports.origin import Origin, origin_view
+from calib.reports.origin import PageOrigin, origin_view
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
 from calib.table.table import Table
@@ -27,7 +27,7 @@ PANELS = ("deceleration", "axle-torques")
 
 
 def report_html(
-    stored: Stored, results: Sequence[Validation], traces: Sequence[StopTrace], origin: Origin
+    stored: Stored, results: Sequence[Validation], traces: Sequence[StopTrace], origin: PageOrigin
 ) -> str:
     """Return the report as one HTML document, ``traces`` of the same stops.
 

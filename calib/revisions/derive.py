@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from calib import __version__
 from calib.errors import RevisionError
 from calib.physics.forces import axle_loads
-from calib.revisions.keys import Setting, key_of, settings_of
+from calib.revisions.keys import HandSetting, key_of, settings_of
 from calib.revisions.mean_pads import RATIO
 from calib.store.version import Stored
 from calib.table.by_hand import SetByHand
@@ -94,7 +94,7 @@ def derive(parent: Stored, written: Iterable[str], reason: str, by: str = "") ->
 
 
 def _as_child(
-    table: Table, parent: Stored, set_: tuple[SetByHand, ...], settings: list[Setting]
+    table: Table, parent: Stored, set_: tuple[SetByHand, ...], settings: list[HandSetting]
 ) -> Table:
     notes = [CURVES_ONLY] * any(s.row is not None for s in settings)
     notes += [PADS_ONLY] * any(s.row is None for s in settings)
@@ -112,7 +112,7 @@ def _as_child(
     )
 
 
-def _tied(setting: Setting) -> list[tuple[str, int | None]]:
+def _tied(setting: HandSetting) -> list[tuple[str, int | None]]:
     if setting.row is None:
         return [("pad_scale", None), ("pad_log_ratio", None)]
     return [(name, setting.row) for name in ("D", "f1", "f2")]
@@ -129,7 +129,7 @@ def _read(table: Table, name: str, row: int | None) -> float:
     return float(table.difference.D[row] if name == "D" else getattr(table.paper, name)[row])
 
 
-def _with_row(table: Table, setting: Setting, row: int) -> Table:
+def _with_row(table: Table, setting: HandSetting, row: int) -> Table:
     """The table with D, f1 and f2 of a row moved, and their bands along."""
     d, p = table.difference, table.paper
     F_zf, F_zr = (float(x) for x in axle_loads(table.vehicle, p.z[row]))
@@ -170,7 +170,7 @@ def _at(column: Array, row: int, value: float) -> Array:
     return np.asarray(np.where(np.arange(column.size) == row, value, column))
 
 
-def _with_pad(table: Table, setting: Setting) -> Table:
+def _with_pad(table: Table, setting: HandSetting) -> Table:
     """The table with one pad moved, and with it level and ratio; the posterior has the ratio."""
     old = table.calibration
     pads = replace(old, **{setting.name: _moved(getattr(old, setting.name), setting.value)})

@@ -31,7 +31,7 @@ WRITTEN = re.compile(r"(?P<curve>\w+)\[(?P<eta>[^\]]*)\]")
 
 
 @dataclass(frozen=True)
-class Setting:
+class HandSetting:
     """A ``value`` [1] for a pad or for a curve in a ``row``; ``name`` one of `PADS` or `CURVES`.
 
     ``row`` is None for a pad.
@@ -42,7 +42,7 @@ class Setting:
     value: float
 
 
-def settings_of(table: Table, written: Iterable[str]) -> list[Setting]:
+def settings_of(table: Table, written: Iterable[str]) -> list[HandSetting]:
     """Settings from ``KEY=VALUE``. Raises RevisionError for one that means nothing in ``table``."""
     found = [_setting(table, one) for one in written]
     if not found:
@@ -62,7 +62,7 @@ def key_of(table: Table, name: str, row: int | None) -> str:
     return name if row is None else f"{name}[{float(table.difference.eta[row]):.8g}]"
 
 
-def _setting(table: Table, written: str) -> Setting:
+def _setting(table: Table, written: str) -> HandSetting:
     key, equals, number = (part.strip() for part in written.partition("="))
     if not equals:
         raise RevisionError(f"{written!r} sets nothing", expected="KEY=VALUE")
@@ -75,7 +75,7 @@ def _setting(table: Table, written: str) -> Setting:
             expected="one of " + ", ".join(KNOWN),
         )
     row = _row(table, key, match["eta"].strip()) if match else None
-    return Setting(name, row, _value(name, key, number))
+    return HandSetting(name, row, _value(name, key, number))
 
 
 def _value(name: str, key: str, written: str) -> float:

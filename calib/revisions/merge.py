@@ -25,7 +25,7 @@ from calib.revisions.merge_words import remarks
 from calib.revisions.parents import require_mergeable
 from calib.statistics.random_effects import RandomEffects, random_effects
 from calib.store.version import Stored
-from calib.table.spread import Scatter, Spread
+from calib.table.spread import FleetScatter, Scatter
 from calib.table.table import Provenance, Table, TableReference
 
 Array = NDArray[np.float64]
@@ -72,9 +72,9 @@ def merge(parents: Sequence[Stored], name: str) -> Table:
     )
 
 
-def _spread(of_D: RandomEffects, of_pads: RandomEffects) -> Spread:
+def _spread(of_D: RandomEffects, of_pads: RandomEffects) -> FleetScatter:
     D, (level, ratio, stiffness) = _scatters(of_D), _scatters(of_pads)
-    return Spread(of_D.freedom + 1, D, level, ratio, stiffness)
+    return FleetScatter(of_D.freedom + 1, D, level, ratio, stiffness)
 
 
 def _scatters(of: RandomEffects) -> tuple[Scatter, ...]:

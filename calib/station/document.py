@@ -10,7 +10,7 @@ from typing import Any
 from calib import __version__
 from calib.messages.warning import to_dict as warning_dict
 from calib.station.advice import action
-from calib.station.station import Check, StationOutcome
+from calib.station.station import StationCheck, StationOutcome
 from calib.store.version import Stored
 from calib.validation.validate import to_dict as validation_dict
 
@@ -51,7 +51,7 @@ def to_text(document: dict[str, Any]) -> str:
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 
-def _check(check: Check) -> dict[str, Any]:
+def _check(check: StationCheck) -> dict[str, Any]:
     j = check.judgement
     bad = check.verdict in ("failed", "warning")
     return {

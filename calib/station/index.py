@@ -32,7 +32,7 @@ Trend = dict[str, float | None]
 
 
 @dataclass(frozen=True)
-class Run:
+class IndexedRun:
     """One run as the index shows it.
 
     ``place``: its folder below DIR; ``at``: when its verdict was written [s since 1970]; ``why``:
@@ -58,7 +58,7 @@ TRENDS = ("pad_friction_f", "pad_friction_r", "pad_scale", "ramp_eta_zero")
 """Metrics of which the index shows the trend: the pads, and the zero."""
 
 
-def runs_below(folder: Path) -> tuple[list[Run], bool]:
+def runs_below(folder: Path) -> tuple[list[IndexedRun], bool]:
     """All runs below ``folder``, the last first, and whether any has changed since the last index.
 
     Those that `KNOWN` has are not read again.
@@ -79,7 +79,7 @@ def runs_below(folder: Path) -> tuple[list[Run], bool]:
     if found != known:
         content = {"schema": SCHEMA, "runs": found}
         write_whole(folder / KNOWN, json.dumps(content).encode())
-    runs = [Run(**entry[2]) for entry in found.values()]  # type: ignore[arg-type]
+    runs = [IndexedRun(**entry[2]) for entry in found.values()]  # type: ignore[arg-type]
     return sorted(runs, key=lambda run: (-run.at, run.place)), found != known
 
 
@@ -98,18 +98,18 @@ def documents(folder: Path) -> Iterator[Path]:
         folders[:] = sorted(name for name in folders if not name.startswith("."))
 
 
-def read_run(path: Path, place: str, at: float) -> Run:
+def read_run(path: Path, place: str, at: float) -> IndexedRun:
     """One run from what it wrote; if that is damaged, its verdict is `UNREADABLE`."""
     try:
         told = json.loads(read_bounded(path, VALIDATION))
         return _refused(told, place, at) if path.name == REFUSED else _judged(told, place, at)
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return Run(place, at, UNREADABLE)
+        return IndexedRun(place, at, UNREADABLE)
 
 
-def _refused(told: dict[str, Any], place: str, at: float) -> Run:
+def _refused(told: dict[str, Any], place: str, at: float) -> IndexedRun:
     of = _identity(told["identity"])
-    return Run(place, at, NO_VERDICT, *of, bad=1, refusal=str(told["error"]["message"]))
+    return IndexedRun(place, at, NO_VERDICT, *of, bad=1, refusal=str(told["error"]["message"]))
 
 
 def _identity(identity: dict[str, Any]) -> tuple[str, str]:
@@ -118,12 +118,12 @@ def _identity(identity: dict[str, Any]) -> tuple[str, str]:
     return car, str(identity.get("station", ""))
 
 
-def _judged(told: dict[str, Any], place: str, at: float) -> Run:
+def _judged(told: dict[str, Any], place: str, at: float) -> IndexedRun:
     car, station = _identity(told["identity"])
     checks = told["checks"]
     bad = [c for word in ("failed", "warning") for c in checks if c["verdict"] == word]
     first = bad[0] if bad else None
-    return Run(
+    return IndexedRun(
         place,
         at,
         str(told["verdict"]),
@@ -157,7 +157,7 @@ def _known(folder: Path) -> dict[str, list[object]]:
         told = json.loads((folder / KNOWN).read_bytes())
         if told["schema"] == SCHEMA:
             runs: dict[str, list[object]] = {
-                place: entry for place, entry in told["runs"].items() if Run(**entry[2])
+                place: entry for place, entry in told["runs"].items() if IndexedRun(**entry[2])
             }
             return runs
     return {}

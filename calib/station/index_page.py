@@ -10,7 +10,7 @@ from calib.files.write import write_whole
 from calib.messages.plain import plain
 from calib.reports.html import page
 from calib.station.folder import REPORT
-from calib.station.index import INDEX, LIVE, NO_VERDICT, TRENDS, UNREADABLE, Run, runs_below
+from calib.station.index import INDEX, LIVE, NO_VERDICT, TRENDS, UNREADABLE, IndexedRun, runs_below
 from calib.station.words import HEADINGS
 
 LAST = 30
@@ -63,7 +63,7 @@ def write_index(folder: Path) -> int:
     return len(runs)
 
 
-def index_html(runs: Sequence[Run], name: str, every: int = 0) -> str:
+def index_html(runs: Sequence[IndexedRun], name: str, every: int = 0) -> str:
     """The page of ``runs``, the last first; it loads itself again after ``every`` [s], 0: never."""
     last = runs[0] if runs else None
     counts = {word: sum(run.verdict == word for run in runs) for word in KINDS}
@@ -83,13 +83,13 @@ def index_html(runs: Sequence[Run], name: str, every: int = 0) -> str:
     )
 
 
-def worst_first(runs: Sequence[Run]) -> list[Run]:
+def worst_first(runs: Sequence[IndexedRun]) -> list[IndexedRun]:
     """The runs by verdict, failed and refused ones first; equal ones keep their order."""
     ranks = ("failed", "warning", "passed")
     return sorted(runs, key=lambda run: ranks.index(KINDS.get(run.verdict, "failed")))
 
 
-def trend(runs: Sequence[Run], key: str) -> Line | None:
+def trend(runs: Sequence[IndexedRun], key: str) -> Line | None:
     """The trend of a metric over the last runs; None with fewer than two values."""
     values = [
         run.trend[key]
@@ -123,7 +123,7 @@ def trend(runs: Sequence[Run], key: str) -> Line | None:
     )
 
 
-def _row(run: Run) -> dict[str, str]:
+def _row(run: IndexedRun) -> dict[str, str]:
     pads = [
         plain(f"pad_friction_{x}").value((run.trend or {}).get(f"pad_friction_{x}")) for x in "fr"
     ]
@@ -139,11 +139,11 @@ def _row(run: Run) -> dict[str, str]:
     }
 
 
-def _car(run: Run) -> str:
+def _car(run: IndexedRun) -> str:
     return run.car or run.place
 
 
-def _heading(run: Run) -> str:
+def _heading(run: IndexedRun) -> str:
     return HEADINGS.get(run.verdict, run.verdict.capitalize())
 
 
@@ -151,7 +151,7 @@ def _word(verdict: str) -> str:
     return {"warning": "with warnings"}.get(verdict, verdict)
 
 
-def _why(run: Run) -> str:
+def _why(run: IndexedRun) -> str:
     """The first metric that is not held and the next step; how many more there are."""
     if run.verdict == UNREADABLE:
         return "what the run wrote is damaged: run the car again"

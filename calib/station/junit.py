@@ -7,7 +7,7 @@ It is valid by the schema junit-10 of Jenkins' xUnit plugin.
 from xml.etree import ElementTree
 
 from calib.station.advice import action
-from calib.station.station import Check, StationOutcome
+from calib.station.station import StationCheck, StationOutcome
 from calib.station.words import sentence
 from calib.store.version import Stored
 from calib.validation.limits import FAILED, NOT_KNOWN, WARNING
@@ -46,7 +46,7 @@ def junit_xml(found: StationOutcome, stored: Stored) -> bytes:
     return text + b"\n"
 
 
-def _case(suite: ElementTree.Element, check: Check) -> None:
+def _case(suite: ElementTree.Element, check: StationCheck) -> None:
     names = {"classname": _clean(check.scope), "name": check.figure, "time": "0"}
     case = ElementTree.SubElement(suite, "testcase", names)
     if check.verdict == FAILED:

@@ -4,11 +4,11 @@ from calib import __version__
 from calib.messages.plain import plain
 from calib.plots.station import sheet
 from calib.reports.html import drawn, page
-from calib.reports.judged import Row, row, sorted_rows, warned
+from calib.reports.judged import JudgedRow, row, sorted_rows, warned
 from calib.station.advice import action, reason
 from calib.station.identity import TITLES
 from calib.station.metrics import CUT
-from calib.station.station import Check, StationOutcome
+from calib.station.station import StationCheck, StationOutcome
 from calib.station.words import HEADINGS, in_full, summary
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
@@ -90,7 +90,7 @@ def _golden(found: StationOutcome) -> str:
     return f"{found.golden}{mean}" if found.golden else "none given"
 
 
-def _rows(found: StationOutcome) -> tuple[list[Row], list[Row], list[str]]:
+def _rows(found: StationOutcome) -> tuple[list[JudgedRow], list[JudgedRow], list[str]]:
     """Rows of the car, rows of the stops, and plain names of what is not known."""
     of_car = [row([c.judgement], CUT.get(c.figure)) for c in found.checks if c.of_car]
     of_stops = [
@@ -101,13 +101,13 @@ def _rows(found: StationOutcome) -> tuple[list[Row], list[Row], list[str]]:
     return _known(of_car), _known(of_stops), unjudged
 
 
-def _known(rows: list[Row]) -> list[Row]:
+def _known(rows: list[JudgedRow]) -> list[JudgedRow]:
     return sorted_rows([r for r in rows if r.verdict != NOT_KNOWN])
 
 
-def _by_figure(checks: list[Check]) -> list[list[Check]]:
+def _by_figure(checks: list[StationCheck]) -> list[list[StationCheck]]:
     """The checks of all stops, grouped by metric."""
-    groups: dict[str, list[Check]] = {}
+    groups: dict[str, list[StationCheck]] = {}
     for check in checks:
         groups.setdefault(check.figure, []).append(check)
     return list(groups.values())

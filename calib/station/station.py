@@ -16,7 +16,7 @@ from calib.station.identity import Identity
 from calib.station.metrics import METRICS as OF_CAR
 from calib.station.metrics import Car, metrics_of
 from calib.station.warnings import car_warnings
-from calib.store.state import DRAFT, REJECTED, RELEASED, Decision, Evidence
+from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
 from calib.table.table import Table
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
 from calib.validation.metrics import METRICS as OF_STOPS
@@ -27,7 +27,7 @@ CAR = "car"
 
 
 @dataclass(frozen=True)
-class Check:
+class StationCheck:
     """One metric and its limit: of the hold-out named ``stop``; None for the car."""
 
     stop: str | None
@@ -77,7 +77,7 @@ class StationOutcome:
     coasts: tuple[Log, ...]
     results: tuple[Validation, ...]
     figures: dict[str, float | None]
-    checks: tuple[Check, ...]
+    checks: tuple[StationCheck, ...]
     caveats: tuple[PlausibilityWarning, ...] = ()
     golden: str = ""
     accepted: str = ""
@@ -102,7 +102,7 @@ class StationOutcome:
         """Whether no check fails; warnings pass."""
         return self.verdict != FAILED
 
-    def decision(self, digest: str) -> Decision:
+    def decision(self, digest: str) -> StateDecision:
         """The state that the verdict gives the table; ``digest`` of `station.json`, its evidence.
 
         A warning alone releases nothing: the table is a draft, unless the warnings are accepted.
@@ -112,9 +112,9 @@ class StationOutcome:
         if self.verdict == WARNING and self.accepted:
             state, reason = RELEASED, f"{reason}; accepted: {self.accepted}"
         evidence = (Evidence("station.json", digest),)
-        return Decision(state, reason, self.verdict, evidence, self.by, automatic=True)
+        return StateDecision(state, reason, self.verdict, evidence, self.by, automatic=True)
 
-    def with_verdict(self, word: str) -> list[Check]:
+    def with_verdict(self, word: str) -> list[StationCheck]:
         """Checks of one verdict, in order."""
         return [check for check in self.checks if check.verdict == word]
 
@@ -183,8 +183,8 @@ def outcome(
     logs = (*car.ramps, *coasts, *car.stops)
     figures = metrics_of(car)
     of_car = judge(tuple(x for x in limits if x.figure in OF_CAR), figures)
-    checks = [Check(None, j) for j in of_car]
-    checks += [Check(r.log, j) for r in car.results for j in r.judgements]
+    checks = [StationCheck(None, j) for j in of_car]
+    checks += [StationCheck(r.log, j) for r in car.results for j in r.judgements]
     return StationOutcome(
         table=car.table,
         identity=identity,

@@ -2,7 +2,7 @@
 
 from calib.messages.plain import plain
 from calib.station.metrics import CUT
-from calib.station.station import Check, StationOutcome
+from calib.station.station import StationCheck, StationOutcome
 from calib.validation.limits import FAILED, NOT_KNOWN, WARNING
 
 HEADINGS = {
@@ -19,12 +19,12 @@ def shown(value: float | None, digits: int = 4) -> str:
     return "not known" if value is None else f"{value:.{digits}g}"
 
 
-def value_of(check: Check, digits: int = 4) -> str:
+def value_of(check: StationCheck, digits: int = 4) -> str:
     """The value of a check with ``digits`` digits, and `or more` where it is at its `CUT`."""
     return shown(check.judgement.value, digits) + " or more" * _beyond(check)
 
 
-def _beyond(check: Check) -> bool:
+def _beyond(check: StationCheck) -> bool:
     """Whether the value stands for all larger ones."""
     value = check.judgement.value
     return value is not None and value == CUT.get(check.figure)
@@ -43,7 +43,7 @@ def bounds(low: float | None, high: float | None) -> str:
     return f"{low:g} to {high:g}"
 
 
-def sentence(check: Check) -> str:
+def sentence(check: StationCheck) -> str:
     """A check as a sentence: `side_difference_f of the car is 0.31; the limit is -0.2 to 0.2`."""
     of = "of the car" if check.of_car else f"of the stop {check.scope}"
     if check.judgement.value is None:
@@ -52,7 +52,7 @@ def sentence(check: Check) -> str:
     return f"{check.figure} {of} is {value_of(check)}; {kind} {_limit(check)}"
 
 
-def in_full(check: Check) -> str:
+def in_full(check: StationCheck) -> str:
     """The same in plain names and units: `Front brakes, left less right: 31 %; limit: ...`."""
     of = "" if check.of_car else f"stop {check.scope}, "
     kind = "no warning" if check.verdict == WARNING else "limit"
@@ -61,11 +61,11 @@ def in_full(check: Check) -> str:
     return f"{of}{shown.name}: {value}; {kind}: {shown.bounds(*_ends(check))}"
 
 
-def _limit(check: Check) -> str:
+def _limit(check: StationCheck) -> str:
     return bounds(*_ends(check))
 
 
-def _ends(check: Check) -> tuple[float | None, float | None]:
+def _ends(check: StationCheck) -> tuple[float | None, float | None]:
     """The range that decided the verdict: that of the warning for a warning."""
     j = check.judgement
     return (j.warn_low, j.warn_high) if check.verdict == WARNING else (j.low, j.high)

@@ -21,7 +21,7 @@ from typing import Any
 from calib.errors import DamagedTable
 from calib.files.digest import canonical_json
 from calib.signing.statement import STATES
-from calib.store.state import CHANGES, Decision, Evidence, State
+from calib.store.state import CHANGES, Evidence, StateDecision, VersionState
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"
 
@@ -105,11 +105,11 @@ class Journal:
         """The entries of each version of a table; empty for a table that it does not know."""
         return self.tables.get(name, {})
 
-    def state(self, name: str, version: int) -> State:
+    def state(self, name: str, version: int) -> VersionState:
         """The state of a version. Raises KeyError for one that the journal does not know."""
         history = self.tables[name][version]
         told = [entry for entry in history if entry.event != SIGNED][-1]
-        return State(
+        return VersionState(
             told.state,
             told.at,
             told.by,
@@ -122,7 +122,7 @@ class Journal:
 
     def added(
         self, event: str, name: str, version: int, digest: str, record: str,
-        decision: Decision, *, inputs: str = "", key: str = "", program: str,
+        decision: StateDecision, *, inputs: str = "", key: str = "", program: str,
     ) -> "Journal":  # fmt: skip
         """The journal with one more entry."""
         entry = Entry(

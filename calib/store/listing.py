@@ -11,7 +11,7 @@ from calib.table.table import Table
 
 
 @dataclass(frozen=True)
-class Row:
+class ListedVersion:
     """One version in a list.
 
     ``date`` when it was stored, "" where no journal knows; ``pads`` front and rear [1] and
@@ -47,13 +47,13 @@ def band_width(table: Table) -> float | None:
     return half / abs(float(d.D[at])) if d.D[at] else None
 
 
-def row_of(entry: StoreEntry) -> Row:
+def row_of(entry: StoreEntry) -> ListedVersion:
     """The row of one version of a store."""
     state, stored = entry.state, entry.stored
     table = stored.table if stored else None
     identity = table.provenance.identity if table else {}
     pads = table.calibration if table else None
-    return Row(
+    return ListedVersion(
         id=entry.id,
         name=entry.name,
         version=entry.version,
@@ -75,12 +75,12 @@ def row_of(entry: StoreEntry) -> Row:
 
 
 def chosen(
-    rows: Iterable[Row],
+    rows: Iterable[ListedVersion],
     state: str | None = None,
     serial: str | None = None,
     vin: str | None = None,
     since: str | None = None,
-) -> list[Row]:
+) -> list[ListedVersion]:
     """The rows of a state, a serial number, a VIN, and those stored on the day ``since`` or later.
 
     Upper and lower case are the same; ``since`` as 2025-03-31. A version that no journal dates is

@@ -14,7 +14,7 @@ from calib.physics.vehicle import Axle, Vehicle
 from calib.store.curve_file import Array
 from calib.table.budget import TableBudget
 from calib.table.by_hand import SetByHand
-from calib.table.spread import Spread
+from calib.table.spread import FleetScatter
 from calib.table.table import (
     Calibration,
     DifferenceCurve,
@@ -60,7 +60,7 @@ class Record(FileSchema):
     own_effects: dict[str, DefinedIn] = Field(default_factory=dict)
     warnings: tuple[PlausibilityWarning, ...] = ()
     budget: TableBudget | None = None
-    spread: Spread | None = None
+    spread: FleetScatter | None = None
     by_hand: tuple[SetByHand, ...] = ()
 
 

@@ -42,7 +42,7 @@ class Sight:
 
 
 @dataclass(frozen=True)
-class Memory:
+class SeenJournals:
     """All that was seen, in the file ``path``; ``note`` says why it cannot be used, else ""."""
 
     path: Path | None
@@ -90,7 +90,7 @@ class Memory:
 UNSEEN = "an older copy of the store will not be noticed"
 
 
-def recall() -> Memory:
+def recall() -> SeenJournals:
     """What was seen. To be called before the journal is read, which may grow meanwhile.
 
     Raises SignatureRefused when the file is damaged.
@@ -99,12 +99,12 @@ def recall() -> Memory:
         path = _path()
         data = read_bounded(path, TABLE)
     except FileNotFoundError:
-        return Memory(path)
+        return SeenJournals(path)
     except RuntimeError:
-        return Memory(None, note=f"this user has no home folder: {UNSEEN}")
+        return SeenJournals(None, note=f"this user has no home folder: {UNSEEN}")
     except OSError as error:
-        return Memory(path, note=f"{path} cannot be read ({error.strerror}): {UNSEEN}")
-    return Memory(path, _sights(data, path))
+        return SeenJournals(path, note=f"{path} cannot be read ({error.strerror}): {UNSEEN}")
+    return SeenJournals(path, _sights(data, path))
 
 
 def _path() -> Path:

@@ -19,7 +19,7 @@ from calib.store.folders import (
     versions_in,
 )
 from calib.store.journal import JOURNAL, Journal
-from calib.store.state import OUTSIDE, UNKNOWN, WITHDRAWN, State
+from calib.store.state import OUTSIDE, UNKNOWN, WITHDRAWN, VersionState
 from calib.store.version import Stored, read_version
 from calib.table.invariants import violations
 from calib.table.same import inputs, same
@@ -32,7 +32,7 @@ class StoreEntry:
 
     name: str
     version: int
-    state: State
+    state: VersionState
     stored: Stored | None
     flaw: str = ""
 
@@ -95,7 +95,7 @@ class Snapshot:
         known = version in self.journal.of(name)
         return known and place(self.folder / checked_name(name), version) is None
 
-    def state(self, name: str, version: int) -> State:
+    def state(self, name: str, version: int) -> VersionState:
         """State of a version; `UNKNOWN` where the journal does not know it."""
         known = version in self.journal.of(name)
         return self.journal.state(name, version) if known else UNKNOWN
@@ -202,7 +202,7 @@ class Snapshot:
         return replace(stored, state=OUTSIDE) if stored.journaled else stored
 
 
-def _none_fits(name: str, states: dict[int, State], released: bool) -> StoreError:
+def _none_fits(name: str, states: dict[int, VersionState], released: bool) -> StoreError:
     there = ", ".join(f"{name}@{version} {state.word}" for version, state in states.items())
     if released:
         return StoreError(

@@ -37,7 +37,7 @@ class Evidence:
 
 
 @dataclass(frozen=True)
-class Decision:
+class StateDecision:
     """What is said of a version, and by whom.
 
     ``state`` one of `STATES`; ``reason`` in words; ``verdict`` of the evidence: passed, warning or
@@ -57,13 +57,13 @@ class Decision:
         """Who says it."""
         return self.by or user()
 
-    def as_state(self) -> "State":
+    def as_state(self) -> "VersionState":
         """The state that it gives, without a time."""
-        return State(self.state, "", self.person, self.reason, self.verdict, self.evidence)
+        return VersionState(self.state, "", self.person, self.reason, self.verdict, self.evidence)
 
 
 @dataclass(frozen=True)
-class State:
+class VersionState:
     """The state of a version since ``at`` (ISO 8601, UTC), by whom, why, and on what evidence.
 
     ``stored_at``: when the version was stored; ``seen``: SHA-256 of every file that a state of the
@@ -104,14 +104,14 @@ class State:
         return f"{self.why} ({', '.join(told)})" if told else self.why
 
 
-UNKNOWN = State()
+UNKNOWN = VersionState()
 """State of a version that is older than the journal: a draft."""
 
-OUTSIDE = State(reason="outside of its store, whose journal knows its state", known=False)
+OUTSIDE = VersionState(reason="outside of its store, whose journal knows its state", known=False)
 """State of a version that was copied out of its store."""
 
 
-def next_state(version: str, now: State, decision: Decision | None) -> State:
+def next_state(version: str, now: VersionState, decision: StateDecision | None) -> VersionState:
     """State of a version after a decision; ``now`` where that says nothing new.
 
     Raises StoreError where the new state may not follow.

@@ -26,7 +26,7 @@ from calib.store.journal import ADOPTED, CHANGED, FIRST, JOURNAL, SIGNED, STORED
 from calib.store.lock import locked
 from calib.store.signature import Signed, anchored, signed
 from calib.store.snapshot import Snapshot, StoreEntry
-from calib.store.state import Decision, next_state
+from calib.store.state import StateDecision, next_state
 from calib.store.version import Stored, read_version
 from calib.table.invariants import violations
 from calib.table.same import inputs
@@ -71,7 +71,7 @@ class Store:
     def __repr__(self) -> str:
         return f"Store({str(self.folder)!r})"
 
-    def save(self, table: Table, decision: Decision | None = None) -> Stored:
+    def save(self, table: Table, decision: StateDecision | None = None) -> Stored:
         """Write ``table`` as the next version of its name, or return the one that holds it already.
 
         ``decision`` gives its state; without one a new version is a draft, and one that was there
@@ -90,14 +90,14 @@ class Store:
             work = write_version(self.folder, table, version)
             try:
                 stored = read_version(work, f"{table.name}@{version}")
-                journal = _entered(STORED, stored, decision or Decision(), now.journal)
+                journal = _entered(STORED, stored, decision or StateDecision(), now.journal)
             except BaseException:
                 discard(work)
                 raise
             commit(self.folder, journal, work)
             return Snapshot(self.folder, journal).load(table.name, version)
 
-    def judge(self, reference: str, decision: Decision) -> Stored:
+    def judge(self, reference: str, decision: StateDecision) -> Stored:
         """Change the state of ``name@version``.
 
         Raises TableNotFound when there is no such version, DamagedTable when it is damaged,
@@ -106,7 +106,7 @@ class Store:
         with self._changing(reference) as (now, stored):
             return self._judged(stored, decision, now)
 
-    def withdraw_missing(self, reference: str, decision: Decision) -> bool:
+    def withdraw_missing(self, reference: str, decision: StateDecision) -> bool:
         """Withdraw a version whose folder is gone, so that `verify` no longer counts it as missing.
 
         Returns False, and does nothing, where the folder is there. Raises TableNotFound when there
@@ -140,7 +140,7 @@ class Store:
         with self._changing(reference) as (now, stored):
             anchored(now, key.public)
             made = signed(now, stored, key)
-            decision = Decision(stored.state.word, by=by)
+            decision = StateDecision(stored.state.word, by=by)
             journal = _entered(SIGNED, stored, decision, now.journal, key.key_id)
             tidy(self.folder, now.journal)
             if read_journal(self.folder) != now.journal:
@@ -148,7 +148,7 @@ class Store:
             commit_signature(self.folder, journal, made.path, made.content)
             return made
 
-    def foreseen(self, table: Table, decision: Decision | None = None) -> Stored:
+    def foreseen(self, table: Table, decision: StateDecision | None = None) -> Stored:
         """What `save` will return if no other writer adds a version before; writes nothing.
 
         Raises StoreError as `save` does.
@@ -164,7 +164,7 @@ class Store:
                 return replace(known, state=replace(state, stored_at=known.state.stored_at))
             version = now.next_number(table.name)
         read, path = from_content(*table.content()), placed_in(self.folder, table.name, version)
-        state = (decision or Decision()).as_state()
+        state = (decision or StateDecision()).as_state()
         return Stored(read, table.name, version, table.digest, path, state=state)
 
     def load(self, reference: str) -> Stored:
@@ -251,12 +251,12 @@ class Store:
             for version in versions_in(self.folder / name):
                 entry = now.entry(name, version)
                 if entry.stored is not None:
-                    journal = _entered(ADOPTED, entry.stored, Decision(), journal)
+                    journal = _entered(ADOPTED, entry.stored, StateDecision(), journal)
                 elif JOURNAL in entry.flaw:
                     now.load(name, version)
         return Snapshot(self.folder, journal)
 
-    def _judged(self, stored: Stored, decision: Decision | None, now: Snapshot) -> Stored:
+    def _judged(self, stored: Stored, decision: StateDecision | None, now: Snapshot) -> Stored:
         """Enter a change of state, unless it is one that the journal has already."""
         if decision is None or next_state(stored.id, stored.state, decision) == stored.state:
             return stored
@@ -304,7 +304,7 @@ def _require_storable(table: Table) -> None:
 
 
 def _entered(
-    event: str, stored: Stored, decision: Decision, journal: Journal, key: str = ""
+    event: str, stored: Stored, decision: StateDecision, journal: Journal, key: str = ""
 ) -> Journal:
     """The journal with an event of a version."""
     given = inputs(stored.table.content()[0]) if event in FIRST else ""

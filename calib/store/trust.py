@@ -6,7 +6,7 @@ from calib.errors import DamagedTable, SignatureRefused, StoreError
 from calib.signing.public_key import PublicKey
 from calib.signing.secret_key import SecretKey
 from calib.store.folders import NEW, folder_of
-from calib.store.seen import Memory, recall
+from calib.store.seen import SeenJournals, recall
 from calib.store.signature import Signed, anchored, held, was_signed
 from calib.store.snapshot import Snapshot
 from calib.store.store import Store, StoreVerdict
@@ -104,7 +104,7 @@ def _check_newer(now: Snapshot, stored: Stored, public: PublicKey) -> None:
             held(now, now.load(stored.name, version), public)
 
 
-def _trust(now: Snapshot, public: PublicKey, memory: Memory) -> str:
+def _trust(now: Snapshot, public: PublicKey, memory: SeenJournals) -> str:
     """Look at the signatures of the whole store, and keep what was seen; returns a note."""
     anchored(now, public)
     return memory.keep(now.folder, now.journal, public.key_id)

@@ -25,7 +25,7 @@ from calib.files.write import sync
 from calib.store.curve_file import Array, curve_bytes, read_curve
 from calib.store.folders import RECORD
 from calib.store.journal import JOURNAL, without_duplicates
-from calib.store.state import UNKNOWN, State
+from calib.store.state import UNKNOWN, VersionState
 from calib.table.table import Table
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class Stored:
     path: Path
     record: str = ""
     journaled: bool = False
-    state: State = UNKNOWN
+    state: VersionState = UNKNOWN
     existed: bool = False
 
     def __repr__(self) -> str:

@@ -43,7 +43,7 @@ SLOPES = (0.7, 1.4)
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundChannel:
     """At most one proposal for a channel, or doubts; ``refused`` columns with the reason."""
 
     proposal: Proposal | None = None
@@ -54,27 +54,29 @@ class Found:
 
 def choose(
     channel: str, passed: list[tuple[Series, int]], why: str, found: Callable[[Series], Proposal]
-) -> Found:
+) -> FoundChannel:
     """The column whose name fits best; if several fit equally well, a doubt.
 
     Of measured columns, those that are sampled coarsely beside another are no candidates.
     """
     if not passed:
-        return Found()
+        return FoundChannel()
     fine = _fine(channel, passed)
     best = max(points for _, points in fine)
     top = [s for s, points in fine if points == best]
     exact = [s for s in top if s.name == channel] or top
     if len(exact) > 1:
         names = tuple(s.name for s in exact)
-        return Found(doubts=(Doubt(channel, names, why, f"choose one: --take {channel}=NAME"),))
+        return FoundChannel(
+            doubts=(Doubt(channel, names, why, f"choose one: --take {channel}=NAME"),)
+        )
     kept = {s.name for s, _ in fine}
     refused = tuple(
         (s.name, _less_likely(s, exact[0], channel, s.name not in kept))
         for s, _ in passed
         if s.name != exact[0].name
     )
-    return Found(found(exact[0]), (), refused, exact[0])
+    return FoundChannel(found(exact[0]), (), refused, exact[0])
 
 
 def _fine(channel: str, passed: list[tuple[Series, int]]) -> list[tuple[Series, int]]:
@@ -92,7 +94,7 @@ def _less_likely(item: Series, better: Series, channel: str, coarse: bool) -> st
     return f"{better.name} is more likely {channel}"
 
 
-def find_speed(series: list[Series], wheels: Array | None) -> Found:
+def find_speed(series: list[Series], wheels: Array | None) -> FoundChannel:
     """Find the reference speed: a speed by name and unit that agrees with the wheels."""
     passed, refused = [], []
     for item in series:
@@ -116,12 +118,12 @@ def find_speed(series: list[Series], wheels: Array | None) -> Found:
         return Proposal("v", Mapping(item.name), SURE if checked else LIKELY, reasons)
 
     found = choose("v", passed, "more than one speed of the car", proposal)
-    return Found(found.proposal, found.doubts, (*refused, *found.refused), found.series)
+    return FoundChannel(found.proposal, found.doubts, (*refused, *found.refused), found.series)
 
 
 def find_acceleration(
     series: list[Series], rate: Array | None, clock: ColumnClock, metres: bool
-) -> Found:
+) -> FoundChannel:
     """Find the longitudinal acceleration: by unit, and by the derivative of speed up to its sign.
 
     Parameters
@@ -155,8 +157,8 @@ def find_acceleration(
     found = choose("a_x", passed, "more than one longitudinal acceleration", proposal)
     wrong = _wrong_unit(found.series, used, clock, metres)
     if wrong:
-        return Found(doubts=(wrong,), refused=tuple(refused))
-    return Found(found.proposal, found.doubts, (*refused, *found.refused), found.series)
+        return FoundChannel(doubts=(wrong,), refused=tuple(refused))
+    return FoundChannel(found.proposal, found.doubts, (*refused, *found.refused), found.series)
 
 
 def _follows(item: Series, rate: Array, clock: ColumnClock) -> float:
@@ -213,7 +215,7 @@ def _wrong_unit(
     return Doubt("a_x", (item.name,), why, "give its unit: --take 'a_x=NAME [UNIT]'")
 
 
-def find_pressure(series: list[Series], braking: Array | None, clock: ColumnClock) -> Found:
+def find_pressure(series: list[Series], braking: Array | None, clock: ColumnClock) -> FoundChannel:
     """Find the brake pressure: by unit, correlated with the deceleration and not later than it.
 
     ``braking`` is the deceleration, shape (n,), or None if speed does not change. A column
@@ -243,7 +245,7 @@ def find_pressure(series: list[Series], braking: Array | None, clock: ColumnCloc
         names = tuple(item.name for item in unnamed)
         why = "named a brake pressure, but it has no unit that is known"
         doubts = (Doubt("p_mc", names, why, "give its unit: --take 'p_mc=NAME [bar]'"),)
-    return Found(found.proposal, doubts, (*refused, *found.refused), found.series)
+    return FoundChannel(found.proposal, doubts, (*refused, *found.refused), found.series)
 
 
 def _brake_score(name: str) -> int:

@@ -15,7 +15,7 @@ from calib.checks.computed_channels import factor_between, is_other_quantity
 from calib.logs.channel_map import Mapping
 from calib.logs.source import ColumnSource
 from calib.names import CHANNELS, WHEELS
-from calib.suggest.body import Found, find_acceleration, find_pressure, find_speed
+from calib.suggest.body import FoundChannel, find_acceleration, find_pressure, find_speed
 from calib.suggest.clock import find_clock, rising
 from calib.suggest.physics import ColumnClock, moving, rate_of
 from calib.suggest.proposal import LIKELY, Doubt, Proposal, Suggestion
@@ -173,7 +173,7 @@ class _Work:
             four += [x for x in found if x is not None]
         return np.mean(four, axis=0) if len(four) == 4 else None
 
-    def _take(self, channel: str, found: Found) -> Array | None:
+    def _take(self, channel: str, found: FoundChannel) -> Array | None:
         """Record a proposal, unless the user gave another source. Returns the column's values."""
         self.left.update({k: v for k, v in found.refused if k not in self.left})
         if channel in self.told:

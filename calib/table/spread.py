@@ -16,7 +16,7 @@ class Scatter:
 
 
 @dataclass(frozen=True)
-class Spread:
+class FleetScatter:
     """Scatter of ``cars`` cars: of D [1] at the rows of the table's D, and of logarithms [1].
 
     ``pad_level`` of the brake force of both axles per pressure; ``pad_ratio`` of the pads, front

@@ -29,7 +29,7 @@ from calib.physics.vehicle import Vehicle
 from calib.statistics.intervals import Z95
 from calib.table.budget import TableBudget
 from calib.table.by_hand import SetByHand
-from calib.table.spread import Spread
+from calib.table.spread import FleetScatter
 
 Array = NDArray[np.float64]
 SCHEMA = 1
@@ -259,7 +259,7 @@ class Table:
     provenance: Provenance
     warnings: tuple[PlausibilityWarning, ...] = ()
     budget: TableBudget | None = None
-    spread: Spread | None = None
+    spread: FleetScatter | None = None
     by_hand: tuple[SetByHand, ...] = ()
 
     def __repr__(self) -> str:

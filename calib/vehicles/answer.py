@@ -5,10 +5,10 @@ from collections.abc import Mapping
 
 from calib.documents.toml import NUMBER
 from calib.errors import InputError, VehicleError
-from calib.vehicles.keys import FRONT, REAR, Key
+from calib.vehicles.keys import FRONT, REAR, VehicleKey
 
 
-def answered(key: Key, typed: str) -> str:
+def answered(key: VehicleKey, typed: str) -> str:
     """The value as it stands in the file; a number without a unit gets that of the key.
 
     Raises VehicleError for what a vehicle file could not hold, with what was expected.
@@ -29,7 +29,7 @@ def answered(key: Key, typed: str) -> str:
     return value
 
 
-def default_of(key: Key, before: Mapping[str, str]) -> str:
+def default_of(key: VehicleKey, before: Mapping[str, str]) -> str:
     """The value that Enter takes: for the rear wheel that of the front one, else the example."""
     same = f"{FRONT}.{key.name}"
     alike = key.section == REAR and key.name in ("rolling_radius", "friction_faces", "pad_friction")

@@ -11,7 +11,7 @@ CHASSIS, FRONT, REAR = "chassis", "front", "rear"
 
 
 @dataclass(frozen=True)
-class Key:
+class VehicleKey:
     """One key: ``section`` "" for the top of the file, ``unit`` "" for text, "1" for a number.
 
     ``low`` and ``high`` are the usual range in ``unit``; ``example`` as it stands in the file.
@@ -39,43 +39,45 @@ class Key:
         return f"{self.low:g} to {self.high:g}{unit}" if self.unit else ""
 
 
-def _axle(section: str, side: str, values: tuple[str, ...], area: tuple[float, float]) -> list[Key]:
+def _axle(
+    section: str, side: str, values: tuple[str, ...], area: tuple[float, float]
+) -> list[VehicleKey]:
     radius, inertia, piston, disc, faces, pads = values
     return [
-        Key(
+        VehicleKey(
             section, "rolling_radius", "m",
             f"effective rolling radius R of one {side} wheel, unbraked",
             "roll ten turns of the wheel with the load of the test and divide the way by 20 pi; "
             "about 0.96 of the tyre's free radius",
             radius, 0.24, 0.42,
         ),
-        Key(
+        VehicleKey(
             section, "wheel_inertia", "kg*m^2",
             f"moment of inertia J_w of one {side} wheel with tyre, hub and disc, about its axis",
             "from the makers of wheel and tyre, or about 0.6 x mass of wheel and tyre x R^2; on a "
             "driven axle the motor counts with the square of its gear ratio",
             inertia, 0.4, 4.0,
         ),
-        Key(
+        VehicleKey(
             section, "piston_area", "cm^2",
             f"area A of all pistons that press one pad of one {side} brake",
             "pi/4 x diameter^2 of each piston; floating caliper: all its pistons; fixed caliper: "
             "those of one side only",
             piston, *area,
         ),
-        Key(
+        VehicleKey(
             section, "effective_radius", "mm",
             f"radius r of the {side} disc at which the pads press",
             "from the axis of the wheel to the middle of the pad; a radius, not a diameter",
             disc, 80.0, 190.0,
         ),
-        Key(
+        VehicleKey(
             section, "friction_faces", "1",
             f"pad faces that rub on one {side} disc",
             "2 for a disc with a pad on either side, for floating and for fixed calipers",
             faces, 2.0, 4.0,
         ),
-        Key(
+        VehicleKey(
             section, "pad_friction", "1",
             f"nominal friction mu of the {side} pads",
             "from the maker of the pads, or 0.38; a common error of both axles is found by `fit`, "
@@ -85,45 +87,45 @@ def _axle(section: str, side: str, values: tuple[str, ...], area: tuple[float, f
     ]  # fmt: skip
 
 
-KEYS: tuple[Key, ...] = (
-    Key(
+KEYS: tuple[VehicleKey, ...] = (
+    VehicleKey(
         "", "name", "",
         "name of the car with its load; tables are stored under it",
         'letters, digits, "-", "_" or "."',
         "sedan-2up",
     ),
-    Key(
+    VehicleKey(
         CHASSIS, "mass", "kg",
         "mass M_v of the car as driven in the logs, with driver, passengers, equipment and fuel",
         "weigh it ready to drive, with everybody on board; every pad friction is wrong by the same "
         "share as the mass",
         "1744 kg", 700.0, 4500.0,
     ),
-    Key(
+    VehicleKey(
         CHASSIS, "cg_to_front_axle", "m",
         "distance l_f from the front axle to the centre of gravity, along the car",
         "wheelbase x load of the rear axle / mass, both weighed as driven",
         "1.1556 m", 0.7, 2.7,
     ),
-    Key(
+    VehicleKey(
         CHASSIS, "cg_to_rear_axle", "m",
         "distance l_r from the rear axle to the centre of gravity; with l_f the wheelbase",
         "wheelbase x load of the front axle / mass; wheelbase - l_f",
         "1.6494 m", 0.7, 2.7,
     ),
-    Key(
+    VehicleKey(
         CHASSIS, "cg_height", "m",
         "height h of the centre of gravity above the road, not above the axles",
         "from the maker; else about 0.38 x height of the roof",
         "0.615 m", 0.4, 1.0,
     ),
-    Key(
+    VehicleKey(
         CHASSIS, "track_width", "m",
         "distance l_w between the middles of the left and the right tyre",
         "from the maker; mean of both axles",
         "1.55 m", 1.2, 1.85,
     ),
-    Key(
+    VehicleKey(
         CHASSIS, "mass_tolerance", "1",
         "one standard deviation of the relative error of the mass",
         "0.005 if the car was weighed as driven; 0.03 if the load is only known roughly",

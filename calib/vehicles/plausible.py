@@ -15,7 +15,7 @@ from calib.physics.bias import front_share, lock_efficiency, pressure_per_g
 from calib.physics.forces import front_biased_up_to
 from calib.physics.vehicle import Axle, Vehicle
 from calib.units import from_si
-from calib.vehicles.keys import CHASSIS, FRONT, KEYS, REAR, Key
+from calib.vehicles.keys import CHASSIS, FRONT, KEYS, REAR, VehicleKey
 
 GOOD_ROAD = 0.8
 """Friction [1] of a road on which the efficiency of the brakes is judged: dry asphalt, used up to
@@ -212,13 +212,13 @@ def _keys(vehicle: Vehicle) -> Iterator[PlausibilityWarning]:
                 )
 
 
-def written_value(vehicle: Vehicle, key: Key) -> float:
+def written_value(vehicle: Vehicle, key: VehicleKey) -> float:
     """The value of a key that is a quantity, in the unit of the key."""
     part: Vehicle | Axle = {FRONT: vehicle.front, REAR: vehicle.rear}.get(key.section, vehicle)
     return from_si(float(getattr(part, key.name)), key.unit, si_unit(key))
 
 
-def si_unit(key: Key) -> str:
+def si_unit(key: VehicleKey) -> str:
     """The SI unit of a key that is a quantity."""
     return {"mm": "m", "cm^2": "m^2"}.get(key.unit, key.unit)
 

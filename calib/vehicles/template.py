@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from calib.vehicles.keys import KEYS, Key
+from calib.vehicles.keys import KEYS, VehicleKey
 
 if TYPE_CHECKING:
     from tomlkit import TOMLDocument
@@ -48,7 +48,7 @@ def vehicle_text(values: Mapping[str, str]) -> str:
     return tomlkit.dumps(document)
 
 
-def _fill(part: "TOMLDocument | Table", keys: list[Key], values: Mapping[str, str]) -> None:
+def _fill(part: "TOMLDocument | Table", keys: list[VehicleKey], values: Mapping[str, str]) -> None:
     import tomlkit
 
     for i, key in enumerate(keys):
@@ -62,14 +62,14 @@ def _fill(part: "TOMLDocument | Table", keys: list[Key], values: Mapping[str, st
             part.add(tomlkit.comment(f"{key.name} = {key.example}"))
 
 
-def _comments(key: Key) -> Iterator[str]:
+def _comments(key: VehicleKey) -> Iterator[str]:
     yield from textwrap.wrap(key.meaning, WIDTH)
     yield from textwrap.wrap(f"measure: {key.measure}" if key.unit else key.measure, WIDTH)
     if key.usual:
         yield f"usual: {key.usual}"
 
 
-def _written(key: Key, value: str) -> str | int | float:
+def _written(key: VehicleKey, value: str) -> str | int | float:
     """A number without quotes where the key is one, as a person writes it."""
     if key.unit != "1":
         return value

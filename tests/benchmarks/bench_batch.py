@@ -27,7 +27,7 @@ from calib.estimation.weighed_level import weigh_level  # noqa: E402
 from calib.fleet.job import Job  # noqa: E402
 from calib.fleet.pool import Pool  # noqa: E402
 from calib.fleet.run import run_batch  # noqa: E402
-from calib.fleet.work import Item, run_items  # noqa: E402
+from calib.fleet.work import WorkItem, run_items  # noqa: E402
 from calib.logs.read import read_log  # noqa: E402
 from calib.names import G  # noqa: E402
 from calib.physics.vehicle_file import read_vehicle  # noqa: E402
@@ -145,7 +145,7 @@ def one_core(job: Job, paths: list[Path]) -> None:
     """One log after the other in this process, and the plain ways on the same logs."""
     assert job.table is not None
     packed = job.packed()
-    items = tuple(Item(path.name, str(path)) for path in paths)
+    items = tuple(WorkItem(path.name, str(path)) for path in paths)
     rows = run_items(packed, items)
     print("status of the rows:", *sorted({row.status for row in rows if row}))
     ours = best(lambda: run_items(packed, items), 5) / len(items)

@@ -4,13 +4,13 @@ import pytest
 
 from calib.checks.check import check, to_dict
 from calib.checks.figures import figures
-from calib.fleet.columns import COLUMNS, Kind
+from calib.fleet.columns import COLUMNS, ColumnKind
 from calib.fleet.command import Command
 from tests.support.made_runs import made_run, ramp
 
 
 def test_the_columns_of_a_batch_are_these():
-    columns = [c.name for c in COLUMNS[Command.CHECK] if c.kind == Kind.NUMBER]
+    columns = [c.name for c in COLUMNS[Command.CHECK] if c.kind == ColumnKind.NUMBER]
     assert list(figures(check(made_run()).seen)) == columns
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from calib.signing.password import Cost
 from calib.signing.secret_key import locked_file, secret_file
-from calib.store.state import Decision
+from calib.store.state import StateDecision
 from calib.store.store import Store
 from tests.support.signing import ADA, EVE, set_back
 
@@ -205,16 +205,16 @@ def test_what_cannot_be_kept_is_a_note(use, signed, seen, public):
 
 
 def test_a_withdrawn_golden_table_is_refused_by_its_signature(use, signed, store, public):
-    Store(store).judge("sedan@1", Decision("rejected", "wet"))
+    Store(store).judge("sedan@1", StateDecision("rejected", "wet"))
     ran = use("validate", "--require-signed", "--key", public)
     assert ran.code == 4
     assert "signed as released, rejected since" in ran.err
 
 
 def test_a_bare_name_is_not_an_older_version(tables, signed, two, secret, public, tmp_path):
-    Store(two).judge("sedan@2", Decision("released", "good"))
+    Store(two).judge("sedan@2", StateDecision("released", "good"))
     tables("sign", "sedan@2", "--key", secret)
-    Store(two).judge("sedan@2", Decision("rejected", "wet", by="Bob"))
+    Store(two).judge("sedan@2", StateDecision("rejected", "wet", by="Bob"))
     export = ("export", "--format", "json", "--out", tmp_path / "x.json", "--require-signed")
     ran = tables(*export, "sedan", "--key", public)
     assert (ran.code, ran.result) == (4, "")

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from calib.store.state import Decision
+from calib.store.state import StateDecision
 from calib.store.store import Store
 from calib.table.table import Value
 from tests.support.documents import missing_and_unknown
@@ -262,7 +262,7 @@ def state_of(folder):
 def test_a_person_s_rejection_is_not_overruled_by_another_run(station, tmp_path):
     assert station("--export", "dcm").code == 0
     assert state_of(tmp_path) == "released"
-    Store(tmp_path / "tables").judge("sedan-2up@1", Decision("rejected", "caliper cracked"))
+    Store(tmp_path / "tables").judge("sedan-2up@1", StateDecision("rejected", "caliper cracked"))
     limits = tmp_path / "wide.toml"
     limits.write_text("schema = 1\n[limits]\nvalid_share = { min = 0.4 }\n")
     ran = station("--export", "dcm", "--limits", limits)
@@ -299,7 +299,7 @@ def test_no_car_is_measured_by_a_rejected_table_or_a_copy(station, tmp_path):
     ran = station("--golden", tmp_path / "copy")
     assert ran.code == 4
     assert "outside of its store" in ran.err
-    store.judge("sedan-2up@1", Decision("rejected", "wet"))
+    store.judge("sedan-2up@1", StateDecision("rejected", "wet"))
     assert station("--golden", "sedan-2up@1").code == 4
     ran = station("--golden", "sedan-2up")
     assert ran.code == 4

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from calib.errors import InputError, LogError, SettingsError
-from calib.files.bounded import KINDS, POINTER, TOML, Kind, bytes_of, open_bounded, read_bounded
+from calib.files.bounded import KINDS, POINTER, TOML, FileKind, bytes_of, open_bounded, read_bounded
 
-SMALL = Kind("small", 0.001)
+SMALL = FileKind("small", 0.001)
 
 
 def test_a_regular_file_is_read_through_links(tmp_path):
@@ -37,7 +37,7 @@ def test_a_file_whose_size_its_system_does_not_know():
     """Those of /proc have size 0."""
     assert os.stat("/proc/self/maps").st_size == 0
     with pytest.raises(OSError, match="more than"):
-        read_bounded(Path("/proc/self/maps"), Kind("small", 0.0001))
+        read_bounded(Path("/proc/self/maps"), FileKind("small", 0.0001))
 
 
 def pipe(path):

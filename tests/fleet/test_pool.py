@@ -66,7 +66,9 @@ def test_a_pool_that_breaks_while_logs_are_handed_over_costs_no_row(
     class Breaks(Here):
         broken = False
 
-        def submit(self, packed: bytes, items: tuple[module.Item, ...]) -> "Future[module.Rows]":
+        def submit(
+            self, packed: bytes, items: tuple[module.WorkItem, ...]
+        ) -> "Future[module.Rows]":
             if len(self.done) >= 20 and not self.broken:
                 self.broken = True
                 raise BrokenExecutor("broke a moment ago")

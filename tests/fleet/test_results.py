@@ -4,7 +4,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.errors import InputError
-from calib.fleet.columns import Kind, ResultColumn
+from calib.fleet.columns import ColumnKind, ResultColumn
 from calib.fleet.results import open_fleet
 from tests.support.fleet_results import LOST, results
 
@@ -12,11 +12,11 @@ from tests.support.fleet_results import LOST, results
 def test_metrics_with_kind_and_unit(tmp_path):
     fleet = open_fleet(results(tmp_path / "r.parquet"))
     assert fleet.metrics == (
-        ResultColumn("pad_friction_f", Kind.NUMBER, "1"),
-        ResultColumn("settling", Kind.NUMBER, "s"),
-        ResultColumn("built", Kind.NUMBER, "s"),
-        ResultColumn("usable", Kind.YES_NO, "1"),
-        ResultColumn("verdict", Kind.TEXT, "1"),
+        ResultColumn("pad_friction_f", ColumnKind.NUMBER, "1"),
+        ResultColumn("settling", ColumnKind.NUMBER, "s"),
+        ResultColumn("built", ColumnKind.NUMBER, "s"),
+        ResultColumn("usable", ColumnKind.YES_NO, "1"),
+        ResultColumn("verdict", ColumnKind.TEXT, "1"),
     )
     assert np.flatnonzero(np.isnan(fleet.numbers("pad_friction_f"))).tolist() == list(LOST)
 

@@ -9,7 +9,7 @@ import pytest
 
 from calib.errors import BatchError, LogError
 from calib.fleet.job import Job
-from calib.fleet.journal import NAME, Journal
+from calib.fleet.journal import NAME, BatchJournal
 from calib.fleet.run import AHEAD, run_batch
 from calib.fleet.work import run_items
 from calib.logs.bus.databases import DatabaseFile
@@ -161,7 +161,7 @@ def test_a_full_disk_is_told_and_no_log_is_done_twice(job, six, monkeypatch):
     def full(self, rows):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Journal, "add", full)
+    monkeypatch.setattr(BatchJournal, "add", full)
     with pytest.raises(OSError, match="No space"):
         run_batch(job, [six], Path("out"), executor)
     assert executor.renewed == 0

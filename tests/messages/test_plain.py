@@ -2,14 +2,16 @@
 
 import pytest
 
-from calib.fleet.columns import COLUMNS, Kind
+from calib.fleet.columns import COLUMNS, ColumnKind
 from calib.messages.plain import METRICS, NBSP, plain
 from calib.station.metrics import METRICS as OF_CAR
 from calib.validation.metrics import METRICS as OF_STOPS
 
 
 def test_every_metric_has_a_plain_name():
-    of_fleet = {c.name for columns in COLUMNS.values() for c in columns if c.kind is Kind.NUMBER}
+    of_fleet = {
+        c.name for columns in COLUMNS.values() for c in columns if c.kind is ColumnKind.NUMBER
+    }
     assert {*OF_CAR, *OF_STOPS, *of_fleet} <= {*METRICS}
     assert not {*METRICS} & {shown.name for shown in METRICS.values()}
 

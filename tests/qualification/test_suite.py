@@ -144,7 +144,7 @@ def test_what_a_missing_package_reads_is_left_out_and_told(monkeypatch):
 
 @pytest.mark.parametrize("verdict", ["passed", "failed"])
 def test_a_station_with_one_verdict_is_seen(monkeypatch, verdict):
-    monkeypatch.setattr(station.Check, "verdict", property(lambda self: verdict))
+    monkeypatch.setattr(station.StationCheck, "verdict", property(lambda self: verdict))
     assert failed("station_verdicts", "station_holdout") == {"station_verdicts"}
 
 

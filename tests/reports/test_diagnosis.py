@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 from lxml import html
 
-from calib.diagnosis.proof.prove import Step, Withdrawn
+from calib.diagnosis.proof.prove import SearchStep, Withdrawn
 from calib.diagnosis.undecided.confusion import Confusion, Explanation, Pair
-from calib.diagnosis.undecided.drives import Drive
+from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.document import to_dict
 from calib.messages.warning import PlausibilityWarning
 from calib.physics.effects.catalogue import effect_named
@@ -86,14 +86,14 @@ def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
 
 
 def test_a_step_that_spares_an_effect_says_so(named):
-    steps = (*named.steps, Step(("hydraulic_lag",), 1.125, 0.5))
+    steps = (*named.steps, SearchStep(("hydraulic_lag",), 1.125, 0.5))
     assert rows(read(replace(named, steps=steps)), "The course")[-1] == [
         "hydraulic lag, without aerodynamic drag", "1.125", "+0.125", "0.50", "+0.25"
     ]  # fmt: skip
 
 
 def test_a_step_with_the_same_effects_is_a_better_fit_of_them(named):
-    steps = (*named.steps, Step(named.steps[-1].names, 0.875, 0.25))
+    steps = (*named.steps, SearchStep(named.steps[-1].names, 0.875, 0.25))
     assert rows(read(replace(named, steps=steps)), "The course")[-1] == [
         "the same, fitted anew", "0.875", "-0.125", "0.25", "+0.00"
     ]  # fmt: skip
@@ -141,9 +141,9 @@ def test_explanations_that_fit_alike_are_a_matrix_with_the_drive_for_each_pair(n
 def test_what_the_logs_could_not_show_has_the_drive_that_would(named):
     assert "What these logs could not show" not in texts(read(named), "//h2")
     unseen = (
-        Drive(effect_named("road_grade").card, "coast", 48.0),
-        Drive(effect_named("mass_error").card, "stop", 3.0),
-        Drive(effect_named("residual_torque").card, "stop", 0.0),
+        ShowingDrive(effect_named("road_grade").card, "coast", 48.0),
+        ShowingDrive(effect_named("mass_error").card, "stop", 3.0),
+        ShowingDrive(effect_named("residual_torque").card, "stop", 0.0),
     )
     names = tuple(drive.effect for drive in unseen)
     page = read(replace(named, not_resolved=names, drives=unseen))

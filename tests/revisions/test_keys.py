@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from calib.errors import RevisionError
-from calib.revisions.keys import Setting, key_of, settings_of
+from calib.revisions.keys import HandSetting, key_of, settings_of
 
 
 def test_a_pad_and_a_row_by_as_many_digits_as_tell_it(table):
     """The rows of the table are 0.00025 apart."""
     found = settings_of(table, ["pad_friction_f=0.4", " D[1.0025] = 0.06 ", "f2[1.00325]=-5e-2"])
     assert found == [
-        Setting("pad_friction_f", None, 0.4),
-        Setting("D", 10, 0.06),
-        Setting("f2", 13, -0.05),
+        HandSetting("pad_friction_f", None, 0.4),
+        HandSetting("D", 10, 0.06),
+        HandSetting("f2", 13, -0.05),
     ]
     assert [key_of(table, s.name, s.row) for s in found] == [
         "pad_friction_f", "D[1.0025]", "f2[1.00325]",
@@ -58,7 +58,7 @@ def test_too_few_digits_fit_two_rows(fitted):
         settings_of(fitted, [f"D[{0.5 * (low + high):.3f}]=0.05"])
     for row in (20, 21):
         written = f"D[{fitted.difference.eta[row]:.5f}]=0.05"
-        assert settings_of(fitted, [written]) == [Setting("D", row, 0.05)]
+        assert settings_of(fitted, [written]) == [HandSetting("D", row, 0.05)]
 
 
 def test_rows_of_D_that_f1_and_f2_do_not_have_cannot_be_set(table):

@@ -7,7 +7,7 @@ import pytest
 from calib.errors import RevisionError
 from calib.revisions.merge import merge
 from calib.revisions.parents import require_mergeable
-from calib.store.state import State
+from calib.store.state import VersionState
 from calib.table.by_hand import SetByHand
 from tests.support.cars_of_a_line import car_table, cars, version
 
@@ -93,6 +93,6 @@ def test_all_reasons_come_at_once():
 
 @pytest.mark.parametrize("word", ["rejected", "withdrawn"])
 def test_a_car_that_may_not_be_used_is_no_part_of_a_mean(word):
-    second = replace(PAIR[1], state=State(word, reason="front pads wet"))
+    second = replace(PAIR[1], state=VersionState(word, reason="front pads wet"))
     with pytest.raises(RevisionError, match=f"is {word}: front pads wet; leave it out"):
         merge([PAIR[0], second], "golden")

@@ -40,7 +40,7 @@ def test_the_last_car_is_first_with_its_verdict_and_next_step(folder):
 def test_failed_runs_stand_on_top_of_the_recent_ones(folder):
     """Of six runs, from the newest: passed, failed, warning, damaged, failed, refused."""
     verdicts = ("passed", "failed", "warning", index.UNREADABLE, "failed", index.NO_VERDICT)
-    runs = [index.Run(f"car-{i}", 10.0 - i, word) for i, word in enumerate(verdicts)]
+    runs = [index.IndexedRun(f"car-{i}", 10.0 - i, word) for i, word in enumerate(verdicts)]
     assert [run.place for run in worst_first(runs)] == [f"car-{i}" for i in (1, 3, 4, 5, 2, 0)]
     page = index_html(runs, "line")
     rows = page[page.index("<tbody>") :]

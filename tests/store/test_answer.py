@@ -3,7 +3,7 @@
 import pytest
 
 from calib.store.answer import answer, verdict, verdict_lines
-from calib.store.state import Decision
+from calib.store.state import StateDecision
 from calib.store.store import Store
 from tests.support.tables import made_table
 
@@ -21,7 +21,7 @@ REACH = ", up to 0.29 g (the ramp ends); pads known to "
     ],
 )
 def test_each_state_has_its_use(store, word, use):
-    stored = Store(store).save(made_table(), Decision(word, "made for a test"))
+    stored = Store(store).save(made_table(), StateDecision(word, "made for a test"))
     assert verdict(stored).startswith(use)
     first, last = verdict_lines(stored)
     assert first == f"sedan@1 is {verdict(stored)}"

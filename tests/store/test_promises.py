@@ -17,7 +17,7 @@ import calib.store.commit
 from calib.errors import DamagedTable, StoreError, TableNotFound
 from calib.exports.export import export
 from calib.exports.formats import ENDINGS
-from calib.store.state import Decision, Evidence
+from calib.store.state import Evidence, StateDecision
 from calib.store.store import Store
 from calib.table.table import Value
 from tests.support.tables import made_table
@@ -26,9 +26,9 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 PAGES = [ROOT / "calib" / "manual" / name for name in ("store.md", "signatures.md")]
 
-RELEASE = Decision("released", "four stops agree", by="Ada")
-REJECT = Decision("rejected", "front pads wet", by="Ada")
-WITHDRAW = Decision("withdrawn", "pads recalled", by="Ada")
+RELEASE = StateDecision("released", "four stops agree", by="Ada")
+REJECT = StateDecision("rejected", "front pads wet", by="Ada")
+WITHDRAW = StateDecision("withdrawn", "pads recalled", by="Ada")
 
 
 @pytest.fixture

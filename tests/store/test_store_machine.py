@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from calib.errors import DamagedTable, StoreError
-from calib.store.state import Decision, Evidence
+from calib.store.state import Evidence, StateDecision
 from calib.store.store import Store
 from tests.support.killed import killed
 from tests.support.tables import made_table
@@ -59,7 +59,7 @@ class StoreMachine(RuleBasedStateMachine):
           proof=st.sampled_from("abc"))  # fmt: skip
     def station(self, content, word, proof):
         evidence = (Evidence("station.json", proof),)
-        decision = Decision(word, "by the station", word, evidence, "s", automatic=True)
+        decision = StateDecision(word, "by the station", word, evidence, "s", automatic=True)
         known = self.holder(content)
         now = self.model[known].state if known else "draft"
         kept = now == "withdrawn" or (now, word) == ("rejected", "released")
@@ -72,7 +72,7 @@ class StoreMachine(RuleBasedStateMachine):
         number = data.draw(st.sampled_from(sorted(self.model)))
         version = self.model[number]
         evidence = (Evidence("summary.json", proof),) if proof else ()
-        decision = Decision(word, "why", "", evidence, "p")
+        decision = StateDecision(word, "why", "", evidence, "p")
         if number in self.gone and self.allowed(version, word, proof) and word == "withdrawn":
             assert self.store.withdraw_missing(f"sedan@{number}", decision)
             self.decided(version, word, "")
@@ -104,7 +104,7 @@ class StoreMachine(RuleBasedStateMachine):
         version = self.model[number]
         if not version.sound or version.state == "withdrawn":
             return
-        decision = Decision("withdrawn", "why", by="k")
+        decision = StateDecision("withdrawn", "why", by="k")
         killed(lambda: self.store.judge(f"sedan@{number}", decision), before)
         state = next(e.state for e in self.entries() if e.version == number)
         assert state.word in (version.state, "withdrawn")

@@ -20,7 +20,7 @@ from collections import Counter
 from functools import partial
 from pathlib import Path
 
-from calib.store.state import Decision
+from calib.store.state import StateDecision
 from calib.store.store import Store
 from tests.support.killed import killed
 from tests.support.tables import made_table
@@ -78,7 +78,7 @@ def by_change(kills: int, rng: random.Random, folder: Path) -> Counter[str]:
         word = rng.choice(("released", "rejected"))
         before = rng.randrange(22)
         counts["kills"] += 1
-        save = partial(store.save, table, Decision(word, "study", by="study"))
+        save = partial(store.save, table, StateDecision(word, "study", by="study"))
         counts["met a write"] += killed(save, before)
         look(store, told, counts)
     return counts

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from calib.fleet.job import Job
 from calib.fleet.pool import Rows
-from calib.fleet.work import Item, run_items
+from calib.fleet.work import WorkItem, run_items
 from calib.logs.log import Log
 from calib.logs.write import write_csv
 from calib.table.table import Table
@@ -41,7 +41,7 @@ class Here:
     def __init__(self, kills: Callable[[str], bool] = lambda name: False):
         self.kills, self.done, self.renewed = kills, list[str](), 0
 
-    def submit(self, packed: bytes, items: tuple[Item, ...]) -> Future[Rows]:
+    def submit(self, packed: bytes, items: tuple[WorkItem, ...]) -> Future[Rows]:
         future: Future[Rows] = Future()
         if any(self.kills(item.name) for item in items):
             future.set_exception(BrokenExecutor("killed"))

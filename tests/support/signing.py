@@ -11,7 +11,7 @@ from calib.errors import StoreError
 from calib.signing.secret_key import SecretKey
 from calib.store.commit import write_journal
 from calib.store.journal import Entry, Journal
-from calib.store.state import Decision
+from calib.store.state import StateDecision
 from calib.store.store import Store
 from calib.store.trust import require_signed, verify_signed
 
@@ -20,9 +20,9 @@ EVE = SecretKey(b"evesline", bytes(range(1, 33)))
 NAMESAKE = SecretKey(ADA.public.number, bytes(range(2, 34)))
 """Another key that bears the number of Ada's."""
 
-RELEASE = Decision("released", "four stops agree", by="Ada")
-REJECT = Decision("rejected", "front pads wet", by="Bob")
-WITHDRAW = Decision("withdrawn", "pads recalled", by="Bob")
+RELEASE = StateDecision("released", "four stops agree", by="Ada")
+REJECT = StateDecision("rejected", "front pads wet", by="Bob")
+WITHDRAW = StateDecision("withdrawn", "pads recalled", by="Bob")
 
 
 def set_back(store: Store, lines: int) -> None:

@@ -10,7 +10,7 @@ from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.channels import ChannelNoise
 from calib.diagnosis.proof.gap import CHANNELS, ChannelGap, Gap
 from calib.diagnosis.proof.oscillation import Oscillation
-from calib.diagnosis.proof.prove import Step
+from calib.diagnosis.proof.prove import SearchStep
 from calib.diagnosis.proof.remainder import Remainder
 from calib.diagnosis.proof.unexplained import UnexplainedTerm
 from calib.logs.read import read_log
@@ -47,7 +47,7 @@ def named_drag():
     return Diagnosis(
         "named", (drag,), None, {"pad_friction_f": estimate(0.375), "tyre_peak": estimate(0.8)},
         gap, model, model, (log,), (log,), (log,), 3.5, 1.0, QUIET, (),
-        (Step((), 3.5, 8.0), Step(("aerodynamic_drag",), 1.0, 0.25)),
+        (SearchStep((), 3.5, 8.0), SearchStep(("aerodynamic_drag",), 1.0, 0.25)),
         ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts", 900), (), {}, (), (), None,
             {}, (),
     )  # fmt: skip

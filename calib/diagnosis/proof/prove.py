@@ -97,7 +97,7 @@ class Withdrawn:
 
 
 @dataclass(frozen=True)
-class Step:
+class SearchStep:
     """One step: the effects present, mean squared innovation and size of the remainder [1]."""
 
     names: tuple[str, ...]
@@ -122,7 +122,7 @@ class Proved:
     left: Remainder
     rest: bool
     withdrawn: tuple[Withdrawn, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[SearchStep, ...]
     placed: UnexplainedTerm | None = None
 
 
@@ -174,8 +174,8 @@ def _gap(base: Candidate, bare: Remainder) -> bool:
     return bare.significant or strange(base)
 
 
-def _step(candidate: Candidate, left: Remainder) -> Step:
-    return Step(candidate.names, candidate.reduced, left.size)
+def _step(candidate: Candidate, left: Remainder) -> SearchStep:
+    return SearchStep(candidate.names, candidate.reduced, left.size)
 
 
 def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:

@@ -37,7 +37,7 @@ LEAST = 1e-6
 
 
 @dataclass(frozen=True)
-class Blocks:
+class SignedBlocks:
     """Where the blocks (b,) of the innovations start, and at which block each run starts (r,)."""
 
     start: Index
@@ -76,7 +76,7 @@ class _Draws:
 
     at: Candidate
     turned: Candidate
-    blocks: Blocks
+    blocks: SignedBlocks
     rest: Array
     signs: Array
 
@@ -117,7 +117,7 @@ class _Draws:
         return changes_by(self.turned, change.name, self.at.directions)
 
 
-def _blocks(whitened: list[list[Array]]) -> Blocks:
+def _blocks(whitened: list[list[Array]]) -> SignedBlocks:
     start: list[int] = []
     run: list[int] = []
     at = 0
@@ -126,7 +126,7 @@ def _blocks(whitened: list[list[Array]]) -> Blocks:
         for channel in channels:
             start += list(range(at, at + channel.size, BLOCK))
             at += channel.size
-    return Blocks(np.array(start), np.array(run))
+    return SignedBlocks(np.array(start), np.array(run))
 
 
 def _quarter_turned(problem: Problem) -> Problem:

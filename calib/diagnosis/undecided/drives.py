@@ -25,7 +25,7 @@ catalogue (`calib.diagnosis.search.chance`), some 4 sigma, or 9 for a ripple."""
 
 
 @dataclass(frozen=True)
-class Drive:
+class ShowingDrive:
     """The manoeuvre in which the effect of a ``card``, at its usual size, shows most.
 
     ``sigma`` is what no other parameter can imitate there, over the noise.
@@ -46,7 +46,7 @@ class Drive:
         return self.sigma > CLEAR
 
 
-def drives(problem: Problem, at: Candidate, names: tuple[str, ...]) -> tuple[Drive, ...]:
+def drives(problem: Problem, at: Candidate, names: tuple[str, ...]) -> tuple[ShowingDrive, ...]:
     """The best drive for each of the effects ``names``, on top of what explains the logs."""
     if not names:
         return ()
@@ -59,7 +59,7 @@ def drives(problem: Problem, at: Candidate, names: tuple[str, ...]) -> tuple[Dri
     for i, effect in enumerate(names):
         best = max(shown, key=lambda name: float(shown[name][i]))
         card = definition(problem.vehicle.effects, effect).card
-        found.append(Drive(card, best, float(shown[best][i])))
+        found.append(ShowingDrive(card, best, float(shown[best][i])))
     return tuple(found)
 
 

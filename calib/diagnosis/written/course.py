@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from calib.diagnosis.proof.prove import Step
+from calib.diagnosis.proof.prove import SearchStep
 
 
 @dataclass(frozen=True)
@@ -19,10 +19,10 @@ class Change:
     removed: tuple[str, ...]
     gain: float
     fall: float
-    step: Step
+    step: SearchStep
 
 
-def changes(steps: Sequence[Step]) -> list[Change]:
+def changes(steps: Sequence[SearchStep]) -> list[Change]:
     """What each step after the first one changed."""
     return [
         Change(

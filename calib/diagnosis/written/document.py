@@ -7,11 +7,11 @@ from typing import Any
 
 from calib.diagnosis.diagnose import Diagnosis, Named, ParameterEstimate
 from calib.diagnosis.proof.gap import UNITS, ChannelGap, Gap
-from calib.diagnosis.proof.prove import Step
+from calib.diagnosis.proof.prove import SearchStep
 from calib.diagnosis.proof.remainder import Remainder
 from calib.diagnosis.proof.unexplained import UnexplainedTerm, held_from
 from calib.diagnosis.undecided.confusion import Confusion
-from calib.diagnosis.undecided.drives import Drive
+from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.course import changes
 from calib.messages.warning import to_dict as warning_dict
 from calib.physics.effects.empirical import DRIVERS
@@ -90,7 +90,7 @@ def _effect(effect: Named) -> dict[str, Any]:
     }
 
 
-def _steps(steps: tuple[Step, ...]) -> list[dict[str, Any]]:
+def _steps(steps: tuple[SearchStep, ...]) -> list[dict[str, Any]]:
     """Every step; what it added and what that brought, for each but the first."""
     brought = [
         {"added": c.added, "removed": c.removed, "innovation_gain": c.gain, "left_fall": c.fall}
@@ -119,7 +119,7 @@ def _confusion(found: Confusion) -> dict[str, Any]:
     }
 
 
-def _drive(found: Drive) -> dict[str, Any]:
+def _drive(found: ShowingDrive) -> dict[str, Any]:
     units = found.card.units
     return {
         "effect": found.effect,

@@ -12,7 +12,7 @@ from calib.diagnosis.proof.unexplained import (
 )
 from calib.diagnosis.runs.sides import USUAL
 from calib.diagnosis.search.groups import LogGroup
-from calib.diagnosis.undecided.drives import Drive
+from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.printed import in_shown, percent, span, with_unit
 from calib.names import AXLE_NAMES
 from calib.physics.own_effects.own_effect import definition
@@ -378,14 +378,14 @@ def not_resolved(found: Diagnosis) -> str:
     )
 
 
-def would_show(drive: Drive) -> str:
+def would_show(drive: ShowingDrive) -> str:
     """The manoeuvre that would show an effect, in words."""
     if drive.clear:
         return drive.name
     return f"none that was tried; most of all {drive.name}" if drive.sigma > 1.0 else "none"
 
 
-def usual_size(drive: Drive) -> str:
+def usual_size(drive: ShowingDrive) -> str:
     """The usual size of an effect: its strength with the unit."""
     strength = drive.card.parameters[0]
     value = in_shown(drive.card.usual[strength.name], strength.unit)

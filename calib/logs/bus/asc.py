@@ -26,7 +26,7 @@ _BEGIN = re.compile(r"\s*begin\s+triggerblock", re.IGNORECASE)
 _END = re.compile(r"\s*end\s+triggerblock", re.IGNORECASE)
 
 
-class _Lines(Counted):
+class _AscLines(Counted):
     """Lines of an ASC file.
 
     python-can skips the line after the header if the header has no line on internal events. If the
@@ -86,7 +86,7 @@ def open_asc(path: Path, dbc: Databases) -> Recording:
     can = need("can", "can", where)
     known = require_dbc(dbc, "can", where)
     with path.open(encoding="utf-8", errors="replace") as file:
-        lines = _Lines(file, path)
+        lines = _AscLines(file, path)
         found = lines.gathered(whole_frames(can.ASCReader(lines), _stated, where), known)
     if lines.begun and not lines.ended:
         raise LogError(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import LogError
-from calib.logs.bus.blf_objects import Found, walk
+from calib.logs.bus.blf_objects import FoundObjects, walk
 from calib.logs.bus.databases import Databases
 from calib.logs.bus.recording import gathered, recording, require_dbc
 from calib.logs.extra import need
@@ -96,7 +96,7 @@ def check_whole(path: Path) -> Objects:
     return Objects(found.objects, found.frames, count)
 
 
-def _require_all(found: Found, unpacked: int, count: int, path: Path) -> None:
+def _require_all(found: FoundObjects, unpacked: int, count: int, path: Path) -> None:
     """Raise LogError for less than the header states, or an object that is not complete.
 
     ``found.padding`` is allowed for, because writers may count it or not.

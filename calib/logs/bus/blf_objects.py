@@ -26,7 +26,7 @@ _NEXT = 8
 
 
 @dataclass
-class Found:
+class FoundObjects:
     """Numbers of objects and frames, and sizes in bytes.
 
     ``unpacked`` counts the objects of the file, with the containers unpacked; ``padding`` the bytes
@@ -45,12 +45,12 @@ class Found:
         self.frames += sum(kind in _FRAMES for kind in kinds)
 
 
-def walk(file: BinaryIO, path: Path) -> Found:
+def walk(file: BinaryIO, path: Path) -> FoundObjects:
     """Count all objects from the position of ``file`` on, also those in containers.
 
     Raises LogError for damage, and for a container that holds less than it states.
     """
-    found = Found()
+    found = FoundObjects()
     for kind, content in _outer(file, path):
         found.unpacked += _OBJECT.size
         found.padding += len(content) % 4

@@ -40,7 +40,7 @@ _NUMBER = re.compile(r"\s*(\d+)\)?\s")
 NO_FOOTER = "PEAK TRC has no footer: a log cut at the end of a line looks like a complete one"
 
 
-class _Lines(Counted):
+class _TrcLines(Counted):
     """Lines of a TRC file. The number of each message must follow that of the one before."""
 
     def __init__(self, file: TextIO, path: Path):
@@ -91,7 +91,7 @@ def open_trc(path: Path, dbc: Databases) -> Recording:
     with path.open(encoding="utf-8", errors="replace") as file:
         _check_version(file, path)
         file.seek(0)
-        lines = _Lines(file, path)
+        lines = _TrcLines(file, path)
         found = lines.gathered(whole_frames(can.TRCReader(lines), _stated, where), known)
     lines.require_all(found)
     return recording(found, known, (NO_FOOTER,), where)
