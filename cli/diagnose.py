@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+from calib.diagnosis.gates import GATES
 from calib.messages.plain import counted
 from cli.console import emit, emit_json, say, stages, warn
 from cli.inputs import channel_map_of, with_own_effects
@@ -64,7 +65,6 @@ def diagnose(
     Ctrl-C or SIGTERM.
     """
     from calib.diagnosis.diagnose import diagnose as find
-    from calib.diagnosis.search.search import REFINED
     from calib.diagnosis.written.document import text_of, to_dict
     from calib.diagnosis.written.folder import files_of, write_folder
     from calib.physics.vehicle_file import read_vehicle
@@ -80,7 +80,7 @@ def diagnose(
     mapping = channel_map_of(channel_map)
     paths, runs = [*logs, *kept], []
     # A function of one's own acts in one process only.
-    count = 1 if car.effects.own else workers or min(cores(), REFINED)
+    count = 1 if car.effects.own else workers or min(cores(), GATES.refined)
     with stoppable("stopped; nothing was written"):
         with side_by_side(count, "calib.diagnosis.diagnose") as mapped:
             with stages() as tell:

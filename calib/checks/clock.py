@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from calib.checks.limits import LIMITS
 
-GAP = 3.0
-"""A step longer than this many median steps is a gap: two consecutive samples are lost."""
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ def clock_of(time: Array) -> Clock:
     """Sampling of a strictly increasing time [s], shape (n,)."""
     steps = np.diff(time)
     median = float(np.median(steps))
-    wide = steps > GAP * median
+    wide = steps > LIMITS.gap_steps * median
     jitter = steps[~wide] - median
     return Clock(
         samples=time.size,

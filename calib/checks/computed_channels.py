@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.limits import LIMITS
 from calib.errors import LogError
 from calib.logs.log import Log
 from calib.logs.source import ColumnSource
@@ -13,8 +14,6 @@ from calib.units import UnknownUnit, si_of, spelling
 
 Array = NDArray[np.float64]
 
-ALIKE = 1e-3
-"""Largest difference of a channel and its source, over its range [1]: rounding of decimals."""
 PRESSURES = ("p_mc", "p_fl", "p_fr", "p_rl", "p_rr")
 """The channels that are checked. The bus of some cars has the demanded brake torque and no
 pressure, and some decoders divide this torque by a constant to get a pressure."""
@@ -49,7 +48,7 @@ def factor_between(channel: Array, other: Array) -> float | None:
     if extent == 0.0 or not np.isfinite(other).all() or np.ptp(other) == 0.0:
         return None
     factor = float(channel @ other / (other @ other))
-    alike = float(np.max(np.abs(channel - factor * other))) < ALIKE * extent
+    alike = float(np.max(np.abs(channel - factor * other))) < LIMITS.computed_alike * extent
     return round(factor, 12) if alike else None
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.clock import GAP
+from calib.checks.limits import LIMITS
 from calib.checks.sensors import resolution_of
 from calib.logs.log import Log
 from calib.names import WHEELS
@@ -11,32 +11,20 @@ from calib.statistics.least_squares import explained_square
 
 Array = NDArray[np.float64]
 
-SAME = 0.99
-"""Correlation of the noise of two channels [1] from which they are one signal: the road shakes two
-wheels of an axle alike by 0.5."""
-
-STEPS = 2.0
-"""Noise of a channel over its resolution, below which it is rounding, and says nothing."""
-
 
 def made_of_wheels(log: Log) -> bool:
     """Whether ``v`` is a wheel speed times a radius, or a mean of several of them."""
     if not is_noise(log, "v"):
         return False
     wheels = np.array([rough(log, f"omega_{w}") for w in WHEELS])
-    return float(explained_square(wheels, rough(log, "v"))) > SAME**2
-
-
-CALMER = 0.95
-"""Share of the samples, those that change least, in which two copies agree as well: a bump shakes
-all wheels in a few samples, and these are most of the signal."""
+    return float(explained_square(wheels, rough(log, "v"))) > LIMITS.copy_correlation**2
 
 
 def alike(log: Log, one: str, other: str) -> float:
     """Correlation of the noise of two channels [1], 0 to 1; without the samples of a bump."""
     x = np.array([rough(log, one), rough(log, other)])
     far = np.sum(x**2, axis=0)
-    x = x[:, far <= np.quantile(far, CALMER)]
+    x = x[:, far <= np.quantile(far, LIMITS.copy_calmer)]
     size = float(np.prod(np.linalg.norm(x, axis=1)))
     return abs(float(x[0] @ x[1])) / size if size > 0.0 else 0.0
 
@@ -51,7 +39,7 @@ def rough(log: Log, channel: str) -> Array:
 def _differences(log: Log, channel: str) -> Array:
     """Second differences of a channel without those over a gap, which every channel has alike."""
     steps = np.diff(log.time)
-    even = steps <= GAP * log.sample_time
+    even = steps <= LIMITS.gap_steps * log.sample_time
     return np.asarray(np.diff(log[channel], 2)[even[1:] & even[:-1]])
 
 
@@ -62,6 +50,6 @@ def is_noise(log: Log, channel: str) -> bool:
     """
     differences = _differences(log, channel)
     square = float(differences @ differences)
-    rounding = STEPS * resolution_of(log[channel])
+    rounding = LIMITS.copy_steps * resolution_of(log[channel])
     above = square > rounding**2 * differences.size
     return above and float(differences[1:] @ differences[:-1]) < -0.3 * square

@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.wheel_checks import BLOCK, IntervalEstimate
+from calib.checks.limits import LIMITS
+from calib.checks.wheel_checks import IntervalEstimate
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.signals.driving_record import DrivingRecord, Mask
@@ -32,13 +33,6 @@ PARTS = np.array([[1, 1, -1, -1], [1, -1, 1, -1], [1, -1, -1, 1]]) / 2.0
 LOW, HIGH = 0.1, 0.5
 """Range of deceleration [1] in which the wheels are compared."""
 
-ALONE = 3.0
-"""X or L over the larger one of the other two [1] from which it stands alone."""
-
-LEAST = 5e-3
-"""X over the deceleration [1] that unlike brakes of the four wheels do not make: slip is z/25 or a
-little more, so it is an eighth of it; E of a usual car is a fifth or more
-(`tests/studies/crossed_wheels.py`)."""
 
 CORRECT = "compare the columns with the car, and correct them with a channel map"
 """What to do about columns that have changed places."""
@@ -95,8 +89,8 @@ def wheel_parts(log: Log, driving: DrivingRecord) -> WheelParts | None:
 
 
 def _parts(log: Log, driving: DrivingRecord, mask: Mask) -> Array:
-    """E, L and X of means over `BLOCK` where ``mask`` holds [1], (3, k)."""
-    n = max(1, round(BLOCK / driving.step))
+    """E, L and X of means over `wheel_block` where ``mask`` holds [1], (3, k)."""
+    n = max(1, round(LIMITS.wheel_block / driving.step))
     if mask.sum() < n:
         return np.empty((3, 0))
     wheels = np.array([block_mean(log[f"omega_{w}"][mask], n) for w in WHEELS])
@@ -112,7 +106,7 @@ def crossed_side(parts: WheelParts | None, alone: str | None = None) -> Crossed 
         return None
     x = parts.diagonals
     others = max(abs(parts.axles.value), abs(parts.sides.value))
-    if abs(x.value) - x.half < max(ALONE * others, LEAST * parts.z):
+    if abs(x.value) - x.half < max(LIMITS.crossed_alone * others, LIMITS.crossed_least * parts.z):
         return None
     left = (x.value < 0.0) is (alone != "r")
     wheels = ("fl", "rl") if left else ("fr", "rr")
@@ -127,8 +121,10 @@ def crossed_diagonal(parts: WheelParts | None, expected: float) -> Crossed | Non
     if parts is None:
         return None
     part, e, x = parts.sides, abs(parts.axles.value), abs(parts.diagonals.value)
-    low, high = abs(expected) / ALONE, ALONE * abs(expected)
-    alone = abs(part.value) - part.half > max(ALONE * max(e, x), LEAST * parts.z)
+    low, high = abs(expected) / LIMITS.crossed_alone, LIMITS.crossed_alone * abs(expected)
+    alone = abs(part.value) - part.half > max(
+        LIMITS.crossed_alone * max(e, x), LIMITS.crossed_least * parts.z
+    )
     if not (alone and low < abs(part.value) < high and e < low):
         return None
     left = (part.value < 0.0) is (expected > 0.0)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.observation import STANDING
+from calib.checks.limits import LIMITS
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.signals.driving_record import STEADY, brake_events, driving_record
@@ -54,7 +54,7 @@ def _events(log: Log) -> Iterator[RunEvent]:
         yield RunEvent(BITE, event.start, event.start)
         yield RunEvent(BRAKING, event.start, event.end)
     wheels = np.max([log[f"omega_{w}"] for w in WHEELS], axis=0)
-    for span in _spans(log, wheels < STANDING):
+    for span in _spans(log, wheels < LIMITS.standing):
         yield RunEvent(STANDSTILL, *span)
 
 

@@ -15,7 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.run_view import COMPARED, MEANS, View, noise_of, view_of, with_wheels
+from calib.checks.limits import LIMITS
+from calib.checks.run_view import COMPARED, View, noise_of, view_of, with_wheels
 from calib.logs.log import Log
 from calib.names import WHEELS
 
@@ -73,9 +74,11 @@ class Fingerprint:
 
 def fingerprint_of(log: Log) -> Fingerprint:
     """The fingerprint of a run, which must have its wheel speeds."""
-    view = view_of(log, MEANS, means=True)
+    view = view_of(log, LIMITS.run_means, means=True)
     return Fingerprint(
-        VERSION, MEANS, tuple(_channel(name, view[name]) for name in COMPARED if name in view)
+        VERSION,
+        LIMITS.run_means,
+        tuple(_channel(name, view[name]) for name in COMPARED if name in view),
     )
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.limits import LIMITS
 from calib.checks.same_run import same_run
 from calib.checks.swapped import what_to_check
 from calib.errors import LogError
@@ -16,12 +17,6 @@ from calib.signals.axle_signals import Signals, rolling_radii
 from calib.signals.blocks import Blocks
 from calib.signals.driving_record import SETTLE
 from calib.signals.one_axle import braked_alone
-
-RADIUS_TOLERANCE = 0.03
-"""Largest deviation of v/(R omega) from 1 without braking: tyre wear and pressure cause 2 %."""
-
-STEADY_DRIVE = 20.0
-"""Change of the drive's torque [N m per axle] that moves eta by 0.03 %, a tenth of its rise."""
 
 
 def refuse_copies(fitted: Sequence[Log], held: Sequence[Log] = ()) -> None:
@@ -62,7 +57,7 @@ def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:
         return
     axles = (("front", vehicle.front), ("rear", vehicle.rear))
     for (side, axle), radius in zip(axles, radii, strict=True):
-        if abs(radius / axle.rolling_radius - 1.0) > RADIUS_TOLERANCE:
+        if abs(radius / axle.rolling_radius - 1.0) > LIMITS.radius_tolerance:
             raise LogError(
                 f"the {side} wheels roll with a radius of {radius:.3f} m",
                 where=log.source,
@@ -80,7 +75,7 @@ def eta_rise(b: Blocks, use: NDArray[np.bool_]) -> tuple[float, float]:
     for drive in (b.drive_f, b.drive_r):
         if b.lead_in.any() and use.any():
             change = float(np.median(drive[use]) - np.median(drive[b.lead_in]))
-            if abs(change) > STEADY_DRIVE:
+            if abs(change) > LIMITS.steady_drive:
                 return np.nan, np.nan
     sides = [b.eta[b.lead_in], b.eta[use]]
     if min(side.size for side in sides) < 4:

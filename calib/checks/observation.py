@@ -7,6 +7,7 @@ import numpy as np
 from calib.checks.clock import Clock, clock_of
 from calib.checks.copies import made_of_wheels
 from calib.checks.crossed_wheels import WheelParts, wheel_parts
+from calib.checks.limits import LIMITS
 from calib.checks.pressure_checks import explained
 from calib.checks.sensors import Sensor, sensors_of
 from calib.checks.wheel_checks import Axles, Slipping, axles_of, slipping
@@ -17,8 +18,6 @@ from calib.signals.one_axle import Axle, braked_alone_in
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 OPTIONAL = tuple(q.name for q in CHANNELS.values() if not q.required)
-STANDING = 0.5
-"""Wheel speed [rad/s] below which a car stands still: 0.15 m/s."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,7 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
         lead_in=float(steady.sum() * driving.step),
         coasting=float(driving.unbraked.sum() * driving.step),
         lead_in_driven=bool((driving.wheel_z[rolling] < -0.1).sum() > 0.2 * rolling.sum()),
-        standing=float((wheels < STANDING).sum() * driving.step),
+        standing=float((wheels < LIMITS.standing).sum() * driving.step),
         speed=float(driving.speed.max()),
         z=float(driving.z[driving.moving].max()) if driving.moving.any() else 0.0,
         alone=braked_alone_in(log),

@@ -9,6 +9,7 @@ lag in the delay, resistance and a bias of a_x in a. Wrong where a wheel is at i
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.limits import LIMITS
 from calib.logs.log import Log
 from calib.names import AXLES, G
 from calib.physics.braking import MOVING
@@ -26,23 +27,9 @@ below it."""
 GREATEST = 1.5 * G
 """Deceleration [m/s^2] that no road car reaches: a sample past it is a glitch of a_x."""
 
-WIDTH = 0.3
-"""Width of the means that are compared [s]: brakes build up in 0.1 to 0.2 s."""
-
-EVERY = 0.05
-"""Step at which they are compared [s]."""
 
 DELAYS = np.arange(-0.2, 0.51, 0.05)
 """Delays of the deceleration against the pressure that are tried [s]: clocks may be early."""
-
-AFTER = 0.5
-"""Time after a braking that still tells of it [s]."""
-
-LEAD_IN = 0.25
-"""Rolling before the braking that is needed [s]: without it a steady stop has nothing to tell."""
-
-BRAKED = 1.0
-"""Braking that is needed [s]."""
 
 
 def explained(log: Log, driving: DrivingRecord) -> float | None:
@@ -54,7 +41,7 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
     if any(f"T_drive_{axle}" in log for axle in AXLES):
         return None
     step = driving.step
-    width = max(1, round(WIDTH / step)) | 1
+    width = max(1, round(LIMITS.pressure_width / step)) | 1
     z = centred_mean(driving.z, width)
     active = driving.braked | (z > SLOWS)
     if not active.any():
@@ -63,11 +50,13 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
     rolling = before & (np.abs(driving.z) < STEADY)
     glitch = (np.abs(log["a_x"]) > GREATEST).astype(float)
     use = (driving.speed > MOVING) & (centred_mean(glitch, width) == 0.0)
-    enough = (use & active).sum() * step >= BRAKED and (use & rolling).sum() * step >= LEAD_IN
+    enough = (use & active).sum() * step >= LIMITS.pressure_braked and (
+        use & rolling
+    ).sum() * step >= LIMITS.pressure_lead_in
     if not enough:
         return None
-    at = np.flatnonzero(use & (rolling | (since(log.time, active) < AFTER)))
-    at = at[:: max(1, round(EVERY / step))]
+    at = np.flatnonzero(use & (rolling | (since(log.time, active) < LIMITS.pressure_after)))
+    at = at[:: max(1, round(LIMITS.pressure_every / step))]
     time, y = log.time[at], z[at] - float(np.mean(z[at]))
     front, rear = (axle_pressure(log, axle) for axle in AXLES)
     unlike = (front,) if np.array_equal(front, rear) else (front, rear)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from calib.checks.crossed_wheels import CORRECT, crossed_side
+from calib.checks.limits import LIMITS
 from calib.checks.observation import Observation
 from calib.checks.sensors import Sensor
 from calib.signals.driving_record import BITE_Z, BrakeEvent
@@ -10,24 +11,7 @@ from calib.signals.driving_record import BITE_Z, BrakeEvent
 PURPOSES = ("fit", "validate", "coast", "diagnose")
 """What a log may serve for; "coast": a fit, in addition to its ramps."""
 
-# The lowest and highest sample rates that must work, with a tolerance for inexact rates.
-RATES = (38.0, 1050.0)
-LEAD_IN_FIT, LEAD_IN_GOOD, LEAD_IN_VALIDATE = 0.5, 1.0, 0.25  # [s]
-RAMP_Z, RAMP_TIME, RAMP_RISE = 0.25, 2.0, 1.0  # [g], braking [s], of which rising [s]
-ONE_AXLE_Z = 0.12  # [g] of a ramp with one axle only: 0.3 of a rear axle's load
-BRAKING = 1.0  # [s] above 3 m/s
-COASTING = 2.0  # [s]; a coast of that length gives the zero of eta and the drag
-RADIUS = (0.12, 0.9)  # [m] range of plausible a_x over wheel deceleration
-NEVER_FREE = 1e5  # [Pa] pressure that a released pedal does not leave
-SOFTEST = 20e5  # [Pa] for each g; usual cars need 60 to 150 bar
-EXPLAINED = 0.75
-"""Share of the deceleration's variance [1] that the pressure of a run explains: 0.95 and more with
-every effect of the catalogue in the brakes, three at a time (`tests/studies/mixed_up.py`), 0.86 on
-a race track, with gears and kerbs."""
-PRESSURE = 350e5  # [Pa] above the pressure of any master cylinder
 GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
-HOLE = 0.1  # [s] longest gap within a braking
-ALIKE = 5e-4  # [1] change of eta below which the axles slip alike; a usual front bias makes 2e-3
 
 
 def problems(seen: Observation, purpose: str) -> list[str]:
@@ -60,7 +44,7 @@ def _unusable(seen: Observation) -> Iterator[str]:
         yield f"{name} is missing: record it" + (
             ", in bar, at the master cylinder" if name == "p_mc" else ""
         )
-    if not RATES[0] <= seen.clock.rate <= RATES[1]:
+    if not LIMITS.rates[0] <= seen.clock.rate <= LIMITS.rates[1]:
         yield f"the clock runs at {seen.clock.rate:.4g} Hz: record at 40 Hz to 1 kHz, best 200 Hz"
     if set(seen.missing) - {"p_mc"}:
         return
@@ -103,7 +87,7 @@ def _wrong_a_x(seen: Observation) -> Iterator[str]:
             "a_x is positive while the wheels slow down: reverse its sign in a channel "
             "map (sign = -1); forward is positive"
         )
-    if not RADIUS[0] <= abs(slope) <= RADIUS[1]:
+    if not LIMITS.wheel_radius[0] <= abs(slope) <= LIMITS.wheel_radius[1]:
         yield (
             f"a_x and the wheel speeds fit together as if the wheels had a radius of "
             f"{abs(slope):.3g} m: check the unit of both (g or m/s^2, rad/s or rpm)"
@@ -114,30 +98,30 @@ def _wrong_pressure(seen: Observation) -> Iterator[str]:
     sensor = seen.sensor("p_mc")
     if sensor is None:
         return
-    if sensor.high > PRESSURE:
+    if sensor.high > LIMITS.pressure:
         yield f"p_mc reaches {sensor.high / 1e5:.0f} bar: check its unit"
     if sensor.low < -3e5:
         yield f"p_mc falls to {sensor.low / 1e5:.1f} bar: check its zero and its sign"
-    if sensor.low > NEVER_FREE:
+    if sensor.low > LIMITS.never_free:
         yield (
             f"p_mc never falls below {sensor.low / 1e5:.1f} bar: check its zero with the pedal "
             "released"
         )
-    if seen.z > 2.5 * BITE_Z and sensor.high < SOFTEST * seen.z:
+    if seen.z > 2.5 * BITE_Z and sensor.high < LIMITS.softest * seen.z:
         yield (
             f"p_mc takes {sensor.high / seen.z / 1e5:.1f} bar for each g, and no car less than "
-            f"{SOFTEST / 1e5:g}: check its unit (bar or MPa) and its scale"
+            f"{LIMITS.softest / 1e5:g}: check its unit (bar or MPa) and its scale"
         )
 
 
 def _foreign_pressure(seen: Observation) -> Iterator[str]:
     """A wheel at its limit does not follow its pressure, so nothing is said of it."""
     limited = seen.slipping is not None and (seen.slipping.cycles or seen.slipping.locked)
-    if seen.explained is not None and seen.explained < EXPLAINED and not limited:
+    if seen.explained is not None and seen.explained < LIMITS.explained and not limited:
         yield (
             f"p_mc explains {100 * max(seen.explained, 0.0):.0f} % of how the deceleration goes, "
-            f"and that of the same run {100 * EXPLAINED:.0f} % or more: look for a pressure of "
-            "another run or another clock, and log the torque T_drive of a motor that brakes"
+            f"and that of the same run {100 * LIMITS.explained:.0f} % or more: look for a pressure "
+            "of another run or another clock, and log the torque T_drive of a motor that brakes"
         )
 
 
@@ -145,7 +129,7 @@ def _not_for_fit(seen: Observation) -> Iterator[str]:
     if not seen.events:
         yield "no braking: drive a slow pressure ramp of 3 to 8 s; use a coast log only in addition"
         return
-    yield from _short_lead_in(seen, LEAD_IN_FIT, "ramp")
+    yield from _short_lead_in(seen, LIMITS.lead_in_fit, "ramp")
     ramp = ramp_of(seen)
     if ramp is None:
         yield from _no_ramp(max(seen.events, key=lambda e: e.rise_z), _least_span(seen))
@@ -164,26 +148,26 @@ def _short_lead_in(seen: Observation, least: float, braking: str) -> Iterator[st
 
 def ramp_of(seen: Observation) -> BrakeEvent | None:
     """The ramp with the widest range, or None if no braking rises steadily, long and far enough."""
-    good = [e for e in seen.events if e.braking >= RAMP_TIME and e.rise >= RAMP_RISE]
+    good = [e for e in seen.events if e.braking >= LIMITS.ramp_time and e.rise >= LIMITS.ramp_rise]
     best = max(good, key=lambda e: e.rise_z, default=None)
     return best if best is not None and best.rise_z >= _least_span(seen) else None
 
 
 def _least_span(seen: Observation) -> float:
     """Range of deceleration [1] that a ramp needs."""
-    return ONE_AXLE_Z if seen.alone else RAMP_Z
+    return LIMITS.one_axle_z if seen.alone else LIMITS.ramp_z
 
 
 def _no_ramp(event: BrakeEvent, span: float) -> Iterator[str]:
-    if event.rise < RAMP_RISE:
+    if event.rise < LIMITS.ramp_rise:
         yield (
             f"the brake is applied within {event.rise:.1f} s: press slowly, over 3 to 8 s, "
             "so that every level is covered"
         )
-    elif event.braking < RAMP_TIME:
+    elif event.braking < LIMITS.ramp_time:
         yield (
-            f"{event.braking:.1f} s of braking above 3 m/s: brake for {RAMP_TIME:g} s or more, "
-            "from a higher speed"
+            f"{event.braking:.1f} s of braking above 3 m/s: brake for {LIMITS.ramp_time:g} s or "
+            "more, from a higher speed"
         )
     elif event.z_high - event.z_low > span + 0.1:
         yield (
@@ -204,7 +188,7 @@ def _blurred_eta(seen: Observation) -> Iterator[str]:
     if most is None or most.half < 0.5 * abs(most.value):
         return
     change, known = f"{100 * abs(most.value):.3f} %", f"{100 * most.half:.3f} %"
-    if max(abs(most.value), most.half) < ALIKE:
+    if max(abs(most.value), most.half) < LIMITS.eta_alike:
         yield (
             f"eta changes by {change} under braking, +- {known}: both axles slip alike, and "
             "nothing tells front from rear; look for wheel speeds in the wrong columns; else the "
@@ -230,7 +214,7 @@ def _disturbed(seen: Observation, ramp: BrakeEvent) -> Iterator[str]:
         if sensor and sensor.saturated:
             yield f"{name} is at the end of its range for {sensor.saturated:.2f} s: widen the range"
     for when, length in seen.clock.gaps:
-        if length > HOLE and ramp.start <= when <= ramp.end:
+        if length > LIMITS.hole and ramp.start <= when <= ramp.end:
             yield f"{length:.2f} s are missing from {when:.2f} s on, within the ramp: drive again"
 
 
@@ -238,18 +222,18 @@ def _not_for_validate(seen: Observation) -> Iterator[str]:
     if not seen.events:
         yield "no braking: drive a stop from 50 km/h or more"
         return
-    yield from _short_lead_in(seen, LEAD_IN_VALIDATE, "stop")
+    yield from _short_lead_in(seen, LIMITS.lead_in_validate, "stop")
     braking = sum(event.braking for event in seen.events)
     locked = seen.slipping is not None and seen.slipping.locked
-    if braking < BRAKING and not locked:  # of locked wheels the speed is not known
-        yield f"{braking:.1f} s of braking above 3 m/s: brake for {BRAKING:g} s or more"
+    if braking < LIMITS.braking and not locked:  # of locked wheels the speed is not known
+        yield f"{braking:.1f} s of braking above 3 m/s: brake for {LIMITS.braking:g} s or more"
 
 
 def _not_for_coast(seen: Observation) -> Iterator[str]:
     if seen.events:
         yield "the brake is applied: a coast log has no braking"
-    elif seen.coasting < COASTING:
-        yield f"only {seen.coasting:.1f} s of coasting: coast for {COASTING:g} s or more"
+    elif seen.coasting < LIMITS.coasting:
+        yield f"only {seen.coasting:.1f} s of coasting: coast for {LIMITS.coasting:g} s or more"
 
 
 def _without_speed(seen: Observation) -> Iterator[str]:
@@ -266,8 +250,8 @@ def _not_for_diagnose(seen: Observation) -> Iterator[str]:
     yield from _without_speed(seen)
     if seen.events:
         yield from _not_for_validate(seen)
-    elif seen.coasting < COASTING:
+    elif seen.coasting < LIMITS.coasting:
         yield (
             f"no braking, and only {seen.coasting:.1f} s of coasting: drive a stop, or coast for "
-            f"{COASTING:g} s or more"
+            f"{LIMITS.coasting:g} s or more"
         )

@@ -12,8 +12,6 @@ from calib.physics.lag import integral
 
 Array = NDArray[np.float64]
 
-MEANS = 0.05
-"""Length of the means that are compared [s]."""
 
 COMPARED = ("p_mc", "a_x", *(f"omega_{w}" for w in WHEELS), "v")
 

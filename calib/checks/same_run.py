@@ -17,38 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.checks.fingerprint import Fingerprint
-from calib.checks.run_view import COMPARED, MEANS, View, noise_of, spread, view_of
+from calib.checks.limits import LIMITS
+from calib.checks.run_view import COMPARED, View, noise_of, spread, view_of
 from calib.logs.log import Log
 
 Array = NDArray[np.float64]
 
-GRID = 0.01
-"""Shortest step at which samples are compared [s]."""
-
-OVERLAP = 0.5
-"""Share of the shorter log that must lie within the other one."""
-
-ALIKE = 0.75
-"""Median of D over p_mc, a_x, v and the wheels, which count as one, below which two logs are one
-run. Of white noise, means of two samples make 0.33, of five 0.67; two runs of one motion make 1
-(`tests/checks/test_same_run.py`). Two stops at one pressure from unlike speeds agree in the wheels
-alone, laid over each other."""
-
-TWO = 1.0
-"""Median of D from which two logs are two runs, whatever r is."""
-
-TOGETHER = 0.25
-"""r from which two logs whose D is below `TWO` are one run: every k-th sample of white noise makes
-1/sqrt(k), two runs of one motion 0 (`tests/studies/copies.py`)."""
-
-FAR = 1e3
-"""D of the wheel speeds past which nothing further is compared."""
 
 ROUNDS = 3
 """Steps of Newton's method to a lag between the samples."""
-
-FEWEST = 20
-"""Samples that must lie over each other."""
 
 
 def same_run(one: Log, other: Log) -> bool:
@@ -58,7 +35,10 @@ def same_run(one: Log, other: Log) -> bool:
     step = max(one.sample_time, other.sample_time)
     return any(
         _agree(view_of(one, length, means=means), other, length, means=means)
-        for length, means in ((max(GRID, step), False), (max(MEANS, 2.0 * step), True))
+        for length, means in (
+            (max(LIMITS.run_grid, step), False),
+            (max(LIMITS.run_means, 2.0 * step), True),
+        )
     )
 
 
@@ -73,7 +53,7 @@ def _agree(a: View, other: Log, step: float, *, means: bool) -> bool:
     The lag need not be a whole number of steps: ``other`` is read again between them.
     """
     b = view_of(other, step, means=means)
-    if min(a["wheels"].size, b["wheels"].size) < FEWEST:
+    if min(a["wheels"].size, b["wheels"].size) < LIMITS.run_fewest:
         return False
     lag = _best_lag(a["wheels"], b["wheels"])
     if _alike(a, b, lag):
@@ -81,12 +61,15 @@ def _agree(a: View, other: Log, step: float, *, means: bool) -> bool:
     late = float(lag)
     for _ in range(ROUNDS):
         rest, far = _rest(a["wheels"], b["wheels"], lag)
-        if far > FAR:
+        if far > LIMITS.run_far:
             return False
         late += rest
         lag = int(np.ceil(late))
         b = view_of(other, step, means=means, offset=(lag - late) * step)
-        if b["wheels"].size < FEWEST or abs(lag) > max(a["wheels"].size, b["wheels"].size) - FEWEST:
+        if (
+            b["wheels"].size < LIMITS.run_fewest
+            or abs(lag) > max(a["wheels"].size, b["wheels"].size) - LIMITS.run_fewest
+        ):
             return False
     return _alike(a, b, lag)
 
@@ -105,7 +88,9 @@ def _alike(one: View, other: View, lag: int) -> bool:
     others = [apart for name, apart in each.items() if not name.startswith("omega_")]
     kinds = [*others, *([np.median(wheels)] if wheels else [])]
     apart = float(np.median(kinds))
-    return apart < ALIKE or (apart < TWO and _together(list(pairs.values())) > TOGETHER)
+    return apart < LIMITS.run_alike or (
+        apart < LIMITS.run_two and _together(list(pairs.values())) > LIMITS.run_together
+    )
 
 
 def _over(one: Array, other: Array, lag: int) -> tuple[Array, Array]:
@@ -132,7 +117,7 @@ def _together(pairs: list[tuple[Array, Array]]) -> float:
     signs = [np.sign(np.diff(a, 3)) * np.sign(np.diff(b, 3)) for a, b in pairs]
     both = np.concatenate(signs)
     both = both[both != 0.0]
-    return float(np.sin(0.5 * np.pi * np.mean(both))) if both.size >= FEWEST else 0.0
+    return float(np.sin(0.5 * np.pi * np.mean(both))) if both.size >= LIMITS.run_fewest else 0.0
 
 
 def _rest(one: Array, other: Array, lag: int) -> tuple[float, float]:
@@ -149,7 +134,7 @@ def _rest(one: Array, other: Array, lag: int) -> tuple[float, float]:
 
 def _best_lag(a: Array, b: Array) -> int:
     """The lag of ``b`` in ``a`` [steps] at which the mean square between them is least."""
-    least = max(FEWEST, int(OVERLAP * min(a.size, b.size)))
+    least = max(LIMITS.run_fewest, int(LIMITS.run_overlap * min(a.size, b.size)))
     centre = float(a.mean())
     a, b = a - centre, b - centre
     lags = np.arange(least - b.size, a.size - least + 1)

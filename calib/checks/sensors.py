@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.limits import LIMITS
 from calib.logs.log import Log
 from calib.names import CHANNELS
 from calib.signals.driving_record import SMOOTH, DrivingRecord, Mask
@@ -12,30 +13,10 @@ from calib.signals.filters import centred_mean, runs
 
 Array = NDArray[np.float64]
 
-HANGING = 1.0
-"""A value that is constant for longer than this while others change is stuck [s]."""
-HELD = 0.1
-"""A highest value that is constant for longer than this may be the end of the range [s]."""
-HIGH_PASS = 0.2
-"""Variations faster than this are noise [s]: a braking builds up more slowly."""
 
 RESTING = ("T_drive_f", "T_drive_r")
 """Channels whose highest value may be that of rest: a motor that only slows returns to zero."""
 
-PRESSES = 0.1
-"""A pressure that is held moves the deceleration by less than this share of it [1], once the brakes
-have followed; one at the end of its range goes on to rise."""
-FOLLOWED = 0.3
-"""Time in which the brakes have followed the pressure [s]."""
-RELEASED = 0.05
-"""Below this deceleration no brake is applied [1]."""
-
-RUSTLES = 0.4
-"""Share of the unbraked samples with the most frequent value, up to which noise alone keeps a value
-from staying as it is for a second [1]: normal noise is then 0.78 of the resolution or more, and 40
-samples are equal in fewer than 1 of 10^12 cases."""
-FEWEST = 20
-"""Samples from which noise is seen."""
 
 UNKNOWN = (float("nan"),) * 3
 
@@ -131,14 +112,14 @@ def noise_of(x: Array, quiet: Mask, step: float) -> tuple[float, float, float]:
 
     Returns
     -------
-    Standard deviation, its white part [unit of x], and autocorrelation [1]; NaN with fewer than
-    `FEWEST` quiet samples. Outliers beyond five times the usual size are left out. The high-pass
+    Standard deviation, its white part [unit of x], and autocorrelation [1]; NaN with too few quiet
+    samples (`noise_fewest`). Outliers beyond five times the usual size are left out. The high-pass
     removes about 1/k of the variance, with k samples in 0.2 s; this is corrected, exactly for white
     noise.
     """
-    if quiet.sum() < FEWEST:
+    if quiet.sum() < LIMITS.noise_fewest:
         return float("nan"), float("nan"), float("nan")
-    k = max(5, round(HIGH_PASS / step)) | 1
+    k = max(5, round(LIMITS.high_pass / step)) | 1
     rest = (x - centred_mean(x, k))[quiet] / np.sqrt(1.0 - 1.0 / k)
     usual = np.quantile(np.abs(rest), 0.84)
     rest = rest[np.abs(rest) <= 5.0 * usual] if usual > 0 else rest
@@ -168,7 +149,7 @@ def saturation(x: Array, step: float) -> float:
     at_top[0] = False
     longest = int(length[at_top].max(initial=0))
     other = int(length[value < x.max()].max(initial=1))
-    odd = longest >= 10 and longest * step >= HELD and longest >= 5 * other
+    odd = longest >= 10 and longest * step >= LIMITS.held and longest >= 5 * other
     return longest * step if odd else 0.0
 
 
@@ -180,9 +161,11 @@ def _is_held(pressure: Array, driving: DrivingRecord | None) -> bool:
     if driving is None:
         return False
     start, end = max(runs(pressure == pressure.max()), key=lambda run: run[1] - run[0])
-    followed = slice(start + round(FOLLOWED / driving.step), end - round(SMOOTH / driving.step))
+    followed = slice(
+        start + round(LIMITS.followed / driving.step), end - round(SMOOTH / driving.step)
+    )
     z = driving.z[followed][driving.moving[followed]]
-    return z.size > 0 and float(z.max() - z[0]) < PRESSES * float(z.max())
+    return z.size > 0 and float(z.max() - z[0]) < LIMITS.presses * float(z.max())
 
 
 def _stuck(
@@ -191,9 +174,11 @@ def _stuck(
     """Intervals of a constant value, longer than a second, in which the car does change."""
     same = np.concatenate([[False], np.diff(x) == 0])
     found = []
-    for start, end in runs(same, int(HANGING / driving.step) - 1):
+    for start, end in runs(same, int(LIMITS.hanging / driving.step) - 1):
         part = slice(start - 1, end)
-        if (end - start) * driving.step >= HANGING and _others_move(name, log, driving, part):
+        if (end - start) * driving.step >= LIMITS.hanging and _others_move(
+            name, log, driving, part
+        ):
             found.append((float(driving.time[start - 1]), float(driving.time[end - 1])))
     return tuple(found)
 
@@ -221,13 +206,13 @@ def _others_move(name: str, log: Log, driving: DrivingRecord, part: slice) -> bo
         if log[name][part.start] == 0:
             return float(z.max()) > 0.3
         returns = _returns_with_a_jump(log[name], part.stop)
-        return float(z.min()) < RELEASED or returns or _rustles(log[name][driving.unbraked])
+        return float(z.min()) < LIMITS.released or returns or _rustles(log[name][driving.unbraked])
     return False
 
 
 def _rustles(quiet: Array) -> bool:
     """Whether a channel has noise that a pedal cannot hold: a constant value is then a fault."""
-    return quiet.size >= FEWEST and flatness(quiet) <= RUSTLES
+    return quiet.size >= LIMITS.noise_fewest and flatness(quiet) <= LIMITS.rustles
 
 
 def _returns_with_a_jump(x: Array, end: int) -> bool:

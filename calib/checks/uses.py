@@ -2,11 +2,9 @@
 
 from collections.abc import Iterator
 
+from calib.checks.limits import LIMITS
 from calib.checks.observation import Observation
 from calib.names import AXLE_NAMES
-
-TABLE = 5e-4
-"""Largest uncertainty of the zero of eta for a table [1]: eta rises by 0.1 to 0.8 %."""
 
 
 def uses(seen: Observation) -> Iterator[str]:
@@ -16,7 +14,7 @@ def uses(seen: Observation) -> Iterator[str]:
         return
     zero = axles.front_rear
     if zero is not None:
-        enough = "fine" if zero.half <= TABLE else "too coarse"
+        enough = "fine" if zero.half <= LIMITS.table_zero else "too coarse"
         yield (
             f"the zero of eta to {100 * zero.half:.3f} % ({enough} for a table), if the car rolled "
             "without its engine"

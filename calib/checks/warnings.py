@@ -3,25 +3,10 @@
 import math
 from collections.abc import Iterator
 
+from calib.checks.limits import LIMITS
 from calib.checks.observation import Observation
-from calib.checks.rules import LEAD_IN_GOOD, LEAD_IN_VALIDATE
 from calib.checks.swapped import causes_of_reversed_slip
 from calib.messages.warning import PlausibilityWarning
-
-SLOW = 95.0
-"""Lowest rate [Hz] that resolves the build-up of the brake, 0.1 to 0.2 s."""
-JITTER = 0.1
-"""Deviation of the steps of the clock over their median [1]."""
-TYRES = 8e-3
-"""Mismatch of the axles [1] that wear cannot cause; less is zeroed without a word."""
-SIDES = 5e-3
-"""Difference of left and right [1]: as in a bend of 300 m radius with a track of 1.5 m."""
-ZERO = 5e-4
-"""Uncertainty of eta [1] that is too large: eta rises by 0.1 to 0.8 %."""
-FLAT = 0.85
-"""Share of zeros without braking [1]; a noisy pressure sensor that is cut off at 0 has 2/3."""
-STIFF = 500e5
-"""Pressure per g [Pa] that is too high for any car."""
 
 NONE = (0.0, 0.0)
 MORE = math.inf
@@ -35,15 +20,15 @@ def warnings_of(name: str, seen: Observation) -> tuple[PlausibilityWarning, ...]
 
 def _clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     clock = seen.clock
-    if clock.rate < SLOW:
+    if clock.rate < LIMITS.slow_rate:
         yield PlausibilityWarning(
-            "clock_rate", log, clock.rate, (SLOW, MORE),
+            "clock_rate", log, clock.rate, (LIMITS.slow_rate, MORE),
             ("the rate of the logger",),
             "log with 200 Hz: it shows the build-up of the brake",
         )  # fmt: skip
-    if clock.jitter * clock.rate > JITTER:
+    if clock.jitter * clock.rate > LIMITS.jitter:
         yield PlausibilityWarning(
-            "clock_jitter", log, clock.jitter * clock.rate, (0.0, JITTER),
+            "clock_jitter", log, clock.jitter * clock.rate, (0.0, LIMITS.jitter),
             ("a logger or a bus that is too busy",), "log fewer channels, or with a faster logger",
         )  # fmt: skip
     yield from clock_gaps(log, seen)
@@ -63,9 +48,9 @@ def clock_gaps(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
 
 
 def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
-    if seen.events and LEAD_IN_VALIDATE <= seen.lead_in < LEAD_IN_GOOD:
+    if seen.events and LIMITS.lead_in_validate <= seen.lead_in < LIMITS.lead_in_good:
         yield PlausibilityWarning(
-            "lead_in", log, seen.lead_in, (LEAD_IN_GOOD, MORE),
+            "lead_in", log, seen.lead_in, (LIMITS.lead_in_good, MORE),
             ("the log starts shortly before the braking",), "roll for 1 s: it zeroes eta better",
         )  # fmt: skip
     if seen.lead_in_driven:
@@ -92,21 +77,21 @@ def _radii(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
             ("nothing is driven without braking",), "roll for 1 s before the braking",
         )  # fmt: skip
     else:
-        if abs(eta.value) > max(TYRES, eta.half):  # tyres that are worn unlike are zeroed
+        if abs(eta.value) > max(LIMITS.tyres, eta.half):  # tyres that are worn unlike are zeroed
             yield PlausibilityWarning(
-                "eta_zero", log, eta.value, (-TYRES, TYRES),
+                "eta_zero", log, eta.value, (-LIMITS.tyres, LIMITS.tyres),
                 ("other tyres front and rear",), "check sizes and pressures of the tyres",
             )  # fmt: skip
-        if eta.half > ZERO:
+        if eta.half > LIMITS.zero:
             yield PlausibilityWarning(
-                "eta_zero_uncertain", log, eta.half, (0.0, ZERO),
+                "eta_zero_uncertain", log, eta.half, (0.0, LIMITS.zero),
                 ("coarse wheel speeds", "a short lead-in"),
                 "roll for longer: eta rises by 0.1 to 0.8 % only",
             )  # fmt: skip
     for axle, sides in (("f", axles.left_right_f), ("r", axles.left_right_r)):
-        if sides is not None and abs(sides.value) > max(SIDES, sides.half):
+        if sides is not None and abs(sides.value) > max(LIMITS.sides, sides.half):
             yield PlausibilityWarning(
-                f"sides_{axle}", log, sides.value, (-SIDES, SIDES),
+                f"sides_{axle}", log, sides.value, (-LIMITS.sides, LIMITS.sides),
                 ("a bend", "unlike tyres left and right"), "drive straight on",
             )  # fmt: skip
 
@@ -117,9 +102,10 @@ def swapped_axles(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if eta is None:
         return
     more, less, sign = ("rear", "front", -1.0) if seen.alone == "r" else ("front", "rear", 1.0)
-    if sign * eta.value < -max(ZERO, eta.half):
+    if sign * eta.value < -max(LIMITS.zero, eta.half):
+        expected = (-LIMITS.zero, MORE) if sign > 0.0 else (-MORE, LIMITS.zero)
         yield PlausibilityWarning(
-            "axles_swapped", log, eta.value, (-ZERO, MORE) if sign > 0.0 else (-MORE, ZERO),
+            "axles_swapped", log, eta.value, expected,
             causes_of_reversed_slip(less),
             f"check the order of the wheel speeds, and log a motor's T_drive_{less[0]}; the {more} "
             "wheels must slip more",
@@ -168,9 +154,9 @@ def _sensors(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
                 (f"{sensor.channel} is at the end of its range",), "widen its range",
             )  # fmt: skip
     blur = _blur(seen)
-    if blur > ZERO:
+    if blur > LIMITS.zero:
         yield PlausibilityWarning(
-            "coarse_wheel_speeds", log, blur, (0.0, ZERO),
+            "coarse_wheel_speeds", log, blur, (0.0, LIMITS.zero),
             ("the resolution of the wheel speeds", "their noise"),
             "log the wheel speeds finer and faster",
         )  # fmt: skip
@@ -192,15 +178,15 @@ def _pressure(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     pressure, a_x = seen.sensor("p_mc"), seen.sensor("a_x")
     if pressure is None or a_x is None or not seen.events:
         return
-    if pressure.flat > FLAT and pressure.low == 0.0 and a_x.noise > 0.01:
+    if pressure.flat > LIMITS.flat and pressure.low == 0.0 and a_x.noise > 0.01:
         yield PlausibilityWarning(
-            "pressure_computed", log, pressure.flat, (0.0, FLAT),
+            "pressure_computed", log, pressure.flat, (0.0, LIMITS.flat),
             ("p_mc is computed, not measured: exactly 0 without braking, without noise",),
             "log the pressure of a sensor",
         )  # fmt: skip
-    if seen.z > 0.1 and pressure.high / seen.z > STIFF:
+    if seen.z > 0.1 and pressure.high / seen.z > LIMITS.stiff:
         yield PlausibilityWarning(
-            "pressure_per_g", log, pressure.high / seen.z / 1e5, (0.0, STIFF / 1e5),
+            "pressure_per_g", log, pressure.high / seen.z / 1e5, (0.0, LIMITS.stiff / 1e5),
             ("the unit or the scale of p_mc", "another signal in the place of p_mc"),
             "check the unit of p_mc",
         )  # fmt: skip

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.checks.limits import LIMITS
 from calib.logs.log import Log
 from calib.names import WHEELS, G
 from calib.physics.braking import MOVING
@@ -12,9 +13,6 @@ from calib.signals.driving_record import NOMINAL_RADIUS, BrakeEvent, DrivingReco
 from calib.signals.filters import block_mean, centred_mean, runs, without_single
 
 Array = NDArray[np.float64]
-
-BLOCK = 0.2
-"""Wheel noise is averaged over this before an interval is computed [s]."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +40,8 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
 
 
 def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
-    """``b/a - 1`` of means over `BLOCK` where ``mask`` holds [1]; empty if it is too short."""
-    n = max(1, round(BLOCK / step))
+    """``b/a - 1`` of means over `wheel_block` where ``mask`` holds [1]; empty if that is short."""
+    n = max(1, round(LIMITS.wheel_block / step))
     if mask.sum() < n:
         return np.empty(0)
     before, after = (block_mean(x[mask], n) for x in (a, b))
@@ -114,20 +112,12 @@ def _most(
     return IntervalEstimate(changes[at], float(stdtrit(rolling.size - 1, 0.975)) * spread)
 
 
-SLOPE_TIME = 0.3
-"""Both decelerations are smoothed over this [s], because the slip of a wheel changes faster than
-the speed of the car."""
-
-NEAR_LOCK = 0.5
-"""Time before and after a deep slip [s] that is left out: a wheel locks within 0.1 to 0.4 s."""
-
-
 def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
     """Slope of the measured deceleration over that of the wheels [m] where all wheels roll.
 
     None for a correlation below 0.8: a wet road with much slip, or a wrong ``a_x``.
     """
-    width = max(1, round(SLOPE_TIME / driving.step)) | 1
+    width = max(1, round(LIMITS.slope_time / driving.step)) | 1
     use = driving.moving & rolling
     spin = centred_mean(driving.wheel_z * G / NOMINAL_RADIUS, width)[use]
     a = centred_mean(driving.z * G, width)[use]
@@ -139,24 +129,16 @@ def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
 
 
 def _all_roll(log: Log, driving: DrivingRecord) -> Mask:
-    """Mask (n,): no wheel slips deeply against the unbraked part, within `NEAR_LOCK`.
+    """Mask (n,): no wheel slips deeply against the unbraked part, within `near_lock`.
 
     A locked wheel says nothing of the speed, and one on its way to it slows faster than the car.
     """
     deep = np.zeros(driving.time.size, bool)
     for slip in _slips(log, driving).values():
         free = float(np.median(slip[driving.unbraked])) if driving.unbraked.any() else 0.0
-        deep |= slip - free > DEEP
-    width = max(1, round(2.0 * NEAR_LOCK / driving.step)) | 1
+        deep |= slip - free > LIMITS.deep
+    width = max(1, round(2.0 * LIMITS.near_lock / driving.step)) | 1
     return np.asarray(centred_mean(deep.astype(float), width) == 0.0)
-
-
-DEEP, BACK = 0.15, 0.07
-"""If the slip of a wheel exceeds DEEP and falls below BACK again, the ABS released it [1]."""
-LOCKED = 0.9
-"""Slip from which a wheel counts as locked [1]."""
-CYCLE = 1.5
-"""Longest time with large slip in an ABS cycle [s]."""
 
 
 @dataclass(frozen=True)
@@ -180,12 +162,16 @@ def slipping(log: Log, driving: DrivingRecord, events: tuple[BrakeEvent, ...]) -
     inside &= driving.speed > MOVING
     cycles, locked = [], []
     for wheel, slip in slips.items():
-        for start, end in runs(inside & (slip > BACK)):
+        for start, end in runs(inside & (slip > LIMITS.deep_back)):
             part = slip[start:end]
-            if part.max() > LOCKED:
+            if part.max() > LIMITS.locked:
                 locked.append(wheel)
             came_back = end < inside.size and inside[end]
-            if part.max() > DEEP and came_back and (end - start) * driving.step < CYCLE:
+            if (
+                part.max() > LIMITS.deep
+                and came_back
+                and (end - start) * driving.step < LIMITS.abs_cycle
+            ):
                 cycles.append((wheel, float(driving.time[start])))
     return Slipping(tuple(sorted(cycles, key=lambda c: c[1])), tuple(dict.fromkeys(locked)))
 

@@ -8,19 +8,9 @@ from numpy.typing import NDArray
 from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
 from calib.physics.braking import MOVING
+from calib.plausibility.limits import PLAUSIBLE
 from calib.signals.axle_signals import Signals
 from calib.signals.lateral import lateral, sides
-
-LATERAL = 1.5
-"""Mean lateral acceleration of a ramp [m/s^2] from which it is named: half of that from which a
-sample of a stop is not valid."""
-
-HARD = 0.1
-"""Deceleration [1] past which left and right are not compared: the inner wheels of a bend bear less
-and slip more, which looks like a tighter one."""
-
-ROLLING = 10.0
-"""Wheel speed [rad/s] from which left and right are compared: 3 m/s."""
 
 
 def bend_warnings(
@@ -31,17 +21,17 @@ def bend_warnings(
     ``s`` signals of the ramp; ``track_width`` [m]. Without such runs a bend and wheels of unlike
     radius look the same.
     """
-    told = (s.speed > MOVING) & (s.z < HARD)
+    told = (s.speed > MOVING) & (s.z < PLAUSIBLE.bend_braking)
     if not straight or not told.any():
         return
     equal = np.concatenate([sides(log)[_rolls(log)] for log in straight])
     turned = float(np.mean(lateral(ramp, s, track_width, float(np.mean(equal)))[told]))
-    if abs(turned) > LATERAL:
+    if abs(turned) > PLAUSIBLE.lateral:
         yield PlausibilityWarning(
             "bend",
             ramp.name,
             turned,
-            (-LATERAL, LATERAL),
+            (-PLAUSIBLE.lateral, PLAUSIBLE.lateral),
             (
                 "a bend in the ramp or the coast log",
                 "wheels that were changed between the runs",
@@ -52,4 +42,4 @@ def bend_warnings(
 
 def _rolls(log: Log) -> NDArray[np.bool_]:
     """Where the rear wheels turn fast enough to be compared, (n,)."""
-    return np.asarray(log["omega_rl"] + log["omega_rr"] > 2.0 * ROLLING)
+    return np.asarray(log["omega_rl"] + log["omega_rr"] > 2.0 * PLAUSIBLE.bend_wheel_speed)

@@ -7,52 +7,16 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.messages.warning import PlausibilityWarning
+from calib.plausibility.limits import PLAUSIBLE
 from calib.signals.axle_signals import Signals
 from calib.signals.brake_response import FORCE as FORCE_BEFORE
 from calib.signals.brake_response import USUAL, BrakeResponse
 from calib.statistics.half_normal import likelihood_ratio, mean_square
 
-FORCE = 0.045
-"""Force without pressure over the usual brake force [1] from which it is named: it moves the pads
-of one axle by 6 to 16 %."""
-
-USUAL_FORCE = 0.015
-"""Spread of that force where nothing but the pads brakes [1]: the pressure at which pads bite and
-the zero of p_mc within 0.5 bar, over 30 bar."""
-
-USUAL_FADING = 0.02
-"""Spread of the force that goes with the speed there [1]: what is left of slow noise in the half
-second below 3 m/s. Pads that grip more as they get slow are below zero."""
-
-MOTOR = 0.1
-"""Spread of both where a motor brakes along [1]: 0.01 to 0.1 g beside 0.3 g by the pads."""
-
-MOTORS = 0.1
-"""Odds of such a motor, not logged, before the run: half of the new cars of 2023 have a motor that
-brakes (ACEA, new car registrations, European Union), and most tests log it or switch it off."""
-
-LIKELY = 0.4
-"""Chance of a motor from which it is named [1]: what is named too often costs a look, a motor that
-is not named stands in the pads."""
-
 LASTING, FOLLOWING = 0.4, 0.2
 """Share of the motors that brake until the car stands, and of those that follow the pedal as far as
 the stop goes [1]: most are at their limit, 0.1 g, before the pads do much (our estimate)."""
 
-MISSING = -0.05
-"""The same from which force is missing, below zero: pads take 0.5 to 2 bar to bite, which is 3 % of
-a usual stop."""
-
-SURE = 3.6
-"""Standard deviations from zero from which missing force and a delay are named: one false alarm in
-3000 runs of white noise; the noise of roads makes more."""
-
-LAG = 0.11
-"""Delay between pressure and deceleration [s] from which it is named."""
-
-ZERO = 0.5e5
-"""Pressure of the rolling car [Pa] from which it is named: the zero of sensors of 250 bar drifts by
-0.2 % of their range."""
 
 STEP, CLEAR = 0.03, 5.0
 """Step of the force beside the pressure, over the usual brake force [1], from which it is named,
@@ -69,14 +33,14 @@ def response_warnings(log: str, response: BrakeResponse | None) -> Iterator[Plau
     """Force without pressure, a step of it, and delay."""
     if response is None:
         return
-    sure = abs(response.share) > SURE * response.share_sigma
+    sure = abs(response.share) > PLAUSIBLE.sure * response.share_sigma
     motor = motor_of(response)
-    if motor.share > FORCE and motor.chance > LIKELY:
+    if motor.share > PLAUSIBLE.force and motor.chance > PLAUSIBLE.motor_likely:
         yield PlausibilityWarning(
             "unexplained_braking_force",
             log,
             motor.share,
-            (MISSING, FORCE),
+            (PLAUSIBLE.force_missing, PLAUSIBLE.force),
             (
                 "a motor or an engine that brakes along with the pedal",
                 "the zero of p_mc, too low",
@@ -85,12 +49,12 @@ def response_warnings(log: str, response: BrakeResponse | None) -> Iterator[Plau
             "log T_drive_f and T_drive_r, negative where they slow the car, or brake without the "
             "motor; check the zero of p_mc",
         )
-    if sure and response.share < MISSING:
+    if sure and response.share < PLAUSIBLE.force_missing:
         yield PlausibilityWarning(
             "braking_force_missing",
             log,
             response.share,
-            (MISSING, FORCE),
+            (PLAUSIBLE.force_missing, PLAUSIBLE.force),
             (
                 "the zero of p_mc, too high",
                 "a clock of a_x or of the brakes that is late against p_mc",
@@ -115,14 +79,17 @@ def response_warnings(log: str, response: BrakeResponse | None) -> Iterator[Plau
             "slow the car",
         )
     late = response.delay
-    if abs(late) > LAG and abs(late - USUAL) > SURE * response.delay_sigma:
+    if (
+        abs(late) > PLAUSIBLE.pressure_lag
+        and abs(late - USUAL) > PLAUSIBLE.sure * response.delay_sigma
+    ):
         early = ("the clock of p_mc, late", "the clock of a_x, early")
         usual = ("hydraulic lag between p_mc and the wheels", "the clock or the filter of a_x")
         yield PlausibilityWarning(
             "pressure_lag",
             log,
             late,
-            (-LAG, LAG),
+            (-PLAUSIBLE.pressure_lag, PLAUSIBLE.pressure_lag),
             usual if late > 0.0 else early,
             "record all channels on one clock; log wheel pressures",
         )
@@ -152,7 +119,7 @@ def motor_of(response: BrakeResponse) -> Motor:
     [0.9, 0.38]
     """
     at_once = _as_measured(response.share, response.share_sigma)
-    slow = Seen(response.fading, math.hypot(response.fading_sigma, USUAL_FADING))
+    slow = Seen(response.fading, math.hypot(response.fading_sigma, PLAUSIBLE.usual_fading))
     kinds = (
         (LASTING, at_once),
         (FOLLOWING, slow),
@@ -160,7 +127,7 @@ def motor_of(response: BrakeResponse) -> Motor:
     )
     odds = [part * _odds(seen) for part, seen in kinds]
     total = sum(odds)
-    chance = MOTORS * total / (1.0 + MOTORS * total)
+    chance = PLAUSIBLE.motor_odds * total / (1.0 + PLAUSIBLE.motor_odds * total)
     share, square = (
         sum(one * of(seen) for one, (_, seen) in zip(odds, kinds, strict=True)) / total
         for of in (_measured, _square)
@@ -181,7 +148,9 @@ def _as_measured(share: float, sigma: float) -> Seen:
     One of which the run says nothing is measured as zero, as well as `UNKNOWN` says.
     """
     kept = min((sigma / FORCE_BEFORE) ** 2, 1.0 - (FORCE_BEFORE / UNKNOWN) ** 2)
-    return Seen(share / (1.0 - kept), math.hypot(sigma / math.sqrt(1.0 - kept), USUAL_FORCE))
+    return Seen(
+        share / (1.0 - kept), math.hypot(sigma / math.sqrt(1.0 - kept), PLAUSIBLE.usual_force)
+    )
 
 
 def _together(one: Seen, other: Seen) -> Seen:
@@ -194,7 +163,7 @@ def _together(one: Seen, other: Seen) -> Seen:
 
 def _odds(seen: Seen) -> float:
     """How much likelier a motor makes a force than what is usual does, which has both signs."""
-    return likelihood_ratio(seen.share, seen.sigma, MOTOR)
+    return likelihood_ratio(seen.share, seen.sigma, PLAUSIBLE.motor_force)
 
 
 def _measured(seen: Seen) -> float:
@@ -203,7 +172,7 @@ def _measured(seen: Seen) -> float:
 
 def _square(seen: Seen) -> float:
     """Mean of the square of a motor's share, as it was seen."""
-    return mean_square(seen.share, seen.sigma, MOTOR)
+    return mean_square(seen.share, seen.sigma, PLAUSIBLE.motor_force)
 
 
 def pressure_warnings(log: str, s: Signals) -> Iterator[PlausibilityWarning]:
@@ -211,12 +180,12 @@ def pressure_warnings(log: str, s: Signals) -> Iterator[PlausibilityWarning]:
     if not s.lead_in.any():
         return
     zero = max((float(np.mean(p[s.lead_in])) for p in (s.p_f, s.p_r)), key=abs)
-    if abs(zero) > ZERO:
+    if abs(zero) > PLAUSIBLE.pressure_zero:
         yield PlausibilityWarning(
             "pressure_zero",
             log,
             zero / BAR,
-            (-ZERO / BAR, ZERO / BAR),
+            (-PLAUSIBLE.pressure_zero / BAR, PLAUSIBLE.pressure_zero / BAR),
             ("the zero of p_mc", "a brake that is not released"),
             "zero the pressure sensor with the pedal released, or give an offset in a channel map",
         )

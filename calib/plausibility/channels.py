@@ -6,17 +6,17 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.copies import SAME, alike, is_noise, rough
+from calib.checks.copies import alike, is_noise, rough
+from calib.checks.limits import LIMITS
 from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
 from calib.names import WHEELS
 from calib.physics.vehicle import Vehicle
+from calib.plausibility.limits import PLAUSIBLE
 from calib.signals.axle_signals import HELD, Signals, held_time, rolling_radii
 
 Array = NDArray[np.float64]
 
-RADIUS = 0.02
-"""Difference of a rolling radius from the file's [1] that wear and inflation can cause."""
 
 COMPARED = (*(f"omega_{w}" for w in WHEELS), "v", "a_x", "p_mc")
 
@@ -32,14 +32,14 @@ def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Plausib
 def _twice(log: Log) -> Iterator[PlausibilityWarning]:
     noise = {name: rough(log, name) for name in COMPARED if name in log}
     for (one, x), (other, y) in combinations(noise.items(), 2):
-        if abs(float(x @ y)) <= SAME or not is_noise(log, one):
+        if abs(float(x @ y)) <= LIMITS.copy_correlation or not is_noise(log, one):
             continue
-        if (same := alike(log, one, other)) > SAME:
+        if (same := alike(log, one, other)) > LIMITS.copy_correlation:
             yield PlausibilityWarning(
                 "same_signal",
                 log.name,
                 same,
-                (0.0, SAME),
+                (0.0, LIMITS.copy_correlation),
                 (f"{other} is a copy of {one}", "a channel map that names one column twice"),
                 "record each sensor by itself",
             )
@@ -63,7 +63,7 @@ def _radii(log: str, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarni
         return
     axles = (("f", vehicle.front), ("r", vehicle.rear))
     for (side, axle), radius in zip(axles, radii, strict=True):
-        low, high = ((1.0 + sign * RADIUS) * axle.rolling_radius for sign in (-1.0, 1.0))
+        low, high = ((1.0 + sign * PLAUSIBLE.radius) * axle.rolling_radius for sign in (-1.0, 1.0))
         if not low < radius < high:
             yield PlausibilityWarning(
                 f"rolling_radius_{side}",

@@ -20,6 +20,8 @@ the load is and over which axle it lies.
 import math
 from typing import NamedTuple
 
+from calib.plausibility.limits import PLAUSIBLE
+
 
 class Load(NamedTuple):
     """A load: ``share`` its weight over that of the file's car [1], ``front`` what of it the front
@@ -28,11 +30,6 @@ class Load(NamedTuple):
 
     share: float
     front: float
-
-
-SEATS = (-0.15, 0.65)
-"""What of a load the front axle carries [1]: a boot behind the rear axle -0.15, the rear seats
-0.3, the front seats 0.5 to 0.55."""
 
 
 def load_behind(
@@ -70,4 +67,4 @@ def is_load(*ends: Load | None) -> bool:
     They are those of the ends of an interval; None stands for one that no load makes.
     """
     front = [one.front for one in ends if one is not None]
-    return bool(front) and min(front) < SEATS[1] and max(front) > SEATS[0]
+    return bool(front) and min(front) < PLAUSIBLE.seats[1] and max(front) > PLAUSIBLE.seats[0]

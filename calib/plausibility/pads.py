@@ -6,33 +6,9 @@ from collections.abc import Iterator
 from calib.errors import LogError
 from calib.messages.warning import PlausibilityWarning
 from calib.physics.vehicle import Vehicle
+from calib.plausibility.limits import PLAUSIBLE
 from calib.statistics.intervals import Z95
 from calib.table.table import Calibration, TyrePosterior
-
-POSSIBLE = (0.05, 1.0)
-"""Pad friction [1] that a brake can have: soaked pads have 0.1, racing pads 0.7."""
-
-OF_FILE = (0.8, 1.25)
-"""Pad friction over that of the vehicle file [1]: pads of one grade scatter by 10 %."""
-
-RATIO = 0.09
-"""Departure of the pads' ratio from the file's (logarithm) from which it is named, if its interval
-says so too."""
-
-STIFFNESS = (8.0, 60.0)
-"""Slip stiffness of tyres over their load [1]: winter tyres on a wet road have 10, sports tyres on
-a dry one 40."""
-
-APART = 0.08
-"""Change of the front pads over that of the rear ones [1] from which it is named."""
-
-LEVEL = 0.06
-"""Change of the brakes since the ramp (logarithm) from which it is named: pads with one load and
-one temperature repeat to 2 %, and the estimate of a stop errs by 2 %."""
-
-LOADED = 0.25
-"""Change past which no load and no sensor that works is the cause (logarithm): all seats and the
-boot are a quarter of a car's mass. Pads that are soaked lose half."""
 
 LEVEL_CAUSES = (
     "the unit or the scale of p_mc",
@@ -44,7 +20,7 @@ LEVEL_CAUSES = (
 
 def require_possible_pads(vehicle: Vehicle, calibration: Calibration, where: str) -> None:
     """Raise LogError for a pad friction that no pad has."""
-    low, high = POSSIBLE
+    low, high = PLAUSIBLE.pads_possible
     for side, value in (
         ("front", calibration.pad_friction_f.value),
         ("rear", calibration.pad_friction_r.value),
@@ -72,7 +48,7 @@ def calibration_warnings(
         ("f", "front", calibration.pad_friction_f.value),
         ("r", "rear", calibration.pad_friction_r.value),
     ):
-        low, high = (bound * _of_file(vehicle, side) for bound in OF_FILE)
+        low, high = (bound * _of_file(vehicle, side) for bound in PLAUSIBLE.pads_of_file)
         if not low <= value <= high:
             yield PlausibilityWarning(
                 f"pads_off_file_{axle}",
@@ -83,7 +59,7 @@ def calibration_warnings(
                 "correct what is wrong, or write the friction of these pads into the vehicle file",
             )
     rho = calibration.pad_log_ratio
-    usual = max(RATIO, Z95 * rho.sigma)
+    usual = max(PLAUSIBLE.pad_ratio, Z95 * rho.sigma)
     if abs(rho.value) > usual:
         yield PlausibilityWarning(
             "pad_ratio",
@@ -100,12 +76,12 @@ def calibration_warnings(
         )
     stiffness = math.exp(-posterior.value("log_compliance"))
     margin = math.exp(posterior.sigma("log_compliance"))
-    if not STIFFNESS[0] / margin <= stiffness <= STIFFNESS[1] * margin:
+    if not PLAUSIBLE.stiffness[0] / margin <= stiffness <= PLAUSIBLE.stiffness[1] * margin:
         yield PlausibilityWarning(
             "tyre_stiffness",
             vehicle.name,
             stiffness,
-            STIFFNESS,
+            PLAUSIBLE.stiffness,
             (
                 "the wheel speeds: teeth, unit or a copy",
                 "the scale of v",
@@ -120,8 +96,8 @@ def level_warnings(log: str, level: float, sigma: float) -> Iterator[Plausibilit
 
     ``level`` ln of the brake force over that of the ramp's pads, with its ``sigma``.
     """
-    usual = max(LEVEL, Z95 * sigma)
-    if usual < abs(level) < LOADED:
+    usual = max(PLAUSIBLE.pad_level, Z95 * sigma)
+    if usual < abs(level) < PLAUSIBLE.loaded:
         yield PlausibilityWarning(
             "level_changed",
             log,
@@ -151,12 +127,12 @@ def change_warnings(
     ``like_a_load`` whether front and rear changed as a load makes them seem.
     """
     load = ("another load of the car than on the ramp",)
-    if abs(apart) > APART and abs(apart) > Z95 * sigma:
+    if abs(apart) > PLAUSIBLE.pads_apart and abs(apart) > Z95 * sigma:
         yield PlausibilityWarning(
             "pads_changed_apart",
             log,
             math.expm1(apart),
-            (-APART, APART),
+            (-PLAUSIBLE.pads_apart, PLAUSIBLE.pads_apart),
             (
                 *(load if like_a_load else ()),
                 "the pads or the tyres of one axle (wet, hot, new or changed since the ramp)",

@@ -3,10 +3,7 @@
 from collections.abc import Iterator
 
 from calib.messages.warning import PlausibilityWarning
-
-MOST = 0.018
-"""Rolling coefficient [1] from which it is named: tyres that may be sold have up to 0.0105, of the
-worst class 0.012 (Regulations (EC) 661/2009 and (EU) 2020/740), and half as much again cold."""
+from calib.plausibility.limits import PLAUSIBLE
 
 
 def resistance_warnings(
@@ -16,12 +13,12 @@ def resistance_warnings(
 
     What brakes the car in all runs is taken for its resistance, and taken out of all of them.
     """
-    if coefficient > MOST + sigma:
+    if coefficient > PLAUSIBLE.resistance + sigma:
         yield PlausibilityWarning(
             "rolling_resistance",
             vehicle,
             coefficient,
-            (0.0, MOST),
+            (0.0, PLAUSIBLE.resistance),
             (
                 "an engine in gear, a motor that brakes or a brake that drags, in all runs",
                 "the zero or the mounting of a_x",

@@ -17,7 +17,7 @@ import numpy as np
 
 from calib.documents.toml import did_you_mean
 from calib.errors import RevisionError
-from calib.plausibility.pads import POSSIBLE
+from calib.plausibility.limits import PLAUSIBLE
 from calib.table.table import Table
 
 PADS = ("pad_friction_f", "pad_friction_r")
@@ -79,7 +79,7 @@ def _setting(table: Table, written: str) -> HandSetting:
 
 
 def _value(name: str, key: str, written: str) -> float:
-    low, high = POSSIBLE if name in PADS else (-1.0, 1.0)
+    low, high = PLAUSIBLE.pads_possible if name in PADS else (-1.0, 1.0)
     try:
         value = float(written)
     except ValueError:

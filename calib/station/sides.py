@@ -9,7 +9,8 @@ Needs a reference speed. A bend or a crowned road looks the same as a difference
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.wheel_checks import BLOCK, IntervalEstimate
+from calib.checks.limits import LIMITS
+from calib.checks.wheel_checks import IntervalEstimate
 from calib.logs.log import Log
 from calib.physics.braking import MOVING
 from calib.physics.forces import slip
@@ -66,7 +67,7 @@ def _slip(table: Table, log: Log, driving: DrivingRecord, wheel: str) -> Array:
 
 
 def _means(x: Array, mask: NDArray[np.bool_], driving: DrivingRecord) -> Array:
-    n = max(1, round(BLOCK / driving.step))
+    n = max(1, round(LIMITS.wheel_block / driving.step))
     return block_mean(x[mask], n)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.rules import PRESSURE, RADIUS
+from calib.checks.limits import LIMITS
 from calib.logs.channel_map import Mapping
 from calib.names import G
 from calib.signals.filters import centred_mean
@@ -204,7 +204,7 @@ def _wrong_unit(
     if item is None or rate is None:
         return None
     ratio = abs(slope(centred_mean(item.values, clock.width(0.2) | 1), rate))
-    low, high = SLOPES if metres else RADIUS
+    low, high = SLOPES if metres else LIMITS.wheel_radius
     if low <= ratio <= high:
         return None
     off, what = ratio, "speed" if metres else "the wheel speed [m]"
@@ -259,7 +259,7 @@ def _presses(item: Series) -> bool:
 
 def _no_brake(item: Series, points: int, braking: Array | None, clock: ColumnClock) -> str | None:
     """Reason why a pressure is not the brake pressure, or None."""
-    if item.values.max() > PRESSURE:
+    if item.values.max() > LIMITS.pressure:
         return f"a pressure of {item.values.max() / 1e5:.0f} bar is too high for a brake"
     if braking is None or np.ptp(braking) < ACCELERATED or not item.moves:
         return None if points > 0 else "a pressure, not known to be of the brake"

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.rules import RATES
+from calib.checks.limits import LIMITS
 from calib.logs.channel_map import Mapping
 from calib.suggest.physics import ColumnClock
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
@@ -89,7 +89,7 @@ def _proposal(series: Series) -> tuple[Proposal | None, ColumnClock | None, list
         found = Proposal("time", Mapping(series.name), SURE, reasons)
         return found, ColumnClock(time, step), []
     for unit, scale in SCALES.items():
-        if RATES[0] <= 1.0 / (step * scale) <= RATES[1]:
+        if LIMITS.rates[0] <= 1.0 / (step * scale) <= LIMITS.rates[1]:
             reasons = ("name", order, f"only {unit} gives a rate of 40 Hz to 1 kHz")
             found = Proposal("time", Mapping(series.name, unit), LIKELY, reasons)
             return found, ColumnClock(time * scale, step * scale), []

@@ -20,8 +20,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calib.checks.crossed_wheels import CORRECT, LEAST, Crossed, WheelParts, crossed_diagonal
+from calib.checks.crossed_wheels import CORRECT, Crossed, WheelParts, crossed_diagonal
 from calib.checks.gates import bitten, eta_rise
+from calib.checks.limits import LIMITS
 from calib.checks.swapped import what_to_check
 from calib.errors import LogError
 from calib.estimation.estimator import Estimate
@@ -34,38 +35,7 @@ from calib.signals.one_axle import braked_alone
 from calib.statistics.intervals import Z95
 from calib.table.pads_budget import front_share
 from calib.table.table import Table
-
-REVERSED = 0.5
-"""Share of the table's rise of eta by which eta must fall for the axles to count as reversed."""
-
-GAIN = 1.1
-"""Friction of the rear pads over that on the ramp [1] that no weak front pads explain.
-
-Swapped wheel speeds need 1.2 or more, beside weak front pads the rear ones keep theirs
-(`tests/studies/weak_pads.py`)."""
-
-RISES = 1e-3
-"""Rise of eta by the table [1] from which its sign alone tells the axles: usual cars make 2e-3, and
-radii, tyres and pads of the day move it by less than a half of that."""
-
-DOUBT = -3.0
-"""Logarithm of the odds of swapped wheel speeds from which they are named: one in twenty."""
-
-SURE = 15.0
-"""The same from which no sample is valid. Front pads that lost half of their friction reach 17
-without v, four stops of five 10; swapped wheel speeds 11 to 240 (`tests/studies/weak_pads.py`, seed
-57, `tests/studies/swapped_stops.py`, seed 3)."""
-
-MOSTLY = 0.5
-"""Share of the braked samples with a friction that no pad has, past which weak pads are not why."""
-
-KEPT = 0.88
-"""Brakes over those of the ramp [1] above which front pads are not so weak that eta stays flat, as
-it would in a bend with such pads."""
-
-LIMIT = 0.1
-"""Share of the braked samples with a wheel at its limit past which nothing is weighed: the filter
-knows no wheel that locks."""
+from calib.validation.settings import SETTINGS
 
 SWAPPED = "front and rear wheel speeds that are swapped"
 
@@ -85,13 +55,21 @@ def judge_axles(table: Table, log: Log, e: Estimate) -> Exchanged | None:
     motor brakes the rear wheels.
     """
     r = _rise(table, e.blocks)
-    right = r is not None and r.expected > RISES and r.eta - 4.0 * r.error > REVERSED * r.expected
+    right = (
+        r is not None
+        and r.expected > SETTINGS.eta_rises
+        and r.eta - 4.0 * r.error > SETTINGS.axles_reversed * r.expected
+    )
     if right or e.basis is None:
         return None
     other = exchanged(e, e.basis)
-    if r is not None and r.expected > 0.0 and r.eta + 4.0 * r.error < -REVERSED * r.expected:
+    if (
+        r is not None
+        and r.expected > 0.0
+        and r.eta + 4.0 * r.error < -SETTINGS.axles_reversed * r.expected
+    ):
         _require_weak_pads(table, log, e, r, other)
-    return None if float(np.mean(e.refused[LOCKS][e.braked])) > LIMIT else other
+    return None if float(np.mean(e.refused[LOCKS][e.braked])) > SETTINGS.at_limit else other
 
 
 def _require_weak_pads(table: Table, log: Log, e: Estimate, r: Rise, other: Exchanged) -> None:
@@ -102,10 +80,10 @@ def _require_weak_pads(table: Table, log: Log, e: Estimate, r: Rise, other: Exch
     """
     said = f"the front wheels slip less than the rear while braking: eta {100 * r.eta:+.2f} %"
     told = e.valid if e.valid.any() else e.braked
-    if float(np.median(e.rear.change_lower[told])) >= GAIN:
+    if float(np.median(e.rear.change_lower[told])) >= SETTINGS.axles_gain:
         gain = float(np.median(e.rear.change[told]))
         said += f", as if the rear pads had {gain:.2g} times their friction on the ramp"
-    elif e.valid.any() or (other.log_odds < SURE and not _no_pads(e)):
+    elif e.valid.any() or (other.log_odds < SETTINGS.axles_sure and not _no_pads(e)):
         return
     raise LogError(
         said,
@@ -117,20 +95,20 @@ def _require_weak_pads(table: Table, log: Log, e: Estimate, r: Rise, other: Exch
 
 def _no_pads(e: Estimate) -> bool:
     """Whether the answer is none because no pads have it, as where an axle does not brake."""
-    return float(np.mean(e.refused[NO_PAD][e.braked])) > MOSTLY
+    return float(np.mean(e.refused[NO_PAD][e.braked])) > SETTINGS.axles_mostly
 
 
 def axles_warnings(log: str, e: Estimate, other: Exchanged | None) -> Iterator[PlausibilityWarning]:
     """A warning where swapped wheel speeds are possible and would make the pads others."""
-    if other is None or other.log_odds < DOUBT:
+    if other is None or other.log_odds < SETTINGS.axles_doubt:
         return
-    if other.log_odds < SURE and _holds(e, other):
+    if other.log_odds < SETTINGS.axles_sure and _holds(e, other):
         return
     yield PlausibilityWarning(
         "axles_exchanged",
         log,
         other.log_odds,
-        (-math.inf, DOUBT),
+        (-math.inf, SETTINGS.axles_doubt),
         (
             SWAPPED,
             "pads or tyres of one axle that changed since the ramp, such as weak front pads",
@@ -142,9 +120,9 @@ def axles_warnings(log: str, e: Estimate, other: Exchanged | None) -> Iterator[P
 
 
 class CrossedStop(NamedTuple):
-    """The two wheels of a diagonal that a stop has exchanged; ``sure`` by `RISES` and `KEPT`.
+    """The two wheels of a diagonal that a stop has exchanged.
 
-    ``z`` deceleration of the stop [1].
+    ``sure`` by `eta_rises` and `brakes_kept`; ``z`` deceleration of the stop [1].
     """
 
     found: Crossed
@@ -161,7 +139,9 @@ def crossed_wheels(table: Table, e: Estimate, parts: WheelParts | None) -> Cross
     found = crossed_diagonal(parts, r.expected) if r is not None else None
     if r is None or parts is None or found is None:
         return None
-    return CrossedStop(found, r.expected > RISES and _level(e) > KEPT, parts.z)
+    return CrossedStop(
+        found, r.expected > SETTINGS.eta_rises and _level(e) > SETTINGS.brakes_kept, parts.z
+    )
 
 
 def _level(e: Estimate) -> float:
@@ -175,7 +155,7 @@ def crossed_warnings(log: str, crossed: CrossedStop | None) -> Iterator[Plausibi
     """A warning for a front and a rear wheel that changed places."""
     if crossed is None:
         return
-    found, least = crossed.found, LEAST * crossed.z
+    found, least = crossed.found, LIMITS.crossed_least * crossed.z
     yield PlausibilityWarning(
         "wheels_crossed",
         log,

@@ -15,22 +15,11 @@ from numpy.typing import NDArray
 
 from calib.estimation.estimator import Estimate
 from calib.signals.filters import centred_mean, since
+from calib.validation.settings import SETTINGS
 
 Array = NDArray[np.float64]
 
 WHY = "the pressure moves faster than the brakes follow"
-
-LARGEST = 2.2
-"""Error over the half width of an interval past which that is no longer trusted. A foot that holds
-its pressure stays below 1. One that pumps comes to 2 to 6, and from about 2.5 on the intervals of
-the front pads hold the truth in less than 80 % of the samples."""
-
-SMOOTHED = 0.1
-"""Time over which the pressure's change is averaged [s]: longer than the noise of a sensor, shorter
-than a foot."""
-
-REMEMBERED = 0.5
-"""Time for which the level remembers what moved [s], `calib.estimation.pad_level`."""
 
 
 def followed(e: Estimate) -> Estimate:
@@ -41,11 +30,11 @@ def followed(e: Estimate) -> Estimate:
     if e.response is None:
         return e
     p = np.maximum(e.pressure_f, e.pressure_r)
-    count = max(round(SMOOTHED / e.read.sample_time), 1)
+    count = max(round(SETTINGS.followed_smoothed / e.read.sample_time), 1)
     moves = centred_mean(np.gradient(p, e.read.sample_time), count, held_ends=True)
     error = abs(e.response.delay) * np.abs(moves) / np.maximum(p, e.plan.gates.pressure)
     least = np.minimum(e.front.half_width, e.rear.half_width)
     settled = e.braked & (since(e.time, ~e.braked) > e.plan.gates.settle)
-    fast = settled & (error > LARGEST * least)
-    late = e.braked & (since(e.time, fast) < REMEMBERED)
+    fast = settled & (error > SETTINGS.followed_largest * least)
+    late = e.braked & (since(e.time, fast) < SETTINGS.followed_remembered)
     return replace(e, valid=e.valid & ~late, refused={**e.refused, WHY: late})

@@ -21,20 +21,16 @@ import numpy as np
 from calib.estimation.estimator import Estimate
 from calib.estimation.pads import grown, raised
 from calib.statistics.half_normal import log_likelihood_ratio, mean_square
+from calib.validation.settings import SETTINGS
 from calib.validation.warnings import pads_together
 
 LOADS, USUAL = 0.1, 0.06
 """Share of the stops with a load that nobody stated, and its spread over the car's mass [1]: one
 passenger of 75 kg to two, in cars of 1.2 to 2 t (our estimate)."""
 
-REPEATS = 0.02
-"""Standard deviation of pads of one temperature from run to run [1], `calib.plausibility.pads`."""
 
 CHANGED, CHANGE = 0.2, 0.3
 """Share of the stops whose pads have changed, wet or hot, and how far (logarithm)."""
-
-BEHIND = 2.0
-"""Mean square of what a load does to the rear pads over that of all pads [1]: of a boot it is 4."""
 
 
 def with_load(e: Estimate, *, stated: bool) -> Estimate:
@@ -48,7 +44,7 @@ def with_load(e: Estimate, *, stated: bool) -> Estimate:
     square = mean_square_of_load(*pads_together(e, e.basis))
     more_open = max(2.0 * square - e.plan.nominal.mass_tolerance**2, 0.0)
     one = np.full(e.time.size, more_open)
-    front, rear = raised(e.front, one), raised(e.rear, BEHIND * one)
+    front, rear = raised(e.front, one), raised(e.rear, SETTINGS.load_behind * one)
     load = (grown(front, e.front), grown(rear, e.rear))
     return replace(e, front=front, rear=rear, load=load)
 
@@ -62,7 +58,7 @@ def mean_square_of_load(level: float, sigma: float) -> float:
     >>> [round(mean_square_of_load(level, 0.015) ** 0.5, 3) for level in (0.0, -0.05, -0.3)]
     [0.005, 0.027, 0.019]
     """
-    usual = math.hypot(sigma, REPEATS)
+    usual = math.hypot(sigma, SETTINGS.pads_repeat)
     wide = math.hypot(usual, CHANGE)
     alike = log_likelihood_ratio(-level, usual, USUAL)
     changed = math.log(usual / wide) + 0.5 * level**2 * (usual**-2.0 - wide**-2.0)

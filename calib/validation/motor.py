@@ -28,19 +28,10 @@ from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
 from calib.names import G
 from calib.plausibility.brakes import motor_of
+from calib.validation.settings import SETTINGS
 
 Array = NDArray[np.float64]
 
-FRONT = 0.7
-"""Share of the motors that brake the front axle [1]: most cars with a small one are driven there
-(our estimate). One at the rear makes its pads seem a third better, and is named for that."""
-
-ON_RAMP = 0.5
-"""Chance that what a fit has named on a ramp is a motor [1]: `LIKELY` at least, and a force that is
-not there on one of ten good cars (`tests/studies/coverage_by_cause.py`, seed 6613)."""
-
-LEAST = 1.0
-"""Brake force of an axle [N] below which it is counted as this: one that is not braked."""
 
 LOGGED = ("T_drive_f", "T_drive_r")
 
@@ -57,16 +48,25 @@ def with_motor(log: Log, e: Estimate, of_ramps: Sequence[PlausibilityWarning] = 
     drags = float(e.accelerometer.drag[-1]), _largest(of_ramps, "unexplained_drag") / G
     car = e.plan.nominal
     forces = [
-        np.where(e.braked, np.maximum(2.0 * of.torque / axle.rolling_radius, LEAST), np.inf)
+        np.where(
+            e.braked,
+            np.maximum(2.0 * of.torque / axle.rolling_radius, SETTINGS.motor_least),
+            np.inf,
+        )
         for axle, of in ((car.front, e.front), (car.rear, e.rear))
     ]
     both = forces[0] + forces[1]
     usual = float(np.median(both[e.braked]))
     drag = car.weight * math.hypot(*drags) / both
-    square = motor_of(e.response).square + ON_RAMP * on_ramp**2
+    square = motor_of(e.response).square + SETTINGS.motor_on_ramp * on_ramp**2
     front, rear = (
         lowered(axle, 2.0 * (share * square * (usual / force) ** 2 + drag**2))
-        for axle, share, force in zip((e.front, e.rear), (FRONT, 1.0 - FRONT), forces, strict=True)
+        for axle, share, force in zip(
+            (e.front, e.rear),
+            (SETTINGS.motor_front, 1.0 - SETTINGS.motor_front),
+            forces,
+            strict=True,
+        )
     )
     judged = still_narrow(e.plan.gates, e.valid, e.refused, (front, rear))
     return replace(

@@ -13,10 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calib.estimation.estimator import Estimate
-
-APART = 2.5
-"""Difference of two stiffnesses from which they are of two roads [sigma]: by chance in one pair of
-eighty on the same road."""
+from calib.validation.settings import SETTINGS
 
 
 @dataclass(frozen=True)
@@ -52,4 +49,4 @@ def _alike(stop: tuple[float, float], group: list[tuple[float, float]]) -> bool:
     """Whether a stiffness (mean, sigma) is that of a group, none of which it is below."""
     mean = float(np.mean([value for value, _ in group]))
     variance = float(np.mean([sigma**2 for _, sigma in group])) / len(group)
-    return bool(stop[0] - mean <= APART * np.sqrt(stop[1] ** 2 + variance))
+    return bool(stop[0] - mean <= SETTINGS.roads_apart * np.sqrt(stop[1] ** 2 + variance))

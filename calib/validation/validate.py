@@ -29,26 +29,19 @@ from calib.signals.axle_signals import signals
 from calib.store.version import Stored
 from calib.table.budget import AxleBudget, summary
 from calib.table.table import Table
-from calib.validation.axles import (
-    SURE,
-    axles_warnings,
-    crossed_warnings,
-    crossed_wheels,
-    judge_axles,
-)
+from calib.validation.axles import axles_warnings, crossed_warnings, crossed_wheels, judge_axles
 from calib.validation.followed import followed
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.load import with_load
 from calib.validation.metrics import baseline_errors, score, truth_of
 from calib.validation.motor import with_motor
 from calib.validation.roads import Road, roads_of
+from calib.validation.settings import SETTINGS
 from calib.validation.warnings import limit_warnings, warnings_of
 
 HOLDOUT, CALIBRATION = "hold-out", "calibration"
 """Roles of a log in a validation."""
 
-NAMED = 0.1
-"""Share of the braked samples from which a reason for not being valid is named."""
 
 NO_HOLDOUT = "the table was fitted on this log: it is no hold-out and proves nothing"
 
@@ -99,7 +92,7 @@ class Validation:
         if not counted.any():
             return {}
         share = {why: float(np.mean(mask[counted])) for why, mask in e.refused.items()}
-        named = {why: x for why, x in share.items() if x > NAMED}
+        named = {why: x for why, x in share.items() if x > SETTINGS.named}
         return dict(sorted(named.items(), key=lambda item: -item[1]))
 
     @property
@@ -234,7 +227,7 @@ def validate_one(
     )
     result = with_motor(log, result, _of_ramps(table))
     result = followed(with_load(result, stated=mass is not None))
-    if other is not None and other.log_odds > SURE:
+    if other is not None and other.log_odds > SETTINGS.axles_sure:
         result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
     if crossed is not None and crossed.sure:
         front, rear = crossed.found.wheels
@@ -259,16 +252,13 @@ def validate_one(
     )
 
 
-FOREIGN = 0.1
-"""Force without pressure over the usual brake force [1] past which no sample is valid: it would
-stand in the pads of one axle, and a fifth of their friction is no estimate. On a ramp it stands in
-the table."""
-
-
 def _foreign(warnings: Iterable[PlausibilityWarning], z: NDArray[np.float64]) -> bool:
-    """Whether more than `FOREIGN` brakes beside the pressure; ``z`` while braking [1] (n,)."""
+    """Whether more than `foreign` brakes beside the pressure; ``z`` while braking [1] (n,)."""
     usual = G * float(np.median(z)) if z.size else 0.0
-    most = {"unexplained_braking_force": FOREIGN, "unexplained_drag": FOREIGN * usual}
+    most = {
+        "unexplained_braking_force": SETTINGS.foreign,
+        "unexplained_drag": SETTINGS.foreign * usual,
+    }
     return any(w.measured > most.get(w.code, math.inf) for w in warnings)
 
 

@@ -9,8 +9,9 @@ from calib.estimation.estimator import Basis, Estimate
 from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
 from calib.physics.forces import axle_loads
+from calib.plausibility.limits import PLAUSIBLE
 from calib.plausibility.load import is_load, load_behind
-from calib.plausibility.pads import LEVEL, LOADED, change_warnings, level_warnings
+from calib.plausibility.pads import change_warnings, level_warnings
 from calib.plausibility.run import run_warnings
 from calib.statistics.intervals import Z95
 from calib.table.pads_budget import front_share
@@ -62,7 +63,7 @@ def like_a_load(e: Estimate, level: float, apart: tuple[float, float]) -> bool:
 
     ``level``, ``apart`` as `pads_together` and `pads_apart` have them.
     """
-    if not LEVEL < abs(level) < LOADED:
+    if not PLAUSIBLE.pad_level < abs(level) < PLAUSIBLE.loaded:
         return False
     car, z = e.plan.nominal, float(e.blocks.z[_block(e)])
     front, rear = axle_loads(car, np.asarray(z))

@@ -9,7 +9,7 @@ from calib.estimation.estimator import estimate
 from calib.estimation.exchanged import exchanged
 from calib.fitting.fit import fit
 from calib.physics.bias import pressure_per_g
-from calib.validation.axles import DOUBT
+from calib.validation.settings import SETTINGS
 from calib.validation.validate import validate
 from tests.support.balanced import balanced
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, swapped, without
@@ -37,7 +37,7 @@ def test_a_stop_says_which_axle_is_which(table, z, logged):
     log = noisy(stop(PLANT, z * pressure_per_g(NEAR)), 5)
     log = log if logged == "with v" else without(log, "v")
     right, wrong = weighed(table, log), weighed(table, swapped(log))
-    assert right.log_odds < 2.0 * DOUBT
+    assert right.log_odds < 2.0 * SETTINGS.axles_doubt
     assert wrong.log_odds > 10.0
     assert wrong.log_pad_ratio[1] == pytest.approx(right.log_pad_ratio[0], abs=0.05)
 

@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from calib.errors import BrakeCalError
 from calib.fitting.fit import fit
-from calib.plausibility.pads import RATIO
+from calib.plausibility.limits import PLAUSIBLE
 from calib.statistics.intervals import Z95
 from calib.validation.limits import DEFAULTS
 from calib.validation.validate import validate_one
@@ -64,9 +64,9 @@ def main() -> None:
                     continue
                 ratio, e = table.calibration.pad_log_ratio, result.estimate
                 off.append((ratio.value - true, ratio.sigma))
-                near += abs(true) < RATIO
+                near += abs(true) < PLAUSIBLE.pad_ratio
                 warned = any(w.code == "pad_ratio" for w in table.warnings)
-                false += warned and abs(true) < RATIO
+                false += warned and abs(true) < PLAUSIBLE.pad_ratio
                 for axle in against_truth(e, truths_of(stop)):
                     held.append(mean(axle.held))
                     wrong.append(mean(axle.error))

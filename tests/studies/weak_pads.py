@@ -25,7 +25,8 @@ from calib.logs.log import Log
 from calib.physics.bias import pressure_per_g
 from calib.physics.vehicle import Vehicle
 from calib.table.table import Table
-from calib.validation.axles import SURE, judge_axles
+from calib.validation.axles import judge_axles
+from calib.validation.settings import SETTINGS
 from tests.support.plant import Plant, magic
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop, swapped, with_pads, without
 
@@ -72,7 +73,7 @@ def refused(table: Table, log: Log) -> bool:
         other = judge_axles(table, log, estimate(table, log))
     except LogError:
         return True
-    return other is not None and other.log_odds > SURE
+    return other is not None and other.log_odds > SETTINGS.axles_sure
 
 
 def main() -> None:

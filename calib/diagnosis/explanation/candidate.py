@@ -27,6 +27,7 @@ from calib.diagnosis.explanation.channels import (
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 from calib.diagnosis.explanation.progress import Tell, silent
 from calib.diagnosis.explanation.secant import columns, least_squares
+from calib.diagnosis.gates import GATES
 from calib.physics.effects import aerodynamic_drag
 from calib.physics.effects.effect import Card, Parameter
 from calib.physics.effects.effects import Effects, EmpiricalTerm
@@ -49,9 +50,6 @@ BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04, 0.2, 0.2, 0.04])
 the shape factor, on the load exponent, the bend, the relaxation length and the exponent of the
 peak: the spread of passenger tyres."""
 
-PADS = 0.7
-"""Largest logarithm of a pad friction over that of the file: half and double. With rear pads of 2.8
-times the file's, a valve imitated a motor."""
 
 BASE = BASE_SIGMA.size
 """Number of base parameters, the first ones of every vector, where the rolling radii are given."""
@@ -67,22 +65,6 @@ USUAL_SHARE, SHARE_SIGMA = _SHARE.typical, 2.0 * _SHARE.spread
 SHARE_RANGE = _SHARE.high - _SHARE.typical
 """Share of a drag that moves load [1]: the middle of its prior, its spread and its range, for a
 drag that is known and one that is found alike."""
-
-QUIETER = 0.9
-"""Share of a channel's noise below which it counts as quieter with an explanation than without."""
-
-COASTING = 1e5
-"""Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that of
-a braked disc."""
-
-SECOND_SIGMA = 2.0
-"""Prior on the further parameters of an effect, in spreads of their cards."""
-
-AT_BOUND = 0.01
-"""Share of a parameter's range that counts as its bound."""
-
-DIVIDED = 0.1
-"""How far a share of an axle is from nothing, from all and from its usual value to be odd [1]."""
 
 
 @dataclass(frozen=True)
@@ -276,7 +258,7 @@ def without_its_noise(best: Candidate) -> Problem | None:
     """
     problem = best.problem
     noise = _unbraked_noise(problem.vehicle, best.base, best.effects, problem.runs)
-    if np.all(noise.sigma > QUIETER * problem.noise.sigma):
+    if np.all(noise.sigma > GATES.quieter * problem.noise.sigma):
         return None
     return replace(problem, noise=noise)
 
@@ -288,13 +270,13 @@ def turned_to_ripple(
 
     Every run begins at another angle of the disc. Where the front torque is high, the car and its
     front wheels slow: a_x and front less rear go with -sin(angle). A sensor that ripples does so
-    without torque too, in front less rear alone: there `COASTING` counts besides. The ripple that
+    without torque too, in front less rear alone: there `coasting` counts besides. The ripple that
     is looked for is whitened as the residuals are, for a filter delays fast turns and slow ones
     differently.
     """
     white = whiten(residuals(run, predict(vehicle, base, vehicle.effects, run)), noise)
     torque = np.maximum(thinned(run, run.p_mc), 0.0)
-    weights = np.stack([torque, *4 * [torque + COASTING], torque])
+    weights = np.stack([torque, *4 * [torque + GATES.coasting], torque])
     turn = weights * np.exp(1j * thinned(run, run.angle_f))
     plain = replace(noise, sigma=np.ones_like(noise.sigma))
     parts = zip(whiten(turn.real, plain), whiten(turn.imag, plain), strict=True)
@@ -376,8 +358,8 @@ def origins(known: Effects, card: Card) -> tuple[float, ...]:
 
 def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
     """Bounds of the vector: the cards' ranges."""
-    low = [-PADS, -PADS, -2.0, -2.0, -0.4, -0.2, -BEND, -RELAXATION, -0.2]
-    high = [PADS, PADS, 2.0, 2.0, 0.18, 0.2, 0.7, 1.0, 0.2]
+    low = [-GATES.pads, -GATES.pads, -2.0, -2.0, -0.4, -0.2, -BEND, -RELAXATION, -0.2]
+    high = [GATES.pads, GATES.pads, 2.0, 2.0, 0.18, 0.2, 0.7, 1.0, 0.2]
     if problem.free_radius:
         low, high = [*low, -RADIUS_RANGE], [*high, RADIUS_RANGE]
     if problem.free_share:
@@ -398,7 +380,7 @@ def at_bound(at: Candidate) -> tuple[str, ...]:
     what is at its default: it need not be given.
     """
     low, high = bounds(at.problem, at.names)
-    margin = AT_BOUND * (high - low)
+    margin = GATES.at_bound * (high - low)
     ended = (at.x < low + margin) | (at.x > high - margin)
 
     def has_ended(name: str, own: slice) -> bool:
@@ -414,7 +396,7 @@ def at_bound(at: Candidate) -> tuple[str, ...]:
 def _is_default(parameter: Parameter, value: float) -> bool:
     if parameter.default is None:
         return False
-    return abs(value - parameter.default) < AT_BOUND * (parameter.high - parameter.low)
+    return abs(value - parameter.default) < GATES.at_bound * (parameter.high - parameter.low)
 
 
 def divided(at: Candidate) -> tuple[str, ...]:
@@ -425,7 +407,7 @@ def divided(at: Candidate) -> tuple[str, ...]:
         for p in definition(at.problem.vehicle.effects, name).card.parameters
         if p.share
         and min(abs(at.effects.parameters[name][p.name] - x) for x in (p.low, p.high, p.typical))
-        > DIVIDED
+        > GATES.divided
     )
 
 
@@ -433,7 +415,7 @@ def prior_rows(problem: Problem, names: tuple[str, ...], x: Array) -> Array:
     """Residuals of the weak priors; the strengths have none."""
     rows = [*(x[: problem.base_size] / problem.base_sigma)]
     for own in problem.places(names).values():
-        rows += [float(v) / SECOND_SIGMA for v in x[own][1:]]
+        rows += [float(v) / GATES.second_sigma for v in x[own][1:]]
     return np.asarray(rows)
 
 

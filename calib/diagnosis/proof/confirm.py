@@ -10,13 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.candidate import Candidate, Problem
-from calib.diagnosis.search.decide import (
-    FLOOR,
-    SECOND_SHARE,
-    Decision,
-    confusable,
-    strange,
-)
+from calib.diagnosis.gates import GATES
+from calib.diagnosis.search.decide import Decision, confusable, strange
 
 Array = NDArray[np.float64]
 
@@ -87,7 +82,7 @@ def second_shown(pair: Decision, held: Problem) -> bool:
     return bool(
         gained > SECOND_PROOF
         and beyond_form(none, first, both, SECOND_PART) > SECOND_PROOF
-        and gained > SECOND_SHARE * (float(np.sum(first)) - FLOOR)
+        and gained > GATES.second_share * (float(np.sum(first)) - GATES.floor)
         and helps(fall * count)
     )
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.channels import CHANNELS, STEP
+from calib.diagnosis.gates import GATES
 
 Array = NDArray[np.float64]
 
@@ -25,13 +26,6 @@ What is faster is a wheel, or a channel that is sent seldom."""
 
 OF_BODY = ("a_x", "v")
 """Channels in which the motion of the car as a whole shows."""
-
-OVER_SLOWER = 2.0
-"""Least power of a peak over that of the slower lines beside which it stands."""
-
-OVER_SLOWEST = 3.0
-"""Least power of a peak over that of the line below `SLOWEST`. What every application leaves, as a
-lag does, is in both; a swing of 0.5 Hz or more has at most a fifth there."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +50,7 @@ def oscillation_of(whitened: list[list[Array]], excess: float) -> Oscillation:
     power = _power(whitened)
     lines = np.sum(power, axis=0)
     peak = SLOWEST + int(np.argmax(lines[SLOWEST : FASTEST + 1]))
-    slower = OVER_SLOWER * np.max(lines[: peak - 1]), OVER_SLOWEST * lines[SLOWEST - 1]
+    slower = GATES.over_slower * np.max(lines[: peak - 1]), GATES.over_slowest * lines[SLOWEST - 1]
     if lines[peak] <= max(slower):
         return Oscillation(0.0, 0.0, body=False)
     near = slice(peak - 1, peak + 2)

@@ -17,14 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.candidate import Candidate, at_bound, divided, fit_without
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.confirm import beyond_form, chi2_by_run, helps, squares
 from calib.diagnosis.proof.hold_outs import HoldOuts
-from calib.diagnosis.proof.remainder import LEAST, Remainder
+from calib.diagnosis.proof.remainder import Remainder
 from calib.diagnosis.proof.unexplained import SLIP, UnexplainedTerm, place_of_rest
 from calib.diagnosis.search.decide import (
-    FAINT_SECOND,
-    FLOOR,
-    SECOND_OF_ALL,
     Decision,
     confusable,
     gain,
@@ -42,8 +40,6 @@ from calib.logs.log import Log
 
 Array = NDArray[np.float64]
 
-TRIED = 3
-"""Further effects that are fitted in each step, the most promising ones."""
 
 FURTHER, FURTHER_REPLAYED = 0.012, 0.004
 """Least gain of a further effect in the mean squared innovation, and of one that replays show well.
@@ -51,9 +47,6 @@ Where the form of a named effect differs from the car's, a wrong one gains up to
 0.05 m^2 beside a rolling resistance that grows with speed gains 0.003 and closes 60 % of the
 replays' errors. A first effect that gains less counts only where something significant is left."""
 
-FURTHER_OF_ALL = 0.003
-"""Least gain of an effect that replays show well, as a share of that of the effects before. A wheel
-that rolls 0.5 % faster explains so much that a trifle of it, 0.0002, is a wrong drag."""
 
 MOST, MOST_REPLAYED = 0.6, 0.7
 """Share of what is left in the replays that a further effect must close, and one with a small gain.
@@ -65,19 +58,6 @@ NEARLY_NOTHING, NEARLY_NOTHING_REPLAYED = 0.07, 0.15
 effects together may leave: what differs in their form. Of the replays it is the second one where
 nothing is left in the innovations. It is told as a remainder."""
 
-NEARLY_ALL = 0.9
-"""Share of what is clearly left, in the innovations or the replays, that no difference in form
-would close. Of an effect that closes as much of the replays half the gain is enough."""
-
-STEP = 0.3
-"""Share of the excess of the innovations that each step of a search must close to go on."""
-
-WORSE = 1.05
-"""Growth of the lasting errors of the replays with which no further effect is tried: an effect that
-has no part in them, such as a ripple, changes nothing there while another one is missing."""
-
-SEVERAL = 2
-"""Effects from which one empirical term is held against all of them."""
 
 BETTER, CHANCE = 0.9, 0.3
 """Replays have become better if less than this share of their lasting errors is left; where they
@@ -197,12 +177,12 @@ def _confirmed(held: HoldOuts, present: Proved, bare: Remainder) -> Proved:
     else:
         of_form = gain(base, best) < FURTHER or bool(at_bound(best))
         without, with_them = _at_best(held, tried)
-        holds = not of_form and with_them.size < WORSE * without.size
+        holds = not of_form and with_them.size < GATES.worse * without.size
     return tried if holds else _withdrawn(tried, bare, _closed(tried, bare))
 
 
 def _grown(before: Remainder, after: Remainder) -> bool:
-    return after.size > WORSE * before.size + CHANCE
+    return after.size > GATES.worse * before.size + CHANCE
 
 
 def _at_best(held: HoldOuts, tried: Proved) -> tuple[Remainder, Remainder]:
@@ -235,7 +215,7 @@ def _closed(present: Proved, bare: Remainder) -> float:
 
 def better(before: float, after: float) -> bool:
     """Whether replays with lasting errors ``after`` are better than those with ``before``."""
-    return after < BETTER * before if before > LEAST else after < before + CHANCE
+    return after < BETTER * before if before > GATES.remainder_least else after < before + CHANCE
 
 
 def _judged(held: HoldOuts, candidate: Candidate) -> tuple[tuple[Log, ...], Remainder] | None:
@@ -299,7 +279,7 @@ def _exchanged(held: HoldOuts, present: Proved) -> Proved:
     at = present.decision.best
     for name in dict.fromkeys((*at_bound(at), *divided(at))):
         fewer = fit_without(at, name)
-        for option in (fewer, *refine(fewer, TRIED)):
+        for option in (fewer, *refine(fewer, GATES.tried)):
             if (exchanged := _simpler(held, present, option)) is not None:
                 return exchanged
     return present
@@ -311,11 +291,11 @@ def _one_for_two(held: HoldOuts, present: Proved) -> Proved:
     A slope that no accelerometer feels looks like a drag and rolling radii together.
     """
     at = present.decision.best
-    if len(at.names) <= SEVERAL:
+    if len(at.names) <= GATES.several:
         return present
     for one, other in combinations(at.names, 2):
         fewer = fit_without(fit_without(at, one), other)
-        if hints(fewer)[0].gain < NEARLY_ALL * (fewer.chi2 - at.chi2):
+        if hints(fewer)[0].gain < GATES.nearly_all * (fewer.chi2 - at.chi2):
             continue
         for option in refine(fewer, 1):
             if (exchanged := _simpler(held, present, option)) is not None:
@@ -347,7 +327,7 @@ def _unless_held(held: HoldOuts, found: Proved) -> Proved:
     it, and leave something.
     """
     best = found.decision.best
-    if not found.rest or len(best.names) < SEVERAL:
+    if not found.rest or len(best.names) < GATES.several:
         return found
     one = place_of_rest(found.decision.base, held)
     if one.on_hold_outs or one.driver != SLIP or one.at.reduced > best.reduced:
@@ -366,8 +346,8 @@ def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:
     """
     at = present.decision.best
     brought = gain(at, option)
-    faint = max(FURTHER_REPLAYED, FURTHER_OF_ALL * gain(present.decision.base, at))
-    if left.size < (1.0 - NEARLY_ALL) * present.left.size:
+    faint = max(FURTHER_REPLAYED, GATES.further_of_all * gain(present.decision.base, at))
+    if left.size < (1.0 - GATES.nearly_all) * present.left.size:
         faint *= 0.5
     if brought > (faint if present.left.significant else FURTHER):
         share = MOST if brought > FURTHER else MOST_REPLAYED
@@ -375,20 +355,20 @@ def _closes_most(present: Proved, option: Candidate, left: Remainder) -> bool:
             return True
     if _grown(present.left, left) or brought < FURTHER:
         return False
-    excess = at.reduced - FLOOR
-    if not present.left.significant or (strange(at) and brought > NEARLY_ALL * excess):
+    excess = at.reduced - GATES.floor
+    if not present.left.significant or (strange(at) and brought > GATES.nearly_all * excess):
         return brought > MOST * excess
     before, with_at, with_option = (
         squares(c.whitened) for c in (present.decision.base, at, option)
     )
-    fall = beyond_form(before, with_at, with_option, SECOND_OF_ALL)
+    fall = beyond_form(before, with_at, with_option, GATES.second_of_all)
     return fall > MOST * excess * option.count
 
 
 def _options(at: Candidate) -> list[Candidate]:
     """The best further effects that are worth their parameters."""
-    fitted = settled(simplest_first(refine(at, TRIED)))
-    return [c for c in fitted if gain(at, c) > FAINT_SECOND * (c.parameters - at.parameters)]
+    fitted = settled(simplest_first(refine(at, GATES.tried)))
+    return [c for c in fitted if gain(at, c) > GATES.faint_second * (c.parameters - at.parameters)]
 
 
 def _helpful(held: HoldOuts, present: Proved, option: Candidate) -> bool:
@@ -427,8 +407,8 @@ def _found(held: HoldOuts, present: Proved) -> Proved:
     judged = _judged(held, at)
     if judged is None or not _helpful(held, present, at):
         return present
-    left, gap = judged[1], present.decision.base.reduced - FLOOR
-    if at.reduced > max(quiet(at), FLOOR + NEARLY_NOTHING * gap):
+    left, gap = judged[1], present.decision.base.reduced - GATES.floor
+    if at.reduced > max(quiet(at), GATES.floor + NEARLY_NOTHING * gap):
         return present
     share = NEARLY_NOTHING_REPLAYED if at.reduced <= quiet(at) else NEARLY_NOTHING
     if left.significant and left.size > share * present.left.size:
@@ -445,7 +425,7 @@ def _with_more(start: Candidate) -> tuple[Candidate, list[Candidate]]:
     at, rivals = start, list[Candidate]()
     while at.reduced > quiet(at):
         options = _options(at)
-        if not options or gain(at, options[0]) < STEP * (at.reduced - FLOOR):
+        if not options or gain(at, options[0]) < GATES.step * (at.reduced - GATES.floor):
             break
         at, rivals = options[0], options[1:]
     if at.reduced <= quiet(at):
@@ -458,4 +438,4 @@ def _with_more(start: Candidate) -> tuple[Candidate, list[Candidate]]:
 
 def _pairs_on(at: Candidate) -> list[Candidate]:
     """Pairs of further effects that explain most of what is left."""
-    return together(at, TRIED, MOST_REPLAYED * (at.reduced - FLOOR))
+    return together(at, GATES.tried, MOST_REPLAYED * (at.reduced - GATES.floor))

@@ -1,9 +1,9 @@
 """What remains on the hold-outs: their open-loop replays less the measurement, over the noise.
 
 A replay uses pressure and first speed only (a ripple follows the angle of the wheels, too), so a
-small lasting error, which an innovation of one step hides, adds up there. Means over `BLOCK` hold
-the lasting errors alone: the noise of the sensors and the ripple of a disc that no effect explains
-cancel in them.
+small lasting error, which an innovation of one step hides, adds up there. Means over half a second
+hold the lasting errors alone: the noise of the sensors and the ripple of a disc that no effect
+explains cancel in them.
 
     replays less logs --> means over blocks --> less what the parameters' own errors can do --> left
 
@@ -18,26 +18,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.gap import CHANNELS, noises_of
 from calib.logs.log import Log
 from calib.signals.filters import block_mean
 from calib.statistics.intervals import QUARTILE
 
 Array = NDArray[np.float64]
-
-BLOCK = 0.5
-"""Span of a mean [s]: several times the correlation time of a road's noise, a part of a stop."""
-
-LEAST = 2.0
-"""Rms of the lasting errors over the noise of the sensors from which something is left [1]. With
-nothing hidden, on a plant with other forms of tyre than here, up to 1.3 is left; see
-tests/studies/naming.py."""
-
-SURE = 5.0
-"""Least distance of the sum of squares from that of noise, in its standard deviations."""
-
-FARTHEST = 2.0
-"""Largest move along a direction of the parameters' covariance, in standard deviations: 95 %."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +49,7 @@ class Remainder:
     @property
     def significant(self) -> bool:
         """Whether it is more than noise, parameters and the usual form of a tyre can do."""
-        return self.size > LEAST and self.sigma > SURE
+        return self.size > GATES.remainder_least and self.sigma > GATES.remainder_sure
 
 
 Moved = Callable[[], Sequence[Sequence[Log]]]
@@ -109,7 +96,7 @@ def lasting(simulated: Log, measured: Log) -> Array:
 
 def block_of(log: Log) -> int:
     """Samples in a block."""
-    return max(1, round(BLOCK / log.sample_time))
+    return max(1, round(GATES.remainder_block / log.sample_time))
 
 
 def samples_of(logs: Sequence[Log]) -> float:
@@ -127,12 +114,12 @@ def noise_of_means(errors: Sequence[Array]) -> Array:
 
 
 def without(errors: list[Array], directions: list[list[Array]], spread: Array) -> list[Array]:
-    """Errors less what moves of at most `FARTHEST` along the directions explain."""
+    """Errors less what moves of at most `remainder_farthest` along the directions explain."""
     from scipy.optimize import lsq_linear
 
     y = _flat(errors, errors, spread)
     A = np.stack([_flat(one, errors, spread) for one in directions], axis=1)
-    moves = lsq_linear(A, y, bounds=(-FARTHEST, FARTHEST)).x
+    moves = lsq_linear(A, y, bounds=(-GATES.remainder_farthest, GATES.remainder_farthest)).x
     out = []
     for i, own in enumerate(errors):
         m = min([own.shape[1], *(one[i].shape[1] for one in directions)])

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from calib.diagnosis.explanation.candidate import Candidate, FreeTerm, Problem, fit, free, joined
 from calib.diagnosis.explanation.channels import CHANNELS, thinned
 from calib.diagnosis.explanation.predict import ObservedRun, history_of
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.hold_outs import HoldOuts
 from calib.diagnosis.proof.oscillation import Oscillation, oscillation_of
 from calib.diagnosis.search.decide import quiet
@@ -38,22 +39,10 @@ OF_FRICTION, OF_WEIGHT = 0.9, 0.1
 """Largest value of a term: share of a pad's friction, and force over the weight of the car. A
 larger force over the deceleration would make the prediction follow the measured one."""
 
-HELD = 0.5
-"""Rise of a brake torque with the pressure, over that before, below which something holds it. From
-knot to knot: it may be held from the middle on."""
-
-PLAIN = 0.03
-"""Share of the excess that a term must explain beyond a plainer one to be preferred to it: beyond a
-constant one, and beyond one that holds a brake torque, which is a single number."""
-
-ONE_SIDED = 0.3
-"""Share of the excess in left less right from which one wheel of an axle is named."""
 
 WHEEL_ANGLE, FREQUENCY, SLIP = "wheel_angle", "frequency", "slip"
 """Drivers that no term has."""
 
-NO_TERM = 0.1
-"""Share of the excess that must go with the angle of the wheels, or swing, to be told as that."""
 
 HARMONICS = (1, 2)
 """Harmonics of the wheel's turn; run-out and uneven spacing show in the first ones."""
@@ -102,7 +91,7 @@ def held_from(term: EmpiricalTerm) -> float | None:
     p = np.array(term.knots)
     torque = p * (1.0 + np.array(term.values))
     for i in range(2, p.size - 1):
-        if np.all(np.diff(torque[i:]) < HELD * torque[i] / p[i] * np.diff(p[i:])):
+        if np.all(np.diff(torque[i:]) < GATES.held * torque[i] / p[i] * np.diff(p[i:])):
             return float(p[i])
     return None
 
@@ -148,12 +137,12 @@ def locate(at: Candidate, held: tuple[ObservedRun, ...] = ()) -> UnexplainedTerm
     placed = problem.mapped(partial(_fitted, alone, excess), tried)
     fitted = sorted(placed, key=lambda item: -item[0])
     others = fitted if len(fitted) > FITTED_BESIDE + 1 else fitted + found[len(tried) :]
-    nearly = [f for f in fitted if f[0] > fitted[0][0] - PLAIN]
+    nearly = [f for f in fitted if f[0] > fitted[0][0] - GATES.plain]
     plain = (f for f in nearly if f[2] == "constant" or held_from(_term(*f[1:5])) is not None)
     best = next(plain, fitted[0])
     turning, axle = _turning(problem, at, excess)
     swing = oscillation_of(at.whitened, excess)
-    least = max(float(best[0]), NO_TERM)
+    least = max(float(best[0]), GATES.no_term)
     term = _term(*best[1:5])
     driver, acts_on = term.driver, PLACES[term.place]
     if held_from(term) is not None and acts_on != "rear":
@@ -218,7 +207,7 @@ def _one_sided(at: Candidate, excess: float) -> str | None:
         sides[axle] = (float(x @ x) - x.size, float(np.mean(x)))
     axle = max(sides, key=lambda a: sides[a][0])
     beyond, mean = sides[axle]
-    if beyond < ONE_SIDED * excess or abs(mean) * np.sqrt(at.count / len(CHANNELS)) < 5.0:
+    if beyond < GATES.one_sided * excess or abs(mean) * np.sqrt(at.count / len(CHANNELS)) < 5.0:
         return None
     return f"{axle}_{'left' if mean < 0.0 else 'right'}"
 

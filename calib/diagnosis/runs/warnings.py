@@ -8,7 +8,7 @@ from calib.checks.warnings import locked_wheels, swapped_axles
 from calib.diagnosis.runs.judged import JudgedLog
 from calib.fitting.sensors import judge_accelerometer
 from calib.messages.warning import PlausibilityWarning
-from calib.plausibility.pads import LOADED
+from calib.plausibility.limits import PLAUSIBLE
 from calib.plausibility.run import run_warnings
 
 SEARCHED = (
@@ -56,13 +56,13 @@ def _of_log(one: JudgedLog, judged: Sequence[JudgedLog]) -> Iterator[Plausibilit
 def _level(one: JudgedLog, judged: Sequence[JudgedLog]) -> Iterator[PlausibilityWarning]:
     """Brakes that are not those of the other logs."""
     level = one.over_others(judged)
-    if level is None or abs(math.log(level)) < LOADED:
+    if level is None or abs(math.log(level)) < PLAUSIBLE.loaded:
         return
     yield PlausibilityWarning(
         "level_changed",
         one.log.name,
         level - 1.0,
-        (math.expm1(-LOADED), math.expm1(LOADED)),
+        (math.expm1(-PLAUSIBLE.loaded), math.expm1(PLAUSIBLE.loaded)),
         (
             "p_mc of another run",
             "the scale or the zero of p_mc or a_x in this log",

@@ -19,21 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.candidate import Candidate, Problem, free
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.changes import EffectChange, changes_by, further_changes, tried_at
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-BLOCK = 25
-"""Innovations in a block: 0.5 s, several times the correlation time of a road's noise."""
-
-REPLICAS = 400
-
-FALSE_ALARMS = 0.01
-"""Share of cars without an effect in which the best effect of the catalogue gains more."""
-
-LEAST = 1e-6
-"""Change in squared sigma below which these runs do not show an effect at all."""
 
 
 @dataclass(frozen=True)
@@ -62,13 +52,13 @@ def chance_of(at: Candidate, best: Candidate) -> Mapping[str, float]:
     by_name = {name: draws.gains(changes) for name, changes in further_changes(at).items()}
     usual = {name: max(float(np.quantile(gains, 0.9)), 1e-9) for name, gains in by_name.items()}
     largest = np.max([gains / usual[name] for name, gains in by_name.items()], axis=0)
-    factor = float(np.quantile(largest, 1.0 - FALSE_ALARMS))
+    factor = float(np.quantile(largest, 1.0 - GATES.false_alarms))
     return {name: factor * value for name, value in usual.items()}
 
 
 @dataclass(frozen=True)
 class _Draws:
-    """Replicas of the innovations of a candidate, as ``signs`` (`REPLICAS`, b) of their blocks.
+    """Replicas of the innovations of a candidate, as ``signs`` (replicas, b) of their blocks.
 
     ``rest`` (n,) innovations of the best explanation, without what base and effects of ``at`` can
     do; ``turned`` is ``at`` with every wheel a quarter further.
@@ -86,16 +76,16 @@ class _Draws:
         blocks = _blocks(at.whitened)
         rest = free(at.problem.flat(best.base, best.effects), at.directions)
         rng = np.random.default_rng(0)
-        signs = rng.choice(np.array([-1.0, 1.0]), (REPLICAS, blocks.start.size))
+        signs = rng.choice(np.array([-1.0, 1.0]), (GATES.chance_replicas, blocks.start.size))
         return cls(at, replace(at, problem=_quarter_turned(at.problem)), blocks, rest, signs)
 
     def gains(self, changes: Sequence[EffectChange]) -> Array:
-        """Gain in chi-square of an effect in every replica (`REPLICAS`,), the best of its forms."""
-        largest = np.zeros(REPLICAS)
+        """Gain in chi-square of an effect in every replica (replicas,), the best of its forms."""
+        largest = np.zeros(GATES.chance_replicas)
         turned = self._turned(changes[-1])
         for change, other in zip(changes, turned or changes, strict=True):
             length = float(change.own @ change.own)
-            if length < LEAST:
+            if length < GATES.chance_least:
                 continue
             drawn = self.signs * self.blocks.sums(change.own * self.rest)
             if not turned:
@@ -124,7 +114,7 @@ def _blocks(whitened: list[list[Array]]) -> SignedBlocks:
     for channels in whitened:
         run.append(len(start))
         for channel in channels:
-            start += list(range(at, at + channel.size, BLOCK))
+            start += list(range(at, at + channel.size, GATES.chance_block))
             at += channel.size
     return SignedBlocks(np.array(start), np.array(run))
 

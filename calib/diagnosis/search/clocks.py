@@ -15,11 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from calib.diagnosis.explanation.candidate import Candidate, Problem, fit, fit_without, vector_of
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import (
-    CONFUSABLE,
-    FAINT_SECOND,
-    FLOOR,
-    PARAMETER,
     Decision,
     confusable,
     decide,
@@ -38,15 +35,6 @@ from calib.physics.effects.effects import Effects
 DELAYS = ("hydraulic_delay", "accelerometer_lag", "wheel_speed_delay", "speed_delay")
 """Effects by which p_mc, a_x, wheel speeds and v are late against each other."""
 
-BESIDE = 4
-"""Explanations of the first search beside which delays are tried; that without any is one."""
-
-SHARE = 0.5
-"""Share of what is unexplained that delays must explain for a search with them."""
-
-RIVALS = 2
-"""Other effects that are tried in the place of each delay."""
-
 
 def with_clocks(decision: Decision) -> Decision:
     """The decision with delays of several channels where these explain the logs, and it does not.
@@ -58,7 +46,7 @@ def with_clocks(decision: Decision) -> Decision:
     if present.verdict == "no_gap":
         return decision
     named = [c for c in (present.best, *present.rivals) if c.names]
-    starts = [*named[: 1 if explains(decision) else BESIDE - 1], decision.base]
+    starts = [*named[: 1 if explains(decision) else GATES.clocks_beside - 1], decision.base]
     at, left = min(((c, _left(c)) for c in starts), key=lambda found: found[1])
     if not _worth_fitting(decision, at, left):
         return decision
@@ -66,7 +54,7 @@ def with_clocks(decision: Decision) -> Decision:
     if not _delays_of(late) or not _worth_searching(at, late):
         return decision
     found = _beside(decision, late)
-    least = CONFUSABLE if explains(decision) else -CONFUSABLE
+    least = GATES.confusable if explains(decision) else -GATES.confusable
     stands = found.verdict != "unknown" and _net_gain(present.best, found.best) > least
     return found if stands else decision
 
@@ -89,14 +77,14 @@ def _left(at: Candidate) -> float:
 def _worth_fitting(decision: Decision, at: Candidate, left: float) -> bool:
     """Whether delays beside an explanation can be the matter: they leave so much in one step."""
     if explains(decision):
-        return left < decision.best.reduced - CONFUSABLE
-    explained = at.reduced - left > SHARE * (at.reduced - FLOOR)
+        return left < decision.best.reduced - GATES.confusable
+    explained = at.reduced - left > GATES.clocks_share * (at.reduced - GATES.floor)
     return explained or bool(_delays_of(at))
 
 
 def _worth_searching(at: Candidate, late: Candidate) -> bool:
     """Whether a search beside the fitted delays can end well."""
-    most = FLOOR + (1.0 - SHARE) * (at.reduced - FLOOR)
+    most = GATES.floor + (1.0 - GATES.clocks_share) * (at.reduced - GATES.floor)
     return late.reduced <= quiet(late) or (late.reduced < most and within_reach(late))
 
 
@@ -120,7 +108,7 @@ def _spared(at: Candidate) -> Candidate:
         if name in DELAYS
     }
     least = min(brings, key=lambda name: brings[name], default="")
-    if not least or brings[least] > FAINT_SECOND * at.count:
+    if not least or brings[least] > GATES.faint_second * at.count:
         return at
     return _spared(fit_without(at, least))
 
@@ -138,7 +126,7 @@ def _beside(decision: Decision, late: Candidate) -> Decision:
     found.append(fit(problem, late.names, late.x))
     best = spared(simplest_first(found)[0])
     for name in _delays_of(best):
-        found += refine(fit_without(best, name), RIVALS)
+        found += refine(fit_without(best, name), GATES.clocks_rivals)
     rivals = simplest_first([c for c in found if set(c.names) != set(best.names)])
     base = fit(problem, (), decision.base.x[: problem.base_size])
     verdict = standing(base, best, rivals)
@@ -153,4 +141,4 @@ def _together(problem: Problem, delays: Effects, at: Candidate) -> Candidate:
 
 def _net_gain(at: Candidate, other: Candidate) -> float:
     """Fall of the mean squared innovation from one explanation to another, less its price."""
-    return gain(at, other) - PARAMETER * (other.parameters - at.parameters)
+    return gain(at, other) - GATES.parameter * (other.parameters - at.parameters)

@@ -22,58 +22,11 @@ from calib.diagnosis.explanation.candidate import (
     without_its_noise,
 )
 from calib.diagnosis.explanation.channels import CHANNELS
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.chance import chance_of
 from calib.diagnosis.search.search import refine
 
 Array = NDArray[np.float64]
-
-SURE = 4.0
-"""Gain, over what chance gives, above which an effect counts as present: twice the size. From 1 on
-it may be present, and counts only if the hold-outs, which may excite it more, show it clearly."""
-
-FORM = 0.003
-"""Least gain in the mean squared innovation with which the calibration logs alone show an effect.
-Where the form of the tyre differs from the car's, an effect that is not there gains as much,
-however many logs there are."""
-
-FLOOR = 1.01
-"""Mean squared innovation that the best model leaves on an independent plant."""
-
-QUIET, STRANGE = 3.0, 6.0
-"""Scatter above `FLOOR` up to which nothing is left to explain, and from which a cause is present
-even if no known effect explains it."""
-
-PARAMETER = 0.001
-"""Gain in the mean squared innovation that each further parameter must bring. So an effect that can
-imitate a simpler one is not preferred to it."""
-
-HURTS = 0.35
-"""Rise of the mean squared innovation of one channel in one run above which a cause is refuted:
-five sigma of the difference of two runs of 450 steps."""
-
-ENOUGH = 0.80
-"""Share of the excess over what is quiet that an explanation must close to be accepted."""
-
-FELT_POWER = 50.0
-"""Least change by an effect, in squared sigma, for a channel to count in the test of that effect. A
-wrong effect raises the channel's sum of squares by as much, which is seven sigma of chance."""
-
-SECOND = 0.02
-"""Least gain in the mean squared innovation of a second effect."""
-
-SECOND_OF_ALL = 0.03
-"""Least share of the whole gap that a further effect must explain of the rest to count."""
-
-SECOND_SHARE = 0.6
-"""Share of the excess left by the first effect that a second must close."""
-
-FAINT_SECOND = 0.002
-"""Gain above which a second effect may be present. It counts only if the hold-outs show it clearly.
-A wrong second effect gains up to 0.003, or 0.009 where the form of the first differs from the
-plant's; on the hold-outs up to 0.012."""
-
-CONFUSABLE = 0.004
-"""Rivals whose mean squared innovation is within this of the best are indistinguishable from it."""
 
 
 @dataclass(frozen=True)
@@ -98,14 +51,14 @@ class Decision:
     @property
     def detected(self) -> bool:
         """Whether the calibration logs alone show the best explanation."""
-        if not self.best.names or gain(self.base, self.best) < FORM:
+        if not self.best.names or gain(self.base, self.best) < GATES.form:
             return False
-        return beyond_chance(self.chance, self.base, self.best) > SURE
+        return beyond_chance(self.chance, self.base, self.best) > GATES.sure
 
     @property
     def least_shown(self) -> dict[str, float]:
         """Gain in chi-square from which the calibration logs alone show an effect, by effect."""
-        return {name: SURE * gain for name, gain in self.chance.items()}
+        return {name: GATES.sure * gain for name, gain in self.chance.items()}
 
 
 def decide(base: Candidate) -> Decision:
@@ -142,7 +95,7 @@ def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, flo
     first = singles[0]
     pairs = seconds(base, singles)
     faint = _faint(base, first, pairs)
-    if pairs and gain(first, pairs[0]) > max(SECOND, SECOND_OF_ALL * gain(base, first)):
+    if pairs and gain(first, pairs[0]) > max(GATES.second, GATES.second_of_all * gain(base, first)):
         # something the first does not explain lies along another effect
         verdict = standing(base, pairs[0], pairs[1:])
         if second_earns(first, pairs[0]):
@@ -151,7 +104,7 @@ def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, flo
     if pairs and strange(base) and _replaces(first, pairs[0]):
         return Decision(standing(base, pairs[0], pairs[1:]), base, pairs[0], tuple(pairs[1:]))
     verdict = standing(base, first, singles[1:])
-    if verdict == "unknown" and not strange(base) and gain(base, first) < SECOND:
+    if verdict == "unknown" and not strange(base) and gain(base, first) < GATES.second:
         # too weak here for an excess; the hold-outs may excite it more
         shown = "ambiguous" if confusable(first, singles[1:]) else "named"
         faint = faint or Decision(shown, base, first, tuple(singles[1:]), first=base)
@@ -163,13 +116,13 @@ def _replaces(first: Candidate, pair: Candidate) -> bool:
 
     A delay beside a lag looks like two lags in a row, or like an oscillation without overshoot.
     """
-    explains_more = pair.reduced < min(quiet(pair), first.reduced - CONFUSABLE)
+    explains_more = pair.reduced < min(quiet(pair), first.reduced - GATES.confusable)
     return explains_more and pair.parameters <= first.parameters + 1 and bool(at_bound(first))
 
 
 def _faint(base: Candidate, first: Candidate, pairs: list[Candidate]) -> Decision | None:
     """A decision for the best pair, None if the pair cannot be accepted."""
-    if not pairs or gain(first, pairs[0]) < FAINT_SECOND:
+    if not pairs or gain(first, pairs[0]) < GATES.faint_second:
         return None
     verdict = standing(base, pairs[0], pairs[1:])
     if verdict == "unknown":
@@ -185,7 +138,7 @@ def beyond_chance(chance: Mapping[str, float], base: Candidate, best: Candidate)
 
 def quiet(candidate: Candidate) -> float:
     """Mean squared innovation up to which nothing is left to explain."""
-    return FLOOR + QUIET * candidate.scatter
+    return GATES.floor + GATES.quiet * candidate.scatter
 
 
 def explains(decision: Decision) -> bool:
@@ -195,7 +148,7 @@ def explains(decision: Decision) -> bool:
 
 def strange(candidate: Candidate) -> bool:
     """Whether a cause is present, even if no known effect explains it."""
-    return candidate.reduced > FLOOR + STRANGE * candidate.scatter
+    return candidate.reduced > GATES.floor + GATES.strange * candidate.scatter
 
 
 def gain(before: Candidate, after: Candidate) -> float:
@@ -235,20 +188,22 @@ def settled(found: list[Candidate]) -> list[Candidate]:
 
 
 def simplest_first(found: list[Candidate]) -> list[Candidate]:
-    """Best first; every further parameter must gain `PARAMETER`."""
-    return sorted(found, key=lambda candidate: candidate.reduced + PARAMETER * candidate.parameters)
+    """Best first; every further parameter must gain `parameter`."""
+    return sorted(
+        found, key=lambda candidate: candidate.reduced + GATES.parameter * candidate.parameters
+    )
 
 
 def second_earns(first: Candidate, pair: Candidate) -> bool:
     """Whether the second effect of a pair explains enough to be named."""
-    left = max(first.reduced - FLOOR, 1e-9)
-    return gain(first, pair) / left > SECOND_SHARE
+    left = max(first.reduced - GATES.floor, 1e-9)
+    return gain(first, pair) / left > GATES.second_share
 
 
 def standing(base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
     """The verdict on the best explanation: named, ambiguous or unknown."""
     closed = gain(base, best) / max(base.reduced - quiet(best), 1e-9)
-    if (best.reduced > quiet(best) and closed < ENOUGH) or refuted(base, best):
+    if (best.reduced > quiet(best) and closed < GATES.enough) or refuted(base, best):
         return "unknown"
     return "ambiguous" if confusable(best, rivals) else "named"
 
@@ -256,7 +211,7 @@ def standing(base: Candidate, best: Candidate, rivals: list[Candidate]) -> str:
 def refuted(base: Candidate, best: Candidate) -> bool:
     """Whether a channel of a run is explained worse with the effects than without them."""
     worse = float(np.max(_mean_squares(best) - _mean_squares(base)))
-    return worse > HURTS or contradicted(best)
+    return worse > GATES.hurts or contradicted(best)
 
 
 def contradicted(best: Candidate) -> bool:
@@ -272,7 +227,7 @@ def contradicted(best: Candidate) -> bool:
             x = np.concatenate([run[channel] for run in before])
             y = np.concatenate([run[channel] for run in after])
             power = float(np.sum((x - y) ** 2))
-            if power > FELT_POWER and float(x @ x - y @ y) < -0.5 * power:
+            if power > GATES.felt_power and float(x @ x - y @ y) < -0.5 * power:
                 return True
     return False
 
@@ -287,8 +242,8 @@ def confusable(best: Candidate, rivals: list[Candidate] | tuple[Candidate, ...])
     return [
         rival
         for rival in rivals
-        if rival.reduced - best.reduced < CONFUSABLE
-        and (rival.parameters <= best.parameters or rival.reduced < best.reduced - CONFUSABLE)
+        if rival.reduced - best.reduced < GATES.confusable
+        and (rival.parameters <= best.parameters or rival.reduced < best.reduced - GATES.confusable)
         and len(rival.names) <= len(best.names)
     ]
 
@@ -297,7 +252,7 @@ def spared(at: Candidate) -> Candidate:
     """The explanation without effects that are not worth their parameters."""
     for name in at.names:
         fewer = fit_without(at, name)
-        price = FAINT_SECOND * (at.parameters - fewer.parameters)
+        price = GATES.faint_second * (at.parameters - fewer.parameters)
         if fewer.reduced - at.reduced < price:
             return spared(fewer)
     return at

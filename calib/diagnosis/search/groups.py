@@ -3,8 +3,8 @@
     each log --> its own pads and road, with their information --> two groups? --> three? --> ground
 
 The parameters of each log are fitted to it alone. Logs are split into the two groups that explain
-these parameters best, as long as a split pays `PRICE`; the largest group is the reference. A log
-that cannot show a difference, such as a coast, belongs to the reference.
+these parameters best, as long as a split pays `groups_price`; the largest group is the reference. A
+log that cannot show a difference, such as a coast, belongs to the reference.
 
 Differences between logs can imitate an effect that acts in some logs only. So groups are asked for
 only where no explanation with common parameters holds.
@@ -21,6 +21,7 @@ from calib.diagnosis.explanation.base import REFERENCE, Ground
 from calib.diagnosis.explanation.candidate import Candidate, Problem
 from calib.diagnosis.explanation.predict import ObservedRun
 from calib.diagnosis.explanation.secant import columns, least_squares
+from calib.diagnosis.gates import GATES
 
 Array = NDArray[np.float64]
 
@@ -30,14 +31,6 @@ SPREAD = np.array([0.2, 0.2, 0.25, 0.25])
 """Standard deviations of the logarithms of a log's own factors: other pads, another road [1]."""
 
 LOW, HIGH = np.full(4, -0.7), np.full(4, 0.7)
-
-SHOWN = 100.0
-"""Least information of a log on one of its factors: known to 10 %."""
-
-PRICE = 100.0
-"""Fall of the chi-square that a further group must bring."""
-
-MOST_GROUPS = 3
 
 
 @dataclass(frozen=True)
@@ -59,16 +52,18 @@ class _Own:
 def grouped(problem: Problem, at: Candidate) -> Problem | None:
     """The problem with a ground for every log, None where one set of parameters serves all."""
     own = [_own(problem, at, run) for run in problem.runs]
-    shown = [i for i, one in enumerate(own) if np.max(np.diag(one.information)) > SHOWN]
+    shown = [
+        i for i, one in enumerate(own) if np.max(np.diag(one.information)) > GATES.groups_shown
+    ]
     groups = [np.array(shown)]
-    while groups[0].size and len(groups) < MOST_GROUPS:
+    while groups[0].size and len(groups) < GATES.most_groups:
         splits = []
         for group in groups:
             parts = _split(own, group)
             gain = _cost(own, group) - sum(_cost(own, part) for part in parts)
             splits.append((gain, group, parts))
         gain, best, parts = max(splits, key=lambda split: split[0])
-        if gain < PRICE:
+        if gain < GATES.groups_price:
             break
         groups = [g for g in groups if g is not best] + parts
     if len(groups) == 1:
@@ -101,7 +96,7 @@ def _placed(
         return on.chi2(at.base, at.effects)
 
     least, best = min(((chi2(ground), ground) for ground in others), key=lambda one: one[0])
-    return replace(run, ground=best if chi2(REFERENCE) - least > PRICE else REFERENCE)
+    return replace(run, ground=best if chi2(REFERENCE) - least > GATES.groups_price else REFERENCE)
 
 
 def groups_of(runs: Sequence[ObservedRun]) -> tuple[LogGroup, ...]:

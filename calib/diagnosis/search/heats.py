@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.candidate import Candidate, Problem, fit
 from calib.diagnosis.explanation.predict import ObservedRun
-from calib.diagnosis.search.decide import FLOOR, Decision, explains
+from calib.diagnosis.gates import GATES
+from calib.diagnosis.search.decide import Decision, explains
 from calib.diagnosis.search.jointly import LogStates, fit_jointly, searched_beside
 from calib.physics.braking import BITE
 from calib.physics.disc_temperature import ALIKE, START
@@ -26,21 +27,11 @@ Array = NDArray[np.float64]
 FADE = "pad_thermal_fade"
 """The effect that reads the heat of a disc."""
 
-SPREAD = 150.0
-"""Standard deviation of the heat at the start of a run about `START` [K]: from a cold disc to one
-after some stops in a row."""
 
-APART = 60.0
-"""Standard deviation of the rear discs' heat about that of the front ones [K]: they take a third of
-the energy, and cool slower."""
-
-LOW = np.array([(0.0 - START) / SPREAD, -4.0])
-HIGH = np.array([(600.0 - START) / SPREAD, 4.0])
+LOW = np.array([(0.0 - START) / GATES.heats_spread, -4.0])
+HIGH = np.array([(600.0 - START) / GATES.heats_spread, 4.0])
 """Range of the two states of a log: the heat of the front discs at the start, 0 to 600 degC, in
-`SPREAD` about `START`; that of the rear ones over it in `APART`."""
-
-SHARE = 0.3
-"""Share of what is unexplained that the heats must explain for a search with them."""
+`heats_spread` about `START`; that of the rear ones over it in `heats_apart`."""
 
 
 def with_start_heats(decision: Decision) -> Decision:
@@ -51,7 +42,7 @@ def with_start_heats(decision: Decision) -> Decision:
         return decision
     at = _jointly(fit(problem, (FADE,), _start(decision)), unknown)
     at = _jointly(at, unknown)  # the first fit can end before the minimum
-    if at.reduced - FLOOR > (1.0 - SHARE) * (decision.best.reduced - FLOOR):
+    if at.reduced - GATES.floor > (1.0 - GATES.heats_share) * (decision.best.reduced - GATES.floor):
         return decision
     return searched_beside(decision, at)
 
@@ -108,13 +99,13 @@ def _jointly(at: Candidate, unknown: Sequence[int]) -> Candidate:
 def _states(run: ObservedRun) -> Array:
     """The two states (2,) of the start heats of a run."""
     front, rear = run.start_heat
-    return np.array([(front - START) / SPREAD, (rear - front) / APART])
+    return np.array([(front - START) / GATES.heats_spread, (rear - front) / GATES.heats_apart])
 
 
 def _heated(run: ObservedRun, states: Array) -> ObservedRun:
     """The run with start heats by its two states (2,)."""
-    front = START + SPREAD * float(states[0])
-    return replace(run, start_heat=(front, front + APART * float(states[1])))
+    front = START + GATES.heats_spread * float(states[0])
+    return replace(run, start_heat=(front, front + GATES.heats_apart * float(states[1])))
 
 
 def _best_heat(problem: Problem, run: ObservedRun, at: Candidate) -> ObservedRun:

@@ -21,17 +21,11 @@ from calib.diagnosis.explanation.candidate import (
     widths,
 )
 from calib.diagnosis.explanation.secant import least_squares
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, decided_anew, explains, quiet
 from calib.diagnosis.search.together import left_by_all
 
 Array = NDArray[np.float64]
-
-STEPS = 25
-"""Most steps of a fit of parameters and states together."""
-
-BEYOND_REACH = 1.0 / 3.0
-"""Share of what is unexplained that all effects together leave in one linear step, from which no
-search can explain it."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +58,7 @@ def fit_jointly(
 
     first = np.clip(np.concatenate([start, states.first]), low + 1e-6, high - 1e-6)
     scale = np.concatenate([widths(problem, known), states.scale])
-    x, residuals = least_squares(rows, first, low, high, scale, STEPS)
+    x, residuals = least_squares(rows, first, low, high, scale, GATES.jointly_steps)
     priors = prior_rows(problem, names, x[:known]).size + states.sigma.size
     return candidate_of(states.driven(x[known:]), names, x[:known], residuals[:-priors])
 
@@ -85,4 +79,4 @@ def within_reach(at: Candidate) -> bool:
     unexplained = at.reduced - quiet(at)
     if unexplained <= 0.0:
         return True
-    return left_by_all(at) - quiet(at) <= BEYOND_REACH * unexplained
+    return left_by_all(at) - quiet(at) <= GATES.beyond_reach * unexplained

@@ -13,31 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from calib.diagnosis.explanation.candidate import BASE, Candidate, fit, fit_without
-from calib.diagnosis.search.decide import (
-    CONFUSABLE,
-    FLOOR,
-    Decision,
-    decided_anew,
-    explains,
-    gain,
-    simplest_first,
-)
+from calib.diagnosis.gates import GATES
+from calib.diagnosis.search.decide import Decision, decided_anew, explains, gain, simplest_first
 from calib.diagnosis.search.search import refine
-
-LEAST = 25.0
-"""Least fall of the chi-square by other radii with which they are tried. Where nothing is left, it
-is what tells two explanations apart."""
-
-SHARE = 0.02
-"""Share of what is left unexplained that other radii must explain to be tried. With radii 0.3 % off
-they explained 85 to 99 % of it beside effects that stood for them; with right ones at most 1 %."""
-
-NEARLY = 0.25
-"""Share of what an effect brings that it may still bring beside free radii, for them to be tried.
-Radii 0.1 % off with a drag were a rolling resistance and a slope, which still brought 14 %."""
-
-FURTHER = 3
-"""Further effects that are fitted, the most promising ones, before radii count as better."""
 
 
 def with_free_radii(decision: Decision) -> Decision:
@@ -62,8 +40,10 @@ def _explain_something(decision: Decision, freed: Candidate) -> bool:
     best = decision.best
     fall = best.chi2 - freed.chi2
     if explains(decision):
-        return fall >= max(LEAST, CONFUSABLE * best.count)
-    return fall >= max(LEAST, SHARE * (best.chi2 - FLOOR * best.count))
+        return fall >= max(GATES.radii_least, GATES.confusable * best.count)
+    return fall >= max(
+        GATES.radii_least, GATES.radii_share * (best.chi2 - GATES.floor * best.count)
+    )
 
 
 def _replace_an_effect(decision: Decision, freed: Candidate) -> bool:
@@ -74,7 +54,9 @@ def _replace_an_effect(decision: Decision, freed: Candidate) -> bool:
     best = decision.best
     for name in freed.names:
         lost = -gain(best, fit_without(freed, name))
-        if lost < CONFUSABLE or lost < -NEARLY * gain(best, fit_without(best, name)):
+        if lost < GATES.confusable or lost < -GATES.radii_nearly * gain(
+            best, fit_without(best, name)
+        ):
             return True
     return False
 
@@ -84,8 +66,8 @@ def _better(decision: Decision, other: Decision) -> bool:
     if other.verdict == "unknown" and decision.verdict != "unknown":
         return False
     if len(other.best.names) < len(decision.best.names):
-        return brought > -CONFUSABLE
-    if len(other.best.names) > len(decision.best.names) or brought <= CONFUSABLE:
+        return brought > -GATES.confusable
+    if len(other.best.names) > len(decision.best.names) or brought <= GATES.confusable:
         return False
     return brought > _by_a_further_effect(decision)
 
@@ -93,5 +75,5 @@ def _better(decision: Decision, other: Decision) -> bool:
 def _by_a_further_effect(decision: Decision) -> float:
     """What one more effect would bring, with about as many parameters as other radii."""
     best = decision.best
-    further = refine(best, FURTHER)
+    further = refine(best, GATES.radii_further)
     return gain(best, simplest_first(further)[0]) if further else 0.0

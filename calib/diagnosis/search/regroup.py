@@ -13,20 +13,12 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.base import REFERENCE, Ground
 from calib.diagnosis.explanation.candidate import BASE, Candidate, Problem
-from calib.diagnosis.search.decide import FLOOR, Decision, explains
+from calib.diagnosis.gates import GATES
+from calib.diagnosis.search.decide import Decision, explains
 from calib.diagnosis.search.groups import HIGH, LOW, PARAMETERS, SPREAD, grouped
 from calib.diagnosis.search.jointly import LogStates, fit_jointly, searched_beside
 
 Array = NDArray[np.float64]
-
-BESIDE = 4
-"""Explanations of the first search beside which groups are looked for; that without any is one."""
-
-FITTED = 2
-"""Of these, so many are fitted with their groups: those that leave least."""
-
-SHARE = 0.3
-"""Share of what is unexplained that groups must explain for a search with them."""
 
 
 def regrouped(decision: Decision) -> Decision:
@@ -35,10 +27,12 @@ def regrouped(decision: Decision) -> Decision:
         return decision
     found = {c.names: c for c in reversed((decision.best, *decision.rivals)) if c.names}
     ranked = sorted(found.values(), key=lambda candidate: candidate.chi2)
-    starts = [*ranked[: BESIDE - 1], decision.base]
-    tried = sorted(filter(None, map(_split, starts)), key=_chi2)[:FITTED]
+    starts = [*ranked[: GATES.groups_beside - 1], decision.base]
+    tried = sorted(filter(None, map(_split, starts)), key=_chi2)[: GATES.groups_fitted]
     best = min([decision.base, *map(_in_groups, tried)], key=lambda candidate: candidate.reduced)
-    if not _has_groups(best) or _excess(best) > (1.0 - SHARE) * min(map(_excess, starts)):
+    if not _has_groups(best) or _excess(best) > (1.0 - GATES.groups_share) * min(
+        map(_excess, starts)
+    ):
         return decision
     return searched_beside(decision, best)
 
@@ -102,4 +96,4 @@ def _has_groups(candidate: Candidate) -> bool:
 
 
 def _excess(candidate: Candidate) -> float:
-    return max(candidate.reduced - FLOOR, 0.0)
+    return max(candidate.reduced - GATES.floor, 0.0)

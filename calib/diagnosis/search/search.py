@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.candidate import Candidate, fit, free, joined
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.changes import (
     EffectChange,
     changes_by,
@@ -26,9 +27,6 @@ from calib.physics.effects.effects import Effects
 from calib.physics.own_effects.own_effect import every_effect
 
 Array = NDArray[np.float64]
-
-REFINED = 6
-"""Effects that are fitted in full after the first ranking."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,7 @@ def unresolved(at: Candidate, least: Mapping[str, float]) -> tuple[str, ...]:
     return tuple(faint)
 
 
-def refine(at: Candidate, count: int = REFINED) -> list[Candidate]:
+def refine(at: Candidate, count: int = GATES.refined) -> list[Candidate]:
     """Fit the most promising effects on top of ``at``; best first."""
     problem = at.problem
     tried = [hint for hint in hints(at)[:count] if hint.gain > 0.0]

@@ -13,16 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.candidate import Candidate, fit
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.changes import EffectChange, changes_by, further_changes
 from calib.diagnosis.search.search import begun
 
 Array = NDArray[np.float64]
-
-ALIKE = 0.999
-"""Cosine between the changes of two effects from which they are one direction."""
-
-SAME = 1e-4
-"""Singular value, over the largest, below which directions of all effects are one another's."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +68,7 @@ def _left_by(at: Candidate, felt: list[EffectChange]) -> float:
     changes = np.stack([change.own for change in felt])
     lengths = np.linalg.norm(changes, axis=1)
     span, weights, _ = np.linalg.svd((changes / lengths[:, None]).T, full_matrices=False)
-    kept = span[:, weights > SAME * weights[0]]
+    kept = span[:, weights > GATES.together_same * weights[0]]
     return float(at.rest @ at.rest - np.sum((kept.T @ at.rest) ** 2)) / at.count
 
 
@@ -107,7 +102,9 @@ def _gains(changes: Array, rest: Array) -> tuple[Array, Array]:
     g = -changes @ rest
     length = np.diag(G)
     apart = np.outer(length, length) - G**2
-    apart = np.where(apart > (1.0 - ALIKE**2) * np.outer(length, length), apart, np.inf)
+    apart = np.where(
+        apart > (1.0 - GATES.together_alike**2) * np.outer(length, length), apart, np.inf
+    )
     amount = (g[:, None] * length[None, :] - G * g[None, :]) / apart
     gains = amount * g[:, None] + amount.T * g[None, :]
     return np.where((amount > 0.0) & (amount.T > 0.0), gains, 0.0), amount

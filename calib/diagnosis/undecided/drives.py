@@ -14,14 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.candidate import Candidate, Problem
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.undecided.separate import free_lengths, inner_products, manoeuvres
 from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects
 from calib.physics.own_effects.own_effect import definition
-
-CLEAR = 10.0
-"""Size from which a drive shows an effect [sigma]: well beyond what chance gives an effect of the
-catalogue (`calib.diagnosis.search.chance`), some 4 sigma, or 9 for a ripple."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,7 @@ class ShowingDrive:
     @property
     def clear(self) -> bool:
         """Whether the drive would show the effect, and not only show it best."""
-        return self.sigma > CLEAR
+        return self.sigma > GATES.clear
 
 
 def drives(problem: Problem, at: Candidate, names: tuple[str, ...]) -> tuple[ShowingDrive, ...]:

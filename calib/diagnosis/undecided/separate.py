@@ -16,14 +16,12 @@ from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.candidate import Candidate, Problem, derivatives, fit
 from calib.diagnosis.explanation.predict import ObservedRun, run_of
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.hold_outs import model_of
 from calib.names import G
 from calib.simulation.simulate import simulate
 
 Array = NDArray[np.float64]
-
-SIMULATED = 2
-"""Manoeuvres that are simulated after the linear step."""
 
 
 def best_drive(problem: Problem, one: Candidate, other: Candidate) -> tuple[str, float]:
@@ -34,7 +32,7 @@ def best_drive(problem: Problem, one: Candidate, other: Candidate) -> tuple[str,
     for name, run in tests.items():
         both = logs + _products(replace(problem, runs=(run,)), one, other)
         ranked[name] = float(free_lengths(both, one.x.size)[0])
-    first = sorted(ranked, key=lambda name: -ranked[name])[:SIMULATED]
+    first = sorted(ranked, key=lambda name: -ranked[name])[: GATES.simulated]
     distances = {name: _refitted(problem, one, other, tests[name]) for name in first}
     best = max(distances, key=lambda name: distances[name])
     return best, distances[best]

@@ -5,7 +5,8 @@ is closed, and what is left.
 """
 
 from calib.diagnosis.diagnose import Diagnosis
-from calib.diagnosis.written.words import WITHIN, not_excluded, verdict
+from calib.diagnosis.gates import GATES
+from calib.diagnosis.written.words import not_excluded, verdict
 
 KINDS = {
     "no_gap": "No gap",
@@ -46,7 +47,7 @@ def closure(found: Diagnosis) -> str:
         return f"Replays of the hold-outs are {gap.after:.1f} {noise} off."
     if found.verdict == "unknown" and not found.model_after.effects.terms:
         return f"Nothing was added: replays of the hold-outs stay {gap.before:.1f} {noise} off."
-    if gap.closed <= 0.0 and max(gap.before, gap.after) < WITHIN:
+    if gap.closed <= 0.0 and max(gap.before, gap.after) < GATES.within:
         return (
             f"Replays of the hold-outs do not show it: {gap.before:.1f} {noise} off without it, "
             f"{gap.after:.1f} with it."

@@ -3,6 +3,7 @@
 from dataclasses import asdict
 
 from calib.diagnosis.diagnose import Diagnosis, Named
+from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.unexplained import (
     FREQUENCY,
     SLIP,
@@ -44,10 +45,6 @@ def plain(name: str) -> str:
     return name.replace("_", " ")
 
 
-SIDES_TOLD = 3e-4
-"""Difference of the sides [1] from which it is told: 10 N m on one wheel make as much."""
-
-
 def listed(names: list[str] | tuple[str, ...], last: str = "and") -> str:
     """Names as a list in words: `a, b and c`."""
     words = [plain(name) for name in names]
@@ -72,7 +69,7 @@ def verdict(found: Diagnosis) -> str:
     if found.unexplained is None:
         return "The model lacks something that is not in the catalogue."
     left = found.unexplained
-    if left.explained < TRIFLE and left.driver not in (WHEEL_ANGLE, FREQUENCY):
+    if left.explained < GATES.trifle and left.driver not in (WHEEL_ANGLE, FREQUENCY):
         return (
             "The model lacks something that is not in the catalogue, and these logs do not show "
             "where it acts."
@@ -89,16 +86,12 @@ def verdict(found: Diagnosis) -> str:
     return text
 
 
-WITHIN = 1.0
-"""Gap, in units of the sensors' noise, up to which replays are within the noise."""
-
-
 def not_excluded(found: Diagnosis) -> str:
     """What an unknown cause may be although no explanation with it holds; else empty."""
     if found.verdict != "unknown":
         return ""
     told = []
-    if found.gap.before < WITHIN:
+    if found.gap.before < GATES.within:
         told.append(
             "That is within the noise: it is quick, and small over a whole run. Look at the "
             "sensors first: one that filters, such as a_x, or channels that are not simultaneous."
@@ -247,16 +240,12 @@ def unexplained(found: UnexplainedTerm) -> str:
     return f"{told} The calibration logs do not show it: it was placed with the hold-outs."
 
 
-TRIFLE = 0.01
-"""Share of what is left that a term must explain for its driver to be told [1]."""
-
-
 def _placed(found: UnexplainedTerm) -> str:
     text = (
         f"An empirical term on the {plain(found.term.place)} {_over(found.term.driver)} "
         f"explains {percent(found.explained)} of the remaining gap."
     )
-    if found.explained < TRIFLE:
+    if found.explained < GATES.trifle:
         text = (
             "No empirical term on brakes, wheels or body, over pressure, speed, temperature or "
             "time, explains 1 % of the remaining gap."
@@ -279,7 +268,7 @@ def _placed(found: UnexplainedTerm) -> str:
             if found.driver == SLIP
             else "brake control or a valve may hold it."
         )
-    if found.runners_up and found.explained >= TRIFLE:
+    if found.runners_up and found.explained >= GATES.trifle:
         place, driver, share = found.runners_up[0]
         text += (
             f" Next: {plain(place)} {_over(driver)}, {percent(share)}. "
@@ -313,7 +302,7 @@ def sides(found: Diagnosis) -> str:
         f"{100.0 * abs(off):.2f} % on the {AXLE_NAMES[axle]} axle, the "
         f"{'left' if off > 0.0 else 'right'} one slower"
         for axle, off in found.sides.items()
-        if abs(off) > SIDES_TOLD
+        if abs(off) > GATES.sides_told
     ]
     if not told:
         return ""

@@ -1,0 +1,81 @@
+"""The gates of a validation in one record; each number with its reason."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ValidationSettings:
+    """Each is named after what it decides; the comments name the file."""
+
+    # axles.py
+    axles_reversed: float = 0.5
+    """Share of the table's rise of eta by which eta must fall for the axles to count as
+    reversed."""
+    axles_gain: float = 1.1
+    """Friction of the rear pads over that on the ramp [1] that no weak front pads explain. Swapped
+    wheel speeds need 1.2 or more, beside weak front pads the rear ones keep theirs
+    (`tests/studies/weak_pads.py`)."""
+    eta_rises: float = 1e-3
+    """Rise of eta by the table [1] from which its sign alone tells the axles: usual cars make 2e-3,
+    and radii, tyres and pads of the day move it by less than a half of that."""
+    axles_doubt: float = -3.0
+    """Logarithm of the odds of swapped wheel speeds from which they are named: one in twenty."""
+    axles_sure: float = 15.0
+    """The same from which no sample is valid. Front pads that lost half of their friction reach 17
+    without v, four stops of five 10; swapped wheel speeds 11 to 240 (`tests/studies/weak_pads.py`,
+    seed 57, `tests/studies/swapped_stops.py`, seed 3)."""
+    axles_mostly: float = 0.5
+    """Share of the braked samples with a friction that no pad has, past which weak pads are not
+    why."""
+    brakes_kept: float = 0.88
+    """Brakes over those of the ramp [1] above which front pads are not so weak that eta stays flat,
+    as it would in a bend with such pads."""
+    at_limit: float = 0.1
+    """Share of the braked samples with a wheel at its limit past which nothing is weighed: the
+    filter knows no wheel that locks."""
+
+    # followed.py
+    followed_largest: float = 2.2
+    """Error over the half width of an interval past which that is no longer trusted. A foot that
+    holds its pressure stays below 1. One that pumps comes to 2 to 6, and from about 2.5 on the
+    intervals of the front pads hold the truth in less than 80 % of the samples."""
+    followed_smoothed: float = 0.1
+    """Time over which the pressure's change is averaged [s]: longer than the noise of a sensor,
+    shorter than a foot."""
+    followed_remembered: float = 0.5
+    """Time for which the level remembers what moved [s], `calib.estimation.pad_level`."""
+
+    # load.py
+    pads_repeat: float = 0.02
+    """Standard deviation of pads of one temperature from run to run [1],
+    `calib.plausibility.pads`."""
+    load_behind: float = 2.0
+    """Mean square of what a load does to the rear pads over that of all pads [1]: of a boot it is
+    4."""
+
+    # motor.py
+    motor_front: float = 0.7
+    """Share of the motors that brake the front axle [1]: most cars with a small one are driven
+    there (our estimate). One at the rear makes its pads seem a third better, and is named for
+    that."""
+    motor_on_ramp: float = 0.5
+    """Chance that what a fit has named on a ramp is a motor [1]: 0.4 at least, and a force
+    that is not there on one of ten good cars (`tests/studies/coverage_by_cause.py`, seed 6613)."""
+    motor_least: float = 1.0
+    """Brake force of an axle [N] below which it is counted as this: one that is not braked."""
+
+    # roads.py
+    roads_apart: float = 2.5
+    """Difference of two stiffnesses from which they are of two roads [sigma]: by chance in one pair
+    of eighty on the same road."""
+
+    # validate.py
+    named: float = 0.1
+    """Share of the braked samples from which a reason for not being valid is named."""
+    foreign: float = 0.1
+    """Force without pressure over the usual brake force [1] past which no sample is valid: it would
+    stand in the pads of one axle, and a fifth of their friction is no estimate. On a ramp it stands
+    in the table."""
+
+
+SETTINGS = ValidationSettings()
