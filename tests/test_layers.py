@@ -42,8 +42,9 @@ ROOMS = """
 """The house, from the ground floor up: a file imports from its own room or from a lower floor."""
 
 INSIDE = {
-    "diagnosis": ["gates", "runs", "explanation", "search", "proof", "undecided"]
-    + ["diagnose", "written"]
+    "diagnosis": [
+        *("gates", "runs", "explanation", "search", "proof", "undecided", "diagnose", "written"),
+    ],
 }
 """The order inside a room whose folders stand on each other; a file of the room is a name, too."""
 
