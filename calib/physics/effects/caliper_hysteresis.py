@@ -26,9 +26,9 @@ from calib.statistics.intervals import QUARTILE
 REFERENCE = 20e5
 """Pressure p_0 at which the width is told [Pa]: that of a usual stop."""
 
-WOBBLE = 0.1e5
+WOBBLE = 0.25e5
 """Largest error that a pressure sensor is assumed to add to a held pressure [Pa]: three sigma of a
-usual sensor (0.15 bar at 200 Hz), averaged over 0.1 s. The third differences of such a mean are as
+loud sensor (0.4 bar at 200 Hz), averaged over 0.1 s. The third differences of such a mean are as
 large as its noise."""
 
 
