@@ -148,11 +148,7 @@ def _sensors(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
                 "v_stuck", log, longest, NONE,
                 ("a sensor of v that hangs",), "repair the sensor, or leave v out of the log",
             )  # fmt: skip
-        if sensor.saturated:
-            yield PlausibilityWarning(
-                "saturated", log, sensor.saturated, NONE,
-                (f"{sensor.channel} is at the end of its range",), "widen its range",
-            )  # fmt: skip
+    yield from saturated(log, seen)
     blur = _blur(seen)
     if blur > LIMITS.zero:
         yield PlausibilityWarning(
@@ -160,6 +156,16 @@ def _sensors(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
             ("the resolution of the wheel speeds", "their noise"),
             "log the wheel speeds finer and faster",
         )  # fmt: skip
+
+
+def saturated(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
+    """Channels that stay at the end of their range."""
+    for sensor in seen.sensors:
+        if sensor.saturated:
+            yield PlausibilityWarning(
+                "saturated", log, sensor.saturated, NONE,
+                (f"{sensor.channel} is at the end of its range",), "widen its range",
+            )  # fmt: skip
 
 
 def _blur(seen: Observation) -> float:

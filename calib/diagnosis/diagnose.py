@@ -26,6 +26,7 @@ from calib.diagnosis.runs.gates import (
     require_enough,
     require_own_pressure,
     require_right_channels,
+    require_whole_wheel_speeds,
 )
 from calib.diagnosis.runs.judged import judged_logs
 from calib.diagnosis.runs.sides import LARGEST, with_even_sides
@@ -49,6 +50,7 @@ from calib.physics.effects.effects import Effects
 from calib.physics.model import Model
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
+from calib.plausibility.wheel_signals import require_measured_speed
 from calib.processes import Mapped
 from calib.signals.held import without_holds
 from calib.units import behind
@@ -249,7 +251,10 @@ def checked(
     judged = judged_logs(vehicle, logs)
     require_axles(vehicle, logs, judged)
     require_own_pressure(judged)
-    return log_warnings(judged)
+    warnings = log_warnings(judged)
+    require_measured_speed(warnings)
+    require_whole_wheel_speeds(warnings)
+    return warnings
 
 
 def _proved(

@@ -24,12 +24,13 @@ from calib.fitting.resistance import RESISTANCE
 from calib.fitting.resistance import identify as identify_resistance
 from calib.fitting.sensors import of_whole_run, put_right
 from calib.fitting.sort_logs import sort_logs
-from calib.fitting.warnings import log_warnings
+from calib.fitting.warnings import file_warnings, log_warnings
 from calib.logs.log import Log
 from calib.physics.forces import front_biased_up_to
 from calib.physics.mass import mass_used, weighed
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.pads import calibration_warnings, require_possible_pads
+from calib.plausibility.wheel_signals import require_measured_speed
 from calib.signals.noise import worst_noise
 from calib.table.table import Table
 
@@ -72,7 +73,8 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
         without_disturbances(car, prepare(car, log.name, b, noise, known.effects, sensor))
         for (log, b, noise), sensor in zip(ramps, sensors, strict=True)
     ]
-    warnings = log_warnings(car, *as_read, known)
+    warnings = (*file_warnings(vehicle), *log_warnings(car, *as_read, known))
+    require_measured_speed(warnings)
     found, runs = identify_below_the_peak(car, runs, known)
     z_max = float(max(np.max(run.blocks.z[run.use]) for run in with_both_axles(runs)))
     sources = ", ".join(log.source for log, _, _ in ramps)

@@ -14,6 +14,7 @@ from calib.plausibility.run import run_warnings
 from calib.signals.axle_signals import signals
 from calib.signals.brake_balance import brake_balance
 from calib.signals.brake_response import brake_response
+from calib.vehicles.plausible import plausible
 
 
 def log_warnings(
@@ -32,6 +33,11 @@ def log_warnings(
         *(warning for run, own in runs for warning in _of_run(vehicle, run, known, own)),
         *_of_bends(vehicle, ramps, coasts),
     )
+
+
+def file_warnings(vehicle: Vehicle) -> tuple[PlausibilityWarning, ...]:
+    """What no usual car has in its file; the pads are judged by what the fit says of them."""
+    return tuple(w for w in plausible(vehicle) if not w.code.startswith("pad_friction"))
 
 
 def _of_resistance(vehicle: Vehicle, known: Resistance) -> tuple[PlausibilityWarning, ...]:

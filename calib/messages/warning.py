@@ -17,6 +17,8 @@ UNITS = {
     "pressure_zero": "bar",
     "same_signal": "1",
     "v_held": "s",
+    "v_of_wheels": "1",
+    "lost_pulses": "1",
     "rolling_radius_f": "m",
     "rolling_radius_r": "m",
     "pads_off_file_f": "1",

@@ -91,5 +91,21 @@ class PlausibilityLimits:
     the worst class 0.012 (Regulations (EC) 661/2009 and (EU) 2020/740), and half as much again
     cold."""
 
+    # wheel_signals.py
+    v_force: float = 0.05
+    """Nominal brake force of an axle over its load [1] from which the slip of its tyres is seen."""
+    v_time: float = 1.0
+    """Time of such braking, or of rolling, that is needed [s]."""
+    v_slip: float = 0.2
+    """Slip (rms) over the least that a tyre has [1], below which v is made of the wheels. Tyres of
+    a stiffness of 15 to 40 have 1.5 to 4; a zero of the slip that is 1e-4 off adds 0.05."""
+    pulse_span: int = 11
+    """Samples of the median from which a lost pulse stands out."""
+    pulse_sigma: float = 5.0
+    """Distance below that median, in its usual scatter, or in 0.1 % of the speed, that noise does
+    not have."""
+    pulses: float = 0.005
+    """Share of such samples, less twice that of those above, from which the sensor is named."""
+
 
 PLAUSIBLE = PlausibilityLimits()

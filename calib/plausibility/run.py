@@ -6,6 +6,7 @@ from calib.physics.vehicle import Vehicle
 from calib.plausibility.accelerometer import accelerometer_warnings
 from calib.plausibility.brakes import pressure_warnings, response_warnings
 from calib.plausibility.channels import channel_warnings
+from calib.plausibility.wheel_signals import wheel_signal_warnings
 from calib.signals.accelerometer import Accelerometer
 from calib.signals.axle_signals import Signals
 from calib.signals.brake_response import BrakeResponse
@@ -25,6 +26,7 @@ def run_warnings(
     """
     return (
         *channel_warnings(log, vehicle, s),
+        *wheel_signal_warnings(log, vehicle, s),
         *pressure_warnings(log.name, s),
         *accelerometer_warnings(log.name, sensor),
         *response_warnings(log.name, response),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from calib.checks.gates import require_same_wheels
 from calib.checks.observation import observe
 from calib.checks.rules import problems
-from calib.checks.warnings import clock_gaps, locked_wheels
+from calib.checks.warnings import clock_gaps, locked_wheels, saturated
 from calib.errors import LogError, VehicleError
 from calib.estimation.budget import budget
 from calib.estimation.estimator import Estimate, estimate
@@ -25,6 +25,7 @@ from calib.messages.warning import to_dict as warning_dict
 from calib.names import G
 from calib.physics.mass import MassUsed, mass_used
 from calib.physics.vehicle import Vehicle
+from calib.plausibility.wheel_signals import V_OF_WHEELS
 from calib.signals.axle_signals import signals
 from calib.store.version import Stored
 from calib.table.budget import AxleBudget, summary
@@ -223,6 +224,7 @@ def validate_one(
         *warnings_of(log, result),
         *axles_warnings(log.name, result, other),
         *locked_wheels(log.name, seen),
+        *saturated(log.name, seen),
         *crossed_warnings(log.name, crossed),
     )
     result = with_motor(log, result, _of_ramps(table))
@@ -232,6 +234,8 @@ def validate_one(
     if crossed is not None and crossed.sure:
         front, rear = crossed.found.wheels
         result = without_answer(result, f"the wheel speeds fit with {front} and {rear} exchanged")
+    if any(warning.code == V_OF_WHEELS for warning in warnings):
+        result = without_answer(result, "v is computed from the wheel speeds")
     if _foreign(warnings, result.z[result.braked]):
         result = without_answer(result, "something brakes that the pressure does not explain")
     if _foreign(_of_ramps(table), table.paper.z):

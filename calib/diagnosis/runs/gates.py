@@ -5,7 +5,7 @@ and `fit` refuse is refused here, too, in their words; besides, what only shows 
 hold-out that is a copy, and a pressure that is not that of its run.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -16,7 +16,9 @@ from calib.diagnosis.gates import GATES
 from calib.diagnosis.runs.judged import JudgedLog
 from calib.errors import LogError
 from calib.logs.log import Log
+from calib.messages.warning import PlausibilityWarning
 from calib.physics.vehicle import Vehicle
+from calib.plausibility.wheel_signals import LOST_PULSES
 from calib.signals.axle_signals import signals
 
 
@@ -64,4 +66,16 @@ def require_own_pressure(judged: Sequence[JudgedLog]) -> None:
                 expected=f"{1.0 / most:g} to {most:g}; pads that are soaked lose half",
                 do="look for a pressure of another run, or another scale of p_mc or a_x in this "
                 "log",
+            )
+
+
+def require_whole_wheel_speeds(warnings: Iterable[PlausibilityWarning]) -> None:
+    """Raise LogError where a wheel speed loses pulses: its mean looks like another radius."""
+    for warning in warnings:
+        if warning.code == LOST_PULSES:
+            raise LogError(
+                f"{warning.causes[0]}, in {100.0 * warning.measured:.1f} % of the samples",
+                where=warning.log,
+                expected=f"at most {100.0 * warning.expected[1]:g} %",
+                do=warning.do,
             )

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from calib.checks.observation import observe
-from calib.checks.warnings import locked_wheels, swapped_axles
+from calib.checks.warnings import locked_wheels, saturated, swapped_axles
 from calib.diagnosis.runs.judged import JudgedLog
 from calib.fitting.sensors import judge_accelerometer
 from calib.messages.warning import PlausibilityWarning
@@ -50,6 +50,7 @@ def _of_log(one: JudgedLog, judged: Sequence[JudgedLog]) -> Iterator[Plausibilit
     seen = observe(one.log, noise=False)
     yield from swapped_axles(one.log.name, seen)
     yield from locked_wheels(one.log.name, seen)
+    yield from saturated(one.log.name, seen)
     yield from _level(one, judged)
 
 
