@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from calib.checks.gates import refuse_copies
 from calib.diagnosis.explanation.agreement import half_widths
-from calib.diagnosis.explanation.candidate import BASE, Candidate, Problem, fit, problem_of
+from calib.diagnosis.explanation.candidate import BASE, Candidate, Problem, fit_base, problem_of
 from calib.diagnosis.explanation.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.explanation.predict import ObservedRun, predict, run_of
 from calib.diagnosis.explanation.progress import Tell, silent
@@ -297,7 +297,7 @@ def _searched(
     tell("fitting the model without effects", 0, 1)
     known_to_all = map if vehicle.effects.own else mapped
     problem = problem_of(vehicle, [run_of(log) for log in calibration], tell, known_to_all)
-    decision = by_log(with_clocks(with_free_radii(decide(fit(problem, (), problem.start)))))
+    decision = by_log(with_clocks(with_free_radii(decide(fit_base(problem)))))
     held = hold_outs_of(decision.best, holdout)
     return prove(held, confirm(decision, held.problem))
 

@@ -25,6 +25,9 @@ class DiagnosisGates:
     pads: float = 0.7
     """Largest logarithm of a pad friction over that of the file: half and double. With rear pads of
     2.8 times the file's, a valve imitated a motor."""
+    higher_peak: float = 0.3
+    """Logarithm by which the second fit of the base begins at a higher peak of the tyre: a third,
+    more than roads and tyres of one surface differ."""
     quieter: float = 0.9
     """Share of a channel's noise below which it counts as quieter with an explanation than
     without."""
@@ -35,6 +38,9 @@ class DiagnosisGates:
     """Prior on the further parameters of an effect, in spreads of their cards."""
     at_bound: float = 0.01
     """Share of a parameter's range that counts as its bound."""
+    pressed: float = 25.0
+    """Least fall of the chi-square, in one step past the end of a parameter's range, with which
+    that range holds the parameter: five sigma."""
     divided: float = 0.1
     """How far a share of an axle is from nothing, from all and from its usual value to be odd
     [1]."""

@@ -150,14 +150,14 @@ LATE = """
 import os, pickle, signal, sys, time
 from calib.errors import BatchError
 from calib.fleet.cluster import Cluster
-from calib.fleet.work import Item
+from calib.fleet.work import WorkItem
 
 job, log, address, victim = pickle.loads(sys.stdin.buffer.read())
 cluster = Cluster(address)
 os.kill(victim, signal.SIGKILL)
 while cluster._client.status == "running":
     time.sleep(0.01)
-hand_over = lambda: cluster.submit(job.packed(), (Item("a", log, None),))
+hand_over = lambda: cluster.submit(job.packed(), (WorkItem("a", log, None),))
 for late in (hand_over, lambda: cluster.workers):
     try:
         late()

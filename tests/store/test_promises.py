@@ -316,13 +316,13 @@ def test_a_record_with_a_key_given_twice_is_refused(three):
 
 WRITER = """
 import sys
-from calib.store.state import Decision
+from calib.store.state import StateDecision
 from calib.store.store import Store
 from tests.support.tables import made_table
 store, first = Store(sys.argv[1]), int(sys.argv[2])
 print("ready", flush=True)
 for i in range(int(sys.argv[3])):
-    stored = store.save(made_table(first + 0.01 * i), Decision("rejected", "a", by="b"))
+    stored = store.save(made_table(first + 0.01 * i), StateDecision("rejected", "a", by="b"))
     print(stored.id, flush=True)
 """
 

@@ -29,14 +29,15 @@ ROOT = Path(__file__).parents[2]
 
 WRITER = """
 import random, sys
-from calib.store.state import Decision
+from calib.store.state import StateDecision
 from calib.store.store import Store
 from tests.support.tables import made_table
 store, rng = Store(sys.argv[1]), random.Random(int(sys.argv[2]))
 print("ready", flush=True)
 for _ in range(int(sys.argv[3])):
     word = rng.choice(("released", "rejected"))
-    stored = store.save(made_table(rng.uniform(20.0, 40.0)), Decision(word, "study", by="study"))
+    decision = StateDecision(word, "study", by="study")
+    stored = store.save(made_table(rng.uniform(20.0, 40.0)), decision)
     print(stored.id, stored.state.word, flush=True)
 """
 

@@ -54,6 +54,9 @@ peak: the spread of passenger tyres."""
 BASE = BASE_SIGMA.size
 """Number of base parameters, the first ones of every vector, where the rolling radii are given."""
 
+PEAK_PLACE = 3
+"""Place of the logarithm of the tyre's peak among them, as in `base_of`."""
+
 RADIUS_SIGMA, RADIUS_RANGE = 0.01, 0.05
 """Prior on the logarithm of the rolling radii over those of the file, and its largest value, where
 they are free: tyres wear by 2 % of their radius, and heat, load and pressure change it by 0.5 %."""
@@ -294,7 +297,7 @@ def base_of(vehicle: Vehicle, x: Array) -> Base:
         pad_friction_f=vehicle.front.pad_friction * float(np.exp(x[0])),
         pad_friction_r=vehicle.rear.pad_friction * float(np.exp(x[1])),
         stiffness=STIFFNESS * float(np.exp(x[2])),
-        peak=PEAK * float(np.exp(x[3])),
+        peak=PEAK * float(np.exp(x[PEAK_PLACE])),
         shape=SHAPE * float(np.exp(x[4])),
         load_exponent=LOAD_EXPONENT + float(x[5]),
         bend=max(BEND + float(x[6]), 0.0),
@@ -379,18 +382,48 @@ def at_bound(at: Candidate) -> tuple[str, ...]:
     A share of one axle ends where the physics does: all of it is a result like any other. So does
     what is at its default: it need not be given.
     """
+    return tuple(dict.fromkeys(name for name, _, _ in _ended(at)))
+
+
+def pressed(at: Candidate) -> tuple[str, ...]:
+    """The effects that a range holds: past its end a parameter would explain clearly more.
+
+    In one linear step, with all parameters that are inside their ranges fitted again. Something
+    else acts then than the effect as its card has it. A parameter that ends where it does nothing
+    more, as the power of a motor that nothing limits, is not held.
+    """
+    ended = _ended(at)
+    if not ended:
+        return ()
+    size = at.x.size
+    J = _with_priors(at.problem, at.names, at.jacobian, size)
+    rest = np.concatenate([joined(at.whitened), prior_rows(at.problem, at.names, at.x)])
+    inside = np.ones(size, bool)
+    inside[[place for _, place, _ in ended]] = False
+    directions = np.linalg.qr(J[:, inside])[0]
+    held = []
+    for name, place, outward in ended:
+        own = free(J[:, place], directions)
+        along = float(own @ rest)
+        gained = along**2 / max(float(own @ own), 1e-12)
+        if -along * outward > 0.0 and gained > max(GATES.pressed, GATES.parameter * at.count):
+            held.append(name)
+    return tuple(dict.fromkeys(held))
+
+
+def _ended(at: Candidate) -> list[tuple[str, int, float]]:
+    """Effect, place in the vector and outward direction (1 or -1) of each ended parameter."""
     low, high = bounds(at.problem, at.names)
     margin = GATES.at_bound * (high - low)
-    ended = (at.x < low + margin) | (at.x > high - margin)
-
-    def has_ended(name: str, own: slice) -> bool:
+    found = []
+    for name, own in at.problem.places(at.names).items():
         parameters = definition(at.problem.vehicle.effects, name).card.parameters
-        return any(
-            end and not (p.share or _is_default(p, at.effects.parameters[name][p.name]))
-            for end, p in zip(ended[own], parameters, strict=True)
-        )
-
-    return tuple(name for name, own in at.problem.places(at.names).items() if has_ended(name, own))
+        for place, p in zip(range(own.start, own.stop), parameters, strict=True):
+            below, above = at.x[place] < (low + margin)[place], at.x[place] > (high - margin)[place]
+            default = _is_default(p, at.effects.parameters[name][p.name])
+            if (below or above) and not (p.share or default):
+                found.append((name, place, 1.0 if above else -1.0))
+    return found
 
 
 def _is_default(parameter: Parameter, value: float) -> bool:
@@ -481,6 +514,18 @@ def fit(
     x, rows = least_squares(objective, first, low, high, scale, steps, known)
     priors = prior_rows(problem, names, x[:own]).size + (2 * knots - 1 if knots else 0)
     return candidate_of(problem, names, x, rows[:-priors])
+
+
+def fit_base(problem: Problem) -> Candidate:
+    """The model without effects, fitted from where it starts and once more from a higher peak.
+
+    A tyre whose peak is below what a log asks of it is held there, and no small step of the peak
+    explains that log better: a fit that comes from below can end at such a tyre.
+    """
+    usual = fit(problem, (), problem.start)
+    above = usual.x.copy()
+    above[PEAK_PLACE] += GATES.higher_peak
+    return min(usual, fit(problem, (), above), key=lambda candidate: candidate.chi2)
 
 
 def candidate_of(

@@ -16,7 +16,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import Candidate, at_bound, divided, fit_without
+from calib.diagnosis.explanation.candidate import Candidate, at_bound, divided, fit_without, pressed
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.confirm import beyond_form, chi2_by_run, helps, squares
 from calib.diagnosis.proof.hold_outs import HoldOuts
@@ -107,10 +107,15 @@ class Proved:
 
 
 def prove(held: HoldOuts, decision: Decision) -> Proved:
-    """Withdraw what makes the hold-outs worse, then add effects while that makes them better."""
+    """Withdraw what makes the hold-outs worse, then add effects while that makes them better.
+
+    Something is left, too, where the range of a parameter holds it: see `pressed`.
+    """
     found = _named_with(held, decision)
-    stands = found.decision.verdict in ("named", "ambiguous")
-    return _unless_held(held, _one_for_two(held, _exchanged(held, found))) if stands else found
+    if found.decision.verdict not in ("named", "ambiguous"):
+        return found
+    found = _unless_held(held, _one_for_two(held, _exchanged(held, found)))
+    return replace(found, rest=found.rest or bool(pressed(found.decision.best)))
 
 
 def _named_with(held: HoldOuts, decision: Decision) -> Proved:

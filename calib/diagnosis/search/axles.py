@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from calib.checks.gates import require_right_slip, wrong_slip
-from calib.diagnosis.explanation.candidate import Candidate, fit, problem_of
+from calib.diagnosis.explanation.candidate import Candidate, fit_base, problem_of
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.runs.judged import JudgedLog
 from calib.diagnosis.search.decide import quiet
@@ -57,7 +57,7 @@ def _with_another(at: Candidate) -> Candidate:
 
 def _fitted(vehicle: Vehicle, logs: Sequence[Log]) -> Candidate:
     problem = problem_of(vehicle, [run_of(log) for log in logs])
-    return fit(problem, (), problem.start)
+    return fit_base(problem)
 
 
 def _exchanged(log: Log) -> Log:
