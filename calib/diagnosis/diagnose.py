@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 
 from calib.checks.gates import refuse_copies
 from calib.diagnosis.explanation.agreement import half_widths
-from calib.diagnosis.explanation.candidate import BASE, Candidate, Problem, fit_base, problem_of
+from calib.diagnosis.explanation.candidate import (
+    BASE,
+    Candidate,
+    Problem,
+    bounds,
+    fit_base,
+    problem_of,
+)
 from calib.diagnosis.explanation.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.explanation.predict import ObservedRun, predict, run_of
 from calib.diagnosis.explanation.progress import Tell, silent
@@ -429,7 +436,8 @@ def _axle(problem: Problem, best: Candidate, name: str) -> str:
 def base_estimates(candidate: Candidate, unseen: Sequence[str]) -> dict[str, ParameterEstimate]:
     """Base parameters with intervals; ``rolling_radius`` over that of the file where it is free.
 
-    ``unseen`` are the effects that the logs could not have shown.
+    ``unseen`` are the effects that the logs could not have shown. An interval is cut at what the
+    fit allows: pads of half and double the file's, a tyre of a seventh and seven times a usual one.
     """
     half = base_half_widths(candidate, unseen)
     b = candidate.base
@@ -442,8 +450,11 @@ def base_estimates(candidate: Candidate, unseen: Sequence[str]) -> dict[str, Par
     place = {name: i for i, name in enumerate(values)}
     if candidate.problem.free_radius:
         values["rolling_radius"], place["rolling_radius"] = b.radius, BASE
+    low, high = bounds(candidate.problem, candidate.names)
     out = {}
     for name, value in values.items():
-        factor = float(np.exp(half[place[name]]))
-        out[name] = ParameterEstimate(value, "1", (value / factor, value * factor))
+        at, i = candidate.x[place[name]], place[name]
+        ends = np.clip((at - half[i], at + half[i]), low[i], high[i])
+        lower, upper = (value * float(np.exp(end - at)) for end in ends)
+        out[name] = ParameterEstimate(value, "1", (lower, upper))
     return out

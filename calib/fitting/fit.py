@@ -19,6 +19,7 @@ from calib.fitting.one_axle_ramps import bought, with_both_axles
 from calib.fitting.path import find_peak, readable_up_to, require_tyre
 from calib.fitting.provenance import provenance
 from calib.fitting.ramp import prepare
+from calib.fitting.rear_valve import rear_valve_warnings
 from calib.fitting.remarks import remarks, stated, taken_out
 from calib.fitting.resistance import RESISTANCE
 from calib.fitting.resistance import identify as identify_resistance
@@ -112,6 +113,10 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
             *bought(car, found, runs, known),
         ),
         provenance=provenance({"ramp": ramps, "coast": coasts}, read),
-        warnings=(*calibration_warnings(car, pads, found.posterior), *warnings),
+        warnings=(
+            *calibration_warnings(car, pads, found.posterior),
+            *rear_valve_warnings(car, found, runs, known),
+            *warnings,
+        ),
         budget=table_budget(car, found, level, pads),
     )

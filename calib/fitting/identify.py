@@ -112,7 +112,7 @@ def identify_once(
     would let pads and tyres imitate each other without end. Pads and tyres that are as declared are
     then weighed against such that are not (`weigh_ratio`).
     """
-    best, jacobian = _least_squares(vehicle, runs, level_spread(vehicle, runs, known))
+    best, jacobian, _ = _least_squares(vehicle, runs, level_spread(vehicle, runs, known))
     weighed = weigh_ratio(best, information_parts(runs, jacobian))
     parameters, own = _parts(runs, weighed.mean)
     rest = _residuals(vehicle, runs, weighed.mean)
@@ -139,6 +139,21 @@ def identify_once(
     )
 
 
+def misfits(
+    vehicle: Vehicle, explanations: list[list[RampRun]], known: Resistance | None = None
+) -> list[float]:
+    """Sum of the squares of residuals and priors [1] with each explanation of the same blocks.
+
+    Data past ``huber`` sigma count with Huber's loss, as in the fit. Two explanations differ by
+    twice the logarithm of their odds, but for their volumes. The first one is fitted in full, the
+    others from where it ended, so that none looks better than it is.
+    """
+    spread = level_spread(vehicle, explanations[0], known)
+    start, _, loss = _least_squares(vehicle, explanations[0], spread)
+    others = (_least_squares(vehicle, runs, spread, start)[2] for runs in explanations[1:])
+    return [loss, *others]
+
+
 def _rows(matrix: Array) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(float(v) for v in row) for row in matrix)
 
@@ -150,15 +165,15 @@ def _parts(runs: list[RampRun], x: Array) -> tuple[RampParameters[float], list[O
 
 
 def _least_squares(
-    vehicle: Vehicle, runs: list[RampRun], level_sigma: Array
-) -> tuple[Array, Array]:
-    """Most probable parameters and zeros, and the Jacobian of all residuals there.
+    vehicle: Vehicle, runs: list[RampRun], level_sigma: Array, start: Array | None = None
+) -> tuple[Array, Array, float]:
+    """Most probable parameters and zeros, the Jacobian of all residuals there, and their loss.
 
     Its rows: the priors of the parameters and of what the runs have of their own, then the data run
     by run, then the levels of the pads, ``level_sigma`` about the common one.
 
     First with equal tyres on both axles, then from there with all parameters: far from it, unlike
-    pads and unlike tyres can imitate each other.
+    pads and unlike tyres can imitate each other. With a ``start`` from there, roughly.
     """
     from scipy.optimize import least_squares
 
@@ -167,7 +182,7 @@ def _least_squares(
     scale = np.array([*sigma, *SCALE * len(runs)])
     centre = np.zeros(spread.size)
     centre[:COUNT] = [prior.mean for prior in PRIORS]
-    x = centre.copy()
+    x = centre.copy() if start is None else start.copy()
 
     def objective(part: Array, free: NDArray[np.int64]) -> Array:
         x[free] = part
@@ -179,7 +194,8 @@ def _least_squares(
     equal = np.delete(every, [AT.log_tyre_ratio, AT.radius_load])
     # the last one with central differences: with one-sided ones a rounding error of a log shows in
     # the fifth digit
-    for free, jac, tolerance in ((equal, "2-point", ROUGH), (every, "3-point", EXACT)):
+    stages = ((equal, "2-point", ROUGH), (every, "3-point", EXACT))
+    for free, jac, tolerance in stages if start is None else ((every, "2-point", ROUGH),):
         fit = least_squares(
             objective,
             x[free],
@@ -191,7 +207,7 @@ def _least_squares(
             args=(free,),
         )
         x[free] = fit.x
-    return fit.x, np.asarray(fit.jac)
+    return fit.x, np.asarray(fit.jac), 2.0 * float(fit.cost)
 
 
 def _huber_of_data(priors: int, z: Array) -> Array:

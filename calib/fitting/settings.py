@@ -88,6 +88,19 @@ class FitSettings:
     top_surer: float = 1.05
     """Standard deviation of that ratio without the top, over that with it, from which the top has
     told something. Where it moved the ratio and told nothing it was wrong in all cases seen."""
+    valve_doubt: float = 1.0
+    """Sum of the squares of the eight parameters, in standard deviations of their priors, from
+    which a limited rear pressure is asked for: a valve of slope 0.7 makes that of a usual car 2,
+    one of 0.3 makes it 7 to 30."""
+    valve_knees: tuple[float, ...] = (15e5, 20e5, 25e5, 30e5, 35e5)
+    """Pressures [Pa] that are tried as the knee: those of usual valves."""
+    valve_slope: float = 0.4
+    """Slope of the rear pressure above the knee that is tried [1]: that of a usual valve."""
+    valve_reach: float = 0.85
+    """Share of the highest pressure of a ramp below which a knee must be to show."""
+    valve_gain: float = 15.0
+    """Fall of the sum of squares with a knee from which it is named. With a valve of slope 0.3 to
+    0.5 it falls by 50 to 130, of 0.7 by up to 10, without one it rises or falls by 3."""
     flat: float = 0.1
     """Share of its first slope at which eta over z is too flat to be read backwards: there an error
     of eta moves D ten times as far as it should."""

@@ -24,6 +24,7 @@ UNITS = {
     "pads_off_file_f": "1",
     "pads_off_file_r": "1",
     "pad_ratio": "1",
+    "rear_pressure_limited": "1",
     "pads_changed_apart": "1",
     "tyre_stiffness": "1",
     "level_changed": "1",

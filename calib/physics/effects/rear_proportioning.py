@@ -11,8 +11,12 @@ def pressure(parameters: Parameters, history: RunHistory, p_f: Array, p_r: Array
 
     Valid for a valve without hysteresis, whose knee does not depend on load or deceleration.
     """
-    cut = 1.0 - parameters["knee_slope"]
-    return p_f, p_r - cut * np.maximum(p_r - parameters["knee"], 0.0)
+    return p_f, limited(p_r, parameters["knee"], parameters["knee_slope"])
+
+
+def limited(p: Array, knee: float, slope: float) -> Array:
+    """Pressure [Pa] behind the valve: it grows with ``slope`` [1] above the ``knee`` [Pa]."""
+    return np.asarray(p - (1.0 - slope) * np.maximum(p - knee, 0.0))
 
 
 EFFECT = Effect(
