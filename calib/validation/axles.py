@@ -51,8 +51,9 @@ class Rise(NamedTuple):
 def judge_axles(table: Table, log: Log, e: Estimate) -> Exchanged | None:
     """Weigh the log against itself with its axles exchanged; None where eta alone tells them.
 
-    ``e`` is the estimate of the log. Raises LogError if the log clearly has its axles swapped, or a
-    motor brakes the rear wheels.
+    None, too, where the pads are those of the ramp as the log is given, and far from them with its
+    axles exchanged. ``e`` is the estimate of the log. Raises LogError if the log clearly has its
+    axles swapped, or a motor brakes the rear wheels.
     """
     r = _rise(table, e.blocks)
     right = (
@@ -63,6 +64,9 @@ def judge_axles(table: Table, log: Log, e: Estimate) -> Exchanged | None:
     if right or e.basis is None:
         return None
     other = exchanged(e, e.basis)
+    given, swapped = map(abs, other.log_pad_ratio)
+    if given < SETTINGS.ratio_kept and swapped > SETTINGS.ratio_apart:
+        return None
     if (
         r is not None
         and r.expected > 0.0

@@ -18,6 +18,12 @@ class ValidationSettings:
     eta_rises: float = 1e-3
     """Rise of eta by the table [1] from which its sign alone tells the axles: usual cars make 2e-3,
     and radii, tyres and pads of the day move it by less than a half of that."""
+    ratio_kept: float = 0.1
+    """Change of the pads' ratio since the ramp (logarithm) up to which they are the same pads."""
+    ratio_apart: float = 0.25
+    """Change of the pads' ratio with the axles exchanged (logarithm) that takes two mistakes at
+    once: of swapped stops of good cars it is 0.2 at most. Light braking on another road than that
+    of the ramp made odds of 13 to 32 for axles that were right, with changes of 0.3 to 0.7."""
     axles_doubt: float = -3.0
     """Logarithm of the odds of swapped wheel speeds from which they are named: one in twenty."""
     axles_sure: float = 15.0

@@ -8,10 +8,14 @@ import pytest
 from calib.checks.check import check
 from calib.errors import LogError
 from calib.estimation.estimator import estimate
+from calib.estimation.exchanged import exchanged
+from calib.fitting.fit import fit
 from calib.validation.axles import judge_axles
+from calib.validation.settings import SETTINGS
 from calib.validation.validate import validate
+from tests.support.balanced import balanced
 from tests.support.one_axle import one_axle
-from tests.support.plant import magic
+from tests.support.plant import Plant, as_log, drive, magic
 from tests.support.reference_car import (
     CAR,
     REAL,
@@ -132,3 +136,24 @@ def test_abs_on_the_rear_axle_is_not_taken_for_swapped(table):
     cycle = (log.time > 2.5) & ((log.time * 4.0) % 1.0 < 0.4)
     hit = {f"omega_r{s}": np.where(cycle, 0.7, 1.0) * log[f"omega_r{s}"] for s in "lr"}
     of(table, replace(log, channels={**log.channels, **hit}))
+
+
+def test_weak_pads_on_a_road_with_more_grip_than_that_of_the_ramp_are_no_swap():
+    """Exchanged, the pads would be three times apart; as it is they are those of the ramp."""
+    car = balanced(CAR, 0.6)
+    plant = Plant(car, tyre=magic(25.0, 0.95), drag_area=0.66, rolling_resistance=0.011)
+    slippery = replace(plant, surface=lambda x: (0.65, 0.55))
+    weak = replace(plant, pads=lambda t: (0.19, 0.19))
+    rising = drive(slippery, lambda t: 5e5 * max(t - 1.5, 0.0), 33.0, duration=8.5, stop_speed=8.0)
+    light = drive(
+        weak, lambda t: 5e5 * min(max((t - 1.5) / 0.25, 0.0), 1.0), 42.0, duration=30.0,
+        stop_speed=3.0,
+    )  # fmt: skip
+    coast = drive(plant, lambda t: 0.0, 33.0, duration=12.0)
+    runs = [as_log(run, name) for run, name in ((rising, "ramp"), (coast, "coast"))]
+    table = fit(car, [noisy(log, seed) for seed, log in enumerate(runs, 1)])
+    log = noisy(as_log(light, "light"), 3)
+    found = estimate(table, log)
+    assert found.basis is not None
+    assert exchanged(found, found.basis).log_odds > SETTINGS.axles_doubt
+    assert judge_axles(table, log, found) is None
