@@ -181,6 +181,10 @@ METRICS: dict[str, Plain] = {
     "unexplained_braking_force": _percent("Braking force without pressure"),
     "braking_force_missing": _percent("Braking force that is missing"),
     "tyre_stiffness": _percent("Slip stiffness of the tyres"),
+    "rear_pressure_limited": Plain("Limited rear pressure, fall of the chi-square"),
+    "v_of_wheels": _percent("Slip against v, over the least of any tyre"),
+    "lost_pulses": _percent("Wheel speed samples that lost a pulse"),
+    "saturated": Plain("Time at the end of a channel's range", "s", 1.0, 0.1),
     "sides_f": _percent("Front brakes, left less right"),
     "sides_r": _percent("Rear brakes, left less right"),
     # of a diagnosis

@@ -197,6 +197,26 @@ def pads_along(rng: Rng) -> Hidden:
     return Hidden(car=car)
 
 
+def rear_valve(rng: Rng) -> Hidden:
+    """A valve that lets 0.3 to 0.5 of the pressure through to the rear brakes above a knee of 15 to
+    35 bar, and is not in the vehicle file: usual sizes (Limpert, Brake Design and Safety, ch. 7).
+    The truth is the torque over all of the pressure, so the rear pads seem to weaken."""
+    slope, knee = rng.uniform(0.3, 0.5), rng.uniform(15.0, 35.0) * BAR
+
+    def car(role: str, p: Plant, pressure: Pressure, v0: float) -> Plant:
+        usual = (p.vehicle.front.pad_friction, p.vehicle.rear.pad_friction)
+        pads = p.pads or (lambda t: usual)
+
+        def now(t: float) -> tuple[float, float]:
+            on = max(pressure(t), 1.0)
+            front, rear = pads(t)
+            return front, rear * (on - (1.0 - slope) * max(on - knee, 0.0)) / on
+
+        return replace(p, pads=now)
+
+    return Hidden(car=car)
+
+
 def radius_over_load(rng: Rng) -> Hidden:
     """0.2 to 1 % per 100 % of load: the coefficients BREFF, DREFF and FREFF of common tyre files
     give about 0.4 (Pacejka, Tyre and Vehicle Dynamics, ch. 4, A4 of the MF-Tyre manual)."""
@@ -458,6 +478,7 @@ CAUSES: dict[str, Callable[[Rng], Hidden]] = {
     "hills": hills,
     "passenger": passenger,
     "pads along a run": pads_along,
+    "rear valve": rear_valve,
     "bump": bump,
     "bump in the ramp": partial(bump, where=RAMP),
     "patch": patch,
