@@ -64,13 +64,15 @@ def _made_of_wheels(log: str, vehicle: Vehicle, s: Signals) -> Iterator[Plausibi
         least.append(np.where(block_mean(p, n) > BITE, carried, 0.0) / PLAUSIBLE.stiffness[1])
         slips.append(1.0 - block_mean(omega, n) * radius / np.maximum(v, MOVING))
     driven = block_mean(np.abs(s.drive_f) + np.abs(s.drive_r), n) > 0.0
+    glitch = np.min(axle_loads(vehicle, z), axis=0) <= 0.0  # of a_x
+    shows = (v > MOVING) & ~driven & ~glitch
     sources = (
         ("the front wheels", slips[0], least[0]),
         ("the rear wheels", slips[1], least[1]),
         ("all wheels", 0.5 * (slips[0] + slips[1]), 0.5 * (least[0] + least[1])),
     )
     for source, slip, expected in sources:
-        use = (expected * PLAUSIBLE.stiffness[1] > PLAUSIBLE.v_force) & (v > MOVING) & ~driven
+        use = shows & (expected * PLAUSIBLE.stiffness[1] > PLAUSIBLE.v_force)
         if np.count_nonzero(use) * n * s.sample_time < PLAUSIBLE.v_time:
             continue
         share = float(np.sqrt(np.mean(slip[use] ** 2)) / np.mean(expected[use]))

@@ -520,12 +520,14 @@ def fit_base(problem: Problem) -> Candidate:
     """The model without effects, fitted from where it starts and once more from a higher peak.
 
     A tyre whose peak is below what a log asks of it is held there, and no small step of the peak
-    explains that log better: a fit that comes from below can end at such a tyre.
+    explains that log better: a fit that comes from below can end at such a tyre. One from above
+    counts where it explains clearly more.
     """
     usual = fit(problem, (), problem.start)
-    above = usual.x.copy()
-    above[PEAK_PLACE] += GATES.higher_peak
-    return min(usual, fit(problem, (), above), key=lambda candidate: candidate.chi2)
+    start = usual.x.copy()
+    start[PEAK_PLACE] += GATES.higher_peak
+    above = fit(problem, (), start)
+    return above if usual.chi2 - above.chi2 > GATES.pressed else usual
 
 
 def candidate_of(
