@@ -1,4 +1,4 @@
-"""Whether something limits the rear pressure of a ramp: a valve that the file of the car has not.
+"""Whether something limits the rear pressure of a ramp: a valve missing in the vehicle file.
 
     p_r |        .-'   p_k + s (p - p_k)        one p_mc for both axles: nobody measured p_r
         |     .-'

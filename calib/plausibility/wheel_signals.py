@@ -55,16 +55,16 @@ def _made_of_wheels(log: str, vehicle: Vehicle, s: Signals) -> Iterator[Plausibi
     if s.v is None or radii is None:
         return
     n = max(1, round(BLOCK / s.sample_time))
-    v, z = block_mean(s.v, n), block_mean(s.z, n)
+    v, loads = block_mean(s.v, n), axle_loads(vehicle, block_mean(s.z, n))
     least, slips = [], []
     axles = ((vehicle.front, s.omega_f, s.p_f), (vehicle.rear, s.omega_r, s.p_r))
-    for (axle, omega, p), radius, load in zip(axles, radii, axle_loads(vehicle, z), strict=True):
+    for (axle, omega, p), radius, load in zip(axles, radii, loads, strict=True):
         torque = 2.0 * axle.pad_friction * axle.torque_gain * block_mean(p, n)
         carried = torque / axle.rolling_radius / np.maximum(load, 1.0)
         least.append(np.where(block_mean(p, n) > BITE, carried, 0.0) / PLAUSIBLE.stiffness[1])
         slips.append(1.0 - block_mean(omega, n) * radius / np.maximum(v, MOVING))
     driven = block_mean(np.abs(s.drive_f) + np.abs(s.drive_r), n) > 0.0
-    glitch = np.min(axle_loads(vehicle, z), axis=0) <= 0.0  # of a_x
+    glitch = np.minimum(*loads) <= 0.0  # of a_x
     shows = (v > MOVING) & ~driven & ~glitch
     sources = (
         ("the front wheels", slips[0], least[0]),
