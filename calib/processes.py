@@ -1,4 +1,4 @@
-"""Worker processes on this machine: how many, how they start, how they end."""
+"""Processes and threads on this machine: how many, how they start, how they end."""
 
 import multiprocessing
 import os
@@ -28,6 +28,19 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Keep the linear algebra of NumPy and SciPy to one thread meanwhile, in this process.
+
+    Matrices of some hundred rows take twice as long on two threads as on one. The limit holds for
+    the whole process, thus also for other threads of it; it is taken back at the end.
+    """
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, user_api="blas"):
+        yield
 
 
 def workers(count: int, preload: str) -> ProcessPoolExecutor:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from threadpoolctl import threadpool_limits
 
 from calib.fitting.fit import fit
 from calib.store.state import StateDecision
@@ -17,6 +18,8 @@ from tests.support.tables import made_table
 # The first example of a test imports what it needs, on any machine: no deadline is fair.
 settings.register_profile("brake-cal", deadline=None)
 settings.load_profile("brake-cal")
+
+threadpool_limits(1, user_api="blas")  # as `cli.main` has it
 
 
 @pytest.fixture

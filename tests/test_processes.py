@@ -4,9 +4,10 @@ import os
 import signal
 
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from calib.errors import BatchError
-from calib.processes import side_by_side
+from calib.processes import one_blas_thread, side_by_side
 
 PRELOAD = "calib.processes"
 
@@ -41,3 +42,14 @@ def test_a_process_that_dies_is_told():
         side_by_side(2, PRELOAD) as mapped,
     ):
         list(mapped(killed, [0]))
+
+
+def blas_threads():
+    return {blas["num_threads"] for blas in threadpool_info() if blas["user_api"] == "blas"}
+
+
+def test_linear_algebra_has_one_thread_meanwhile():
+    with threadpool_limits(2, user_api="blas"):
+        with one_blas_thread():
+            assert blas_threads() == {1}
+        assert blas_threads() == {2}

@@ -58,7 +58,7 @@ from calib.physics.model import Model
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.wheel_signals import require_measured_speed
-from calib.processes import Mapped
+from calib.processes import Mapped, one_blas_thread
 from calib.signals.held import without_holds
 from calib.units import behind
 
@@ -159,6 +159,7 @@ class Diagnosis:
         return "\n".join(lines)
 
 
+@one_blas_thread()
 def diagnose(
     vehicle: Vehicle,
     calibration: list[Log],
