@@ -122,6 +122,7 @@ def _told(found: "Diagnosis") -> str:
         words.sides(found),
         words.groups(found),
         words.start_heats(found),
+        words.offsets(found),
         words.something_else(found),
         words.withdrawn(found),
         words.own_effects(found),

@@ -40,9 +40,10 @@ from calib.diagnosis.runs.sides import LARGEST, with_even_sides
 from calib.diagnosis.runs.warnings import log_warnings, unexplained_warnings
 from calib.diagnosis.search.axles import require_axles
 from calib.diagnosis.search.clocks import with_clocks
-from calib.diagnosis.search.decide import Decision, confusable, decide, explains, gain
+from calib.diagnosis.search.decide import Decision, confusable, explains, gain
 from calib.diagnosis.search.groups import LogGroup, groups_of
 from calib.diagnosis.search.heats import start_heats_of, with_start_heats
+from calib.diagnosis.search.offsets import LogOffsets, decided_with_offsets, offsets_of
 from calib.diagnosis.search.radii import with_free_radii
 from calib.diagnosis.search.regroup import regrouped
 from calib.diagnosis.search.search import unresolved
@@ -117,7 +118,9 @@ class Diagnosis:
     its size in the replays; ``sides`` by how much the right wheel of an axle rolled faster than the
     left one before that was taken out [1], by axle; ``groups`` the logs by pads and road, the
     reference first, where one set of parameters does not serve all; ``start_heats`` of the discs
-    [degC] by log, where fade is named and no temperature is logged; ``withdrawn`` what fits the
+    [degC] by log, where fade is named and no temperature is logged; ``offsets``
+    the slope of the road or the zero of a_x that each log has of its own, None where they have
+    none; ``withdrawn`` what fits the
     calibration logs and not the hold-outs; ``steps`` the course of the search; ``noise`` that of
     the evidence, and its source; ``warnings`` what speaks against the logs and is not explained.
     """
@@ -140,6 +143,7 @@ class Diagnosis:
     noise: ChannelNoise
     groups: tuple[LogGroup, ...]
     start_heats: Mapping[str, tuple[float, float]]
+    offsets: LogOffsets | None
     not_resolved: tuple[str, ...]
     drives: tuple[ShowingDrive, ...]
     confusion: Confusion | None
@@ -235,6 +239,7 @@ def diagnose(
         reduced_before=decision.base.reduced,
         groups=groups,
         start_heats=start_heats_of((*problem.runs, *held.problem.runs)),
+        offsets=offsets_of((problem, held.problem), left_of.base, left_of.effects),
         not_resolved=not_resolved,
         drives=drives(problem, decision.best, not_resolved),
         confusion=confusion,
@@ -305,7 +310,8 @@ def _searched(
     tell("fitting the model without effects", 0, 1)
     known_to_all = map if vehicle.effects.own else mapped
     problem = problem_of(vehicle, [run_of(log) for log in calibration], tell, known_to_all)
-    decision = by_log(with_clocks(with_free_radii(decide(fit_base(problem)))))
+    decision = decided_with_offsets(fit_base(problem), [run_of(log) for log in holdout])
+    decision = by_log(with_clocks(with_free_radii(decision)))
     held = hold_outs_of(decision.best, holdout)
     return prove(held, confirm(decision, held.problem))
 

@@ -21,6 +21,15 @@ class DiagnosisGates:
     sides_least: float = 0.5
     """Seconds of rolling, of all logs together, from which the sides are compared."""
 
+    # search/offsets.py
+    offsets_alike: float = 0.01
+    """Standard deviation [m/s^2] of dv/dt less a_x between logs of one level road: a scale of a_x
+    that is 5 % off makes as much between a coast at 30 m/s and one at 10 m/s. What is smaller hides
+    in the drift that the noise of v allows."""
+    offsets_sure: float = 4.0
+    """Standard deviations by which the sum of squares must exceed what chance gives for logs to
+    differ."""
+
     # explanation/candidate.py
     pads: float = 0.7
     """Largest logarithm of a pad friction over that of the file: half and double. With rear pads of

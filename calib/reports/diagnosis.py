@@ -65,6 +65,7 @@ def report_html(found: Diagnosis, title: str) -> str:
         radii=words.radii(found),
         sides=words.sides(found),
         start_heats=words.start_heats(found),
+        offsets=words.offsets(found),
         groups=[
             (words.listed(group.logs), words.factors_of(group) if i else "the reference")
             for i, group in enumerate(found.groups)

@@ -24,6 +24,7 @@ from calib.diagnosis.explanation.channels import (
     unbraked_length,
     whiten,
 )
+from calib.diagnosis.explanation.offsets import Course, course_of
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 from calib.diagnosis.explanation.progress import Tell, silent
 from calib.diagnosis.explanation.secant import columns, least_squares
@@ -77,7 +78,8 @@ class Problem:
 
     The effects of ``vehicle`` are known: they act in every candidate. ``free_radius`` says whether
     the rolling radii are one of the base parameters, beside those of the file. Another one is how
-    much load a known drag moves, where the file does not say.
+    much load a known drag moves, where the file does not say. ``offset`` names an effect of which
+    each log has a size of its own (`calib.diagnosis.explanation.offsets`), empty if there is none.
     """
 
     vehicle: Vehicle
@@ -86,6 +88,7 @@ class Problem:
     tell: Tell = silent
     free_radius: bool = False
     mapped: Mapped = map
+    offset: str = ""
 
     @property
     def alone(self) -> Self:
@@ -128,10 +131,25 @@ class Problem:
 
     def whitened(self, base: Base, effects: Effects) -> list[list[Array]]:
         """Innovations by run and channel."""
-        return [
-            whiten(residuals(run, predict(self.vehicle, base, effects, run)), self.noise)
-            for run in self.runs
-        ]
+        found = [whiten(x, self.noise) for x in self._residuals(base, effects)]
+        if not self.offset:
+            return found
+        return [c.removed(x) for c, x in zip(self.courses, found, strict=True)]
+
+    def offsets(self, base: Base, effects: Effects) -> list[float]:
+        """The offset that each run has of its own; none where the logs have no such offsets."""
+        if not self.offset:
+            return []
+        pairs = zip(self.courses, self._residuals(base, effects), strict=True)
+        return [course.offset(x) for course, x in pairs]
+
+    @cached_property
+    def courses(self) -> tuple[Course, ...]:
+        """What the offset of each run moves."""
+        return tuple(course_of(self.offset, run, self.noise) for run in self.runs)
+
+    def _residuals(self, base: Base, effects: Effects) -> list[Array]:
+        return [residuals(run, predict(self.vehicle, base, effects, run)) for run in self.runs]
 
     def flat(self, base: Base, effects: Effects) -> Array:
         """All innovations as one array (n,)."""

@@ -181,12 +181,12 @@ def _noise_of_differences(wholes: list[Array]) -> ChannelNoise:
 
 def whiten(residual: Array, noise: ChannelNoise) -> list[Array]:
     """The channels' innovations over their sigma, one array each."""
-    out = []
-    for c in range(len(CHANNELS)):
-        x = residual[c]
-        if c == DRIFT:
-            out.append(_kept_drift(x) / noise.sigma[c])
-        else:
-            filtered = np.convolve(x, np.concatenate([[1.0], -noise.coefficients[c]]), "valid")
-            out.append(filtered / noise.sigma[c])
-    return out
+    return [whitened_channel(x, c, noise) for c, x in enumerate(residual)]
+
+
+def whitened_channel(x: Array, channel: int, noise: ChannelNoise) -> Array:
+    """Innovations (k,) over their sigma of the residuals (m,) of a channel."""
+    if channel == DRIFT:
+        return np.asarray(_kept_drift(x) / noise.sigma[channel])
+    filtered = np.convolve(x, np.concatenate([[1.0], -noise.coefficients[channel]]), "valid")
+    return np.asarray(filtered / noise.sigma[channel])

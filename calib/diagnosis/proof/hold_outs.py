@@ -17,6 +17,7 @@ from calib.diagnosis.explanation.candidate import (
     turned_to_ripple,
     unpack,
 )
+from calib.diagnosis.explanation.offsets import as_effects, offset_between
 from calib.diagnosis.explanation.predict import ObservedRun, run_of, wheel_angles
 from calib.diagnosis.proof.remainder import Remainder, apart_from_parameters, remainder_of
 from calib.diagnosis.search import groups, heats
@@ -41,10 +42,25 @@ class HoldOuts:
         return self.replays(candidate.base, candidate.effects)
 
     def replays(self, base: Base, effects: Effects) -> tuple[Log, ...]:
-        """Every log replayed on its ground; ripples follow the measured angle of the wheels."""
+        """Every log replayed on its ground and with its own offset.
+
+        Ripples follow the measured angle of the wheels.
+        """
+        own = self.problem.offsets(base, effects)
+        first = self._driven(base, effects, own)
+        if not own:
+            return first
+        # errors of one step say less of an offset than what a whole replay gathers
+        pairs = zip(first, self.logs, strict=True)
+        left = [offset_between(self.problem.offset, sim, log) for sim, log in pairs]
+        return self._driven(base, effects, [a + b for a, b in zip(own, left, strict=True)])
+
+    def _driven(self, base: Base, effects: Effects, own: Sequence[float]) -> tuple[Log, ...]:
+        """Every log replayed, with an offset of its ``own`` if there are any."""
         out = []
-        for log, run in zip(self.logs, self.problem.runs, strict=True):
-            model = _model(self.problem.vehicle, run.ground.applied(base), effects)
+        for i, (log, run) in enumerate(zip(self.logs, self.problem.runs, strict=True)):
+            acts = effects.with_(as_effects(self.problem.offset, own[i])) if own else effects
+            model = _model(self.problem.vehicle, run.ground.applied(base), acts)
             out.append(
                 replay(model, log, wheel_angle=angles_of(log, run), start_heat=run.start_heat)
             )

@@ -38,8 +38,8 @@ class EffectChange:
 
 def further_effects(at: Candidate) -> tuple[str, ...]:
     """Names of the catalogue's effects and of own ones that the explanation does not have."""
-    known = every_effect(at.problem.vehicle.effects)
-    return tuple(name for name in known if name not in at.names)
+    known, own = every_effect(at.problem.vehicle.effects), at.problem.offset
+    return tuple(name for name in known if name not in (*at.names, own))
 
 
 @lru_cache(maxsize=1)

@@ -32,6 +32,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "unexplained": None if found.unexplained is None else _structure(found.unexplained, found),
         "groups": [asdict(group) for group in found.groups],
         "start_heats": {log: list(heats) for log, heats in found.start_heats.items()},
+        "log_offsets": None if found.offsets is None else asdict(found.offsets),
         "sides": dict(found.sides),
         "confusion": None if found.confusion is None else _confusion(found.confusion),
         "not_resolved": list(found.not_resolved),

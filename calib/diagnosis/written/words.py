@@ -3,6 +3,7 @@
 from dataclasses import asdict
 
 from calib.diagnosis.diagnose import Diagnosis, Named
+from calib.diagnosis.explanation.offsets import GRADE
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.unexplained import (
     FREQUENCY,
@@ -293,6 +294,23 @@ def start_heats(found: Diagnosis) -> str:
     return (
         f"No disc temperature is logged. At the start [degC], front and rear, on discs of assumed "
         f"heat capacity: {', '.join(told)}."
+    )
+
+
+def offsets(found: Diagnosis) -> str:
+    """The slope or the zero that each log has of its own; empty where they have none."""
+    if found.offsets is None:
+        return ""
+    if found.offsets.effect == GRADE:
+        told = ", ".join(f"{log} {100.0 * x:+.1f} %" for log, x in found.offsets.values.items())
+        return (
+            f"Each log has a road slope of its own, uphill positive: {told}. Before anything "
+            "brakes, dv/dt and a_x differ by that. A slope that all logs have in common is in it."
+        )
+    told = ", ".join(f"{log} {x:+.2f}" for log, x in found.offsets.values.items())
+    return (
+        f"The accelerometer has a zero of its own in each log [m/s^2]: {told}. Before anything "
+        "brakes, dv/dt and a_x differ by that. A bias that all logs have in common is in it."
     )
 
 

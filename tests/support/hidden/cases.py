@@ -23,7 +23,7 @@ from tests.support.hidden.manoeuvres import manoeuvre
 from tests.support.hidden.plant import Car, Start, drive
 from tests.support.hidden.settings import Hidden
 from tests.support.hidden.severities import CATALOGUE, OUTSIDE, SEVERITIES, hide
-from tests.support.hidden.variety import Ground, Variety, grouped, varied
+from tests.support.hidden.variety import Ground, Variety, grouped, offset, varied
 from tests.support.plant import Tyre, brush, magic
 
 Array = NDArray[np.float64]
@@ -37,9 +37,11 @@ KINDS = (
     "varied",
     "groups",
     "grouped_single",
+    "offsets",
 )
 """``varied``: nothing hidden, other numbers of logs, rates, noise. ``groups``: nothing hidden, some
-logs with other pads or on another road; ``grouped_single``: one effect besides."""
+logs with other pads or on another road; ``grouped_single``: one effect besides; ``offsets``: one
+effect, and each log with a slope of the road or a zero of the accelerometer of its own."""
 
 # As the shared logs measure: the accelerometer rides on the body, a part of its noise is slow.
 NOISE = {
@@ -140,7 +142,7 @@ def draw(
     )
 
 
-VARIETIES = {"varied": varied, "groups": grouped, "grouped_single": grouped}
+VARIETIES = {"varied": varied, "groups": grouped, "grouped_single": grouped, "offsets": offset}
 
 
 def scaled(level: NoiseLevel, factor: float) -> NoiseLevel:
@@ -149,7 +151,7 @@ def scaled(level: NoiseLevel, factor: float) -> NoiseLevel:
 
 
 def on(car: Car, ground: Ground) -> Car:
-    """The car with other pads or on another road."""
+    """The car with other pads, on another road, or with another zero of its accelerometer."""
     front, rear = (a * b for a, b in zip(car.pad_scale, ground.pad_scale, strict=True))
     peak = ground.peak
     stiffness = car.stiffness_scale * ground.stiffness
@@ -157,7 +159,11 @@ def on(car: Car, ground: Ground) -> Car:
     def tyre(slip: float, load: float, stiffness_factor: float, peak_factor: float) -> float:
         return car.tyre(slip, load, stiffness_factor, peak_factor * peak)
 
-    return replace(car, pad_scale=(front, rear), stiffness_scale=stiffness, tyre=tyre)
+    h = car.hidden
+    if ground.grade:
+        h = replace(h, grade=h.grade + ground.grade, grade_felt=True)
+    h = replace(h, bias=h.bias + ground.bias)
+    return replace(car, pad_scale=(front, rear), stiffness_scale=stiffness, tyre=tyre, hidden=h)
 
 
 def told_of(variety: Variety) -> dict[str, object]:
@@ -175,6 +181,9 @@ def choose(kind: str, seed: int, rng: np.random.Generator) -> tuple[str, ...]:
     catalogue, outside = list(CATALOGUE), list(OUTSIDE)
     if kind in ("single", "grouped_single"):
         return (catalogue[seed % len(catalogue)],)
+    if kind == "offsets":
+        own = [n for n in catalogue if n not in ("road_grade", "accelerometer_bias")]
+        return (own[seed % len(own)],)
     if kind == "outside":
         return (outside[seed % len(outside)],)
     if kind in ("double", "triple"):

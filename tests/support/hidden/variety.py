@@ -13,11 +13,16 @@ from tests.support.hidden.manoeuvres import CALIBRATION, HOLDOUT
 
 @dataclass(frozen=True)
 class Ground:
-    """What a run is driven with: factor on the pads of both axles, on stiffness and peak [1]."""
+    """What a run is driven with: factor on the pads of both axles, on stiffness and peak [1].
+
+    ``grade`` of its road, rise over run, which the accelerometer feels; ``bias`` of that [m/s^2].
+    """
 
     pad_scale: tuple[float, float] = (1.0, 1.0)
     stiffness: float = 1.0
     peak: float = 1.0
+    grade: float = 0.0
+    bias: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -68,3 +73,15 @@ def grouped(rng: np.random.Generator) -> Variety:
     names = (*CALIBRATION, *HOLDOUT)
     of_run = tuple(int(x) for x in rng.permutation(len(names)) < rng.integers(3, 6))
     return Variety(grounds=(Ground(), other), of_run=of_run)
+
+
+def offset(rng: np.random.Generator) -> Variety:
+    """Each run on a road of its own slope, or with a zero of the accelerometer of its own."""
+    count = len((*CALIBRATION, *HOLDOUT))
+    if rng.random() < 0.5:
+        slopes = rng.normal(0.0, rng.uniform(0.008, 0.02), count)
+        grounds = tuple(Ground(grade=float(x)) for x in slopes)
+    else:
+        zeros = rng.normal(0.0, rng.uniform(0.06, 0.12), count)
+        grounds = tuple(Ground(bias=float(x)) for x in zeros)
+    return Variety(grounds=grounds, of_run=tuple(range(count)))
