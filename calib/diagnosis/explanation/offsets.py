@@ -54,12 +54,18 @@ class Course:
     def removed(self, innovations: list[Array]) -> list[Array]:
         """The innovations of the run by channel without what lies along the course."""
         own = innovations[self.channel]
-        rest = own - self.white * float(self.white @ own) / float(self.white @ self.white)
+        rest = own - self.white * _along(self.white, own)
         return [rest if c == self.channel else x for c, x in enumerate(innovations)]
 
     def offset(self, residuals: Array) -> float:
         """The offset that leaves least of the residuals (6, m) of the run, none of them lasting."""
-        return float(self.raw @ residuals[self.channel]) / float(self.raw @ self.raw)
+        return _along(self.raw, residuals[self.channel])
+
+
+def _along(course: Array, x: Array) -> float:
+    """The multiple of a course that is nearest to ``x``; zero where a run is too short to move."""
+    square = float(course @ course)
+    return float(course @ x) / square if square > 0.0 else 0.0
 
 
 def course_of(effect: str, run: ObservedRun, noise: ChannelNoise) -> Course:
@@ -82,7 +88,7 @@ def offset_between(effect: str, simulated: Log, measured: Log) -> float:
     if effect == ZERO:
         return float(np.mean(measured["a_x"][:n] - simulated["a_x"][:n]))
     fallen = -G * (measured.time[:n] - np.mean(measured.time[:n]))
-    return float(fallen @ (measured["v"][:n] - simulated["v"][:n])) / float(fallen @ fallen)
+    return _along(fallen, measured["v"][:n] - simulated["v"][:n])
 
 
 def as_effects(effect: str, offset: float) -> Effects:
