@@ -28,6 +28,7 @@ from calib.diagnosis.explanation.offsets import GRADE, PARAMETERS, ZERO
 from calib.diagnosis.explanation.predict import ObservedRun
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, decide, explains
+from calib.names import G
 from calib.physics.effects.effects import Effects
 from calib.physics.lag import integral
 
@@ -45,9 +46,10 @@ class LogOffsets:
 def decided_with_offsets(base: Candidate, holdout: Sequence[ObservedRun]) -> Decision:
     """The decision from a base; in which each log has an offset, where the logs differ by that.
 
-    Slopes are tried and zeros, the one first that explains more without an effect. The other one is
-    tried where the first explains too little, or its explanation would be better with the other.
-    The hold-outs are asked before they are braked, too: a slope that they have would be left there.
+    Slopes are tried and zeros, that first whose offsets over whole logs are those before anything
+    brakes: a missing effect tells of itself under braking alone. The other one is tried where the
+    first explains too little, or its explanation would be better with the other. The hold-outs
+    are asked before they are braked, too: a slope that they have would be left there.
     """
     problem = base.problem
     known = problem.vehicle.effects
@@ -55,7 +57,7 @@ def decided_with_offsets(base: Candidate, holdout: Sequence[ObservedRun]) -> Dec
     if not kinds or not differ([*problem.runs, *holdout], problem.noise):
         return decide(base)
     bases = [fit_base(replace(problem, offset=name)) for name in kinds]
-    first, *others = sorted(bases, key=lambda candidate: candidate.chi2)
+    first, *others = sorted(bases, key=_unlike)
     found = [decide(first)]
     best = found[0].best
     for other in others:
@@ -88,6 +90,19 @@ def differ(runs: Sequence[ObservedRun], noise: ChannelNoise) -> bool:
     off = float(weight @ (value - mean) ** 2)
     free = len(shown) - 1
     return off > free + GATES.offsets_sure * math.sqrt(2.0 * free)
+
+
+def _unlike(base: Candidate) -> float:
+    """Mean square [(m/s^2)^2] by which offsets over whole runs are not those before the braking.
+
+    What all runs have in common does not count.
+    """
+    problem = base.problem
+    unit = G if problem.offset == GRADE else 1.0
+    pairs = zip(problem.runs, problem.offsets(base.base, base.effects), strict=True)
+    shown = [(_disagreement(run, problem.noise), unit * offset) for run, offset in pairs]
+    apart = [before[0] + offset for before, offset in shown if before is not None]
+    return float(np.var(apart)) if apart else 0.0
 
 
 def _disagreement(run: ObservedRun, noise: ChannelNoise) -> tuple[float, float] | None:
