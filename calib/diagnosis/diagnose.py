@@ -44,6 +44,7 @@ from calib.diagnosis.search.decide import Decision, confusable, explains, gain
 from calib.diagnosis.search.groups import LogGroup, groups_of
 from calib.diagnosis.search.heats import start_heats_of, with_start_heats
 from calib.diagnosis.search.offsets import LogOffsets, decided_with_offsets, offsets_of
+from calib.diagnosis.search.own_pads import with_own_pads
 from calib.diagnosis.search.radii import with_free_radii
 from calib.diagnosis.search.regroup import regrouped
 from calib.diagnosis.search.search import unresolved
@@ -310,10 +311,24 @@ def _searched(
     tell("fitting the model without effects", 0, 1)
     known_to_all = map if vehicle.effects.own else mapped
     problem = problem_of(vehicle, [run_of(log) for log in calibration], tell, known_to_all)
+    found = _proved_from(problem, holdout)
+    if _whole(found):
+        return found
+    own = with_own_pads(found.decision)
+    other = None if own is None else _proved_from(own, holdout)
+    return found if other is None or not _whole(other) else other
+
+
+def _proved_from(problem: Problem, holdout: list[Log]) -> Proved:
     decision = decided_with_offsets(fit_base(problem), [run_of(log) for log in holdout])
     decision = by_log(with_clocks(with_free_radii(decision)))
     held = hold_outs_of(decision.best, holdout)
     return prove(held, confirm(decision, held.problem))
+
+
+def _whole(found: Proved) -> bool:
+    """Whether nothing is left to explain."""
+    return found.decision.verdict != "unknown" and not found.rest
 
 
 def by_log(decision: Decision) -> Decision:

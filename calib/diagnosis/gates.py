@@ -21,6 +21,13 @@ class DiagnosisGates:
     sides_least: float = 0.5
     """Seconds of rolling, of all logs together, from which the sides are compared."""
 
+    # explanation/own_pads.py
+    own_pads: float = 0.03
+    """Standard deviation of a log's pads about those of all [1]: they repeat to 2 or 3 % from run
+    to run, `calib.plausibility.pads`."""
+    own_tyres: float = 0.03
+    """The same of the stiffness of the tyres: their temperature and pressure, and the road's."""
+
     # search/offsets.py
     offsets_alike: float = 0.01
     """Standard deviation [m/s^2] of dv/dt less a_x between logs of one level road: a scale of a_x

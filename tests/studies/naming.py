@@ -167,8 +167,9 @@ def goals(scores: list[Score], rows: list[Row]) -> str:
         [s for s in scores if s.kind == kind]
         for kind in ("double", "triple", "none", "varied", "outside")
     )
-    groups, grouped, offsets = (
-        [s for s in scores if s.kind == kind] for kind in ("groups", "grouped_single", "offsets")
+    groups, grouped, offsets, unlike = (
+        [s for s in scores if s.kind == kind]
+        for kind in ("groups", "grouped_single", "offsets", "unlike")
     )
     held = [i.held for s in scores for i in s.intervals]
     same = [i.held for s in scores for i in s.intervals if i.same_form]
@@ -189,6 +190,8 @@ def goals(scores: list[Score], rows: list[Row]) -> str:
         ("two groups, one effect: wrong name", "", [s.outcome == "wrong" for s in grouped]),
         ("own slopes or zeros, one effect: exact", "", [s.outcome == "exact" for s in offsets]),
         ("own slopes or zeros: wrong name", "", [s.outcome == "wrong" for s in offsets]),
+        ("own pads and tyres, one effect: exact", "", [s.outcome == "exact" for s in unlike]),
+        ("own pads and tyres: wrong name", "", [s.outcome == "wrong" for s in unlike]),
         ("outside: unknown or a set", ">= 95", [s.passed for s in outside]),
         ("outside: a single wrong name", "<= 2", [s.outcome == "wrong" for s in outside]),
         ("outside: axle right, where said", "", [s.axle for s in outside if s.axle is not None]),

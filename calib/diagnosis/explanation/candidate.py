@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.base import Base
+from calib.diagnosis.explanation.base import Base, Ground
 from calib.diagnosis.explanation.channels import (
     CHANNELS,
     ChannelNoise,
@@ -25,6 +25,7 @@ from calib.diagnosis.explanation.channels import (
     whiten,
 )
 from calib.diagnosis.explanation.offsets import Course, course_of
+from calib.diagnosis.explanation.own_pads import SIGMA, OwnPads
 from calib.diagnosis.explanation.predict import ObservedRun, predict
 from calib.diagnosis.explanation.progress import Tell, silent
 from calib.diagnosis.explanation.secant import columns, least_squares
@@ -80,6 +81,8 @@ class Problem:
     the rolling radii are one of the base parameters, beside those of the file. Another one is how
     much load a known drag moves, where the file does not say. ``offset`` names an effect of which
     each log has a size of its own (`calib.diagnosis.explanation.offsets`), empty if there is none.
+    ``own_pads`` is the explanation at which each log may have pads and tyres of its own
+    (`calib.diagnosis.explanation.own_pads`), None where all logs have those of their ground.
     """
 
     vehicle: Vehicle
@@ -89,6 +92,7 @@ class Problem:
     free_radius: bool = False
     mapped: Mapped = map
     offset: str = ""
+    own_pads: tuple[Base, Effects] | None = None
 
     @property
     def alone(self) -> Self:
@@ -131,10 +135,18 @@ class Problem:
 
     def whitened(self, base: Base, effects: Effects) -> list[list[Array]]:
         """Innovations by run and channel."""
-        found = [whiten(x, self.noise) for x in self._residuals(base, effects)]
-        if not self.offset:
+        found = self._with_common_pads(base, effects)
+        if self.own_pads is None:
             return found
-        return [c.removed(x) for c, x in zip(self.courses, found, strict=True)]
+        return [pads.whitened(x) for pads, x in zip(self._pads, found, strict=True)]
+
+    def grounds(self, base: Base, effects: Effects) -> list[Ground]:
+        """The ground of each run, with its own pads and tyres where it may have such."""
+        common = [run.ground for run in self.runs]
+        if self.own_pads is None:
+            return common
+        found = self._with_common_pads(base, effects)
+        return [own.ground(x, at) for own, x, at in zip(self._pads, found, common, strict=True)]
 
     def offsets(self, base: Base, effects: Effects) -> list[float]:
         """The offset that each run has of its own; none where the logs have no such offsets."""
@@ -147,6 +159,30 @@ class Problem:
     def courses(self) -> tuple[Course, ...]:
         """What the offset of each run moves."""
         return tuple(course_of(self.offset, run, self.noise) for run in self.runs)
+
+    @cached_property
+    def _pads(self) -> tuple[OwnPads, ...]:
+        """What the own pads and tyres of each run can do."""
+        assert self.own_pads is not None
+        at = [np.concatenate(run) for run in self._with_common_pads(*self.own_pads)]
+        moved = []
+        for i, sigma in enumerate(SIGMA):
+            step = np.zeros(4)
+            step[i] = 0.1 * sigma
+            runs = tuple(
+                replace(run, ground=Ground.of(run.ground.logarithms + step)) for run in self.runs
+            )
+            found = replace(self, runs=runs)._with_common_pads(*self.own_pads)
+            moved.append(
+                [(np.concatenate(x) - own) / step[i] for x, own in zip(found, at, strict=True)]
+            )
+        return tuple(OwnPads.of(np.stack(of_run, axis=1)) for of_run in zip(*moved, strict=True))
+
+    def _with_common_pads(self, base: Base, effects: Effects) -> list[list[Array]]:
+        found = [whiten(x, self.noise) for x in self._residuals(base, effects)]
+        if not self.offset:
+            return found
+        return [c.removed(x) for c, x in zip(self.courses, found, strict=True)]
 
     def _residuals(self, base: Base, effects: Effects) -> list[Array]:
         return [residuals(run, predict(self.vehicle, base, effects, run)) for run in self.runs]

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.base import Base
+from calib.diagnosis.explanation.base import Base, Ground
 from calib.diagnosis.explanation.candidate import (
     BASE,
     Candidate,
@@ -47,20 +47,24 @@ class HoldOuts:
         Ripples follow the measured angle of the wheels.
         """
         own = self.problem.offsets(base, effects)
-        first = self._driven(base, effects, own)
+        grounds = self.problem.grounds(base, effects)
+        first = self._driven(base, effects, own, grounds)
         if not own:
             return first
         # errors of one step say less of an offset than what a whole replay gathers
         pairs = zip(first, self.logs, strict=True)
         left = [offset_between(self.problem.offset, sim, log) for sim, log in pairs]
-        return self._driven(base, effects, [a + b for a, b in zip(own, left, strict=True)])
+        own = [a + b for a, b in zip(own, left, strict=True)]
+        return self._driven(base, effects, own, grounds)
 
-    def _driven(self, base: Base, effects: Effects, own: Sequence[float]) -> tuple[Log, ...]:
-        """Every log replayed, with an offset of its ``own`` if there are any."""
+    def _driven(
+        self, base: Base, effects: Effects, own: Sequence[float], grounds: Sequence[Ground]
+    ) -> tuple[Log, ...]:
+        """Every log replayed on its ground, with an offset of its ``own`` if there are any."""
         out = []
         for i, (log, run) in enumerate(zip(self.logs, self.problem.runs, strict=True)):
             acts = effects.with_(as_effects(self.problem.offset, own[i])) if own else effects
-            model = _model(self.problem.vehicle, run.ground.applied(base), acts)
+            model = _model(self.problem.vehicle, grounds[i].applied(base), acts)
             out.append(
                 replay(model, log, wheel_angle=angles_of(log, run), start_heat=run.start_heat)
             )

@@ -23,7 +23,7 @@ from tests.support.hidden.manoeuvres import manoeuvre
 from tests.support.hidden.plant import Car, Start, drive
 from tests.support.hidden.settings import Hidden
 from tests.support.hidden.severities import CATALOGUE, OUTSIDE, SEVERITIES, hide
-from tests.support.hidden.variety import Ground, Variety, grouped, offset, varied
+from tests.support.hidden.variety import Ground, Variety, grouped, offset, unlike, varied
 from tests.support.plant import Tyre, brush, magic
 
 Array = NDArray[np.float64]
@@ -38,10 +38,12 @@ KINDS = (
     "groups",
     "grouped_single",
     "offsets",
+    "unlike",
 )
 """``varied``: nothing hidden, other numbers of logs, rates, noise. ``groups``: nothing hidden, some
 logs with other pads or on another road; ``grouped_single``: one effect besides; ``offsets``: one
-effect, and each log with a slope of the road or a zero of the accelerometer of its own."""
+effect, and each log with a slope of the road or a zero of the accelerometer of its own; ``unlike``:
+one effect, and each log with pads and tyres of its own, on a slope of its own in half of them."""
 
 # As the shared logs measure: the accelerometer rides on the body, a part of its noise is slow.
 NOISE = {
@@ -142,7 +144,13 @@ def draw(
     )
 
 
-VARIETIES = {"varied": varied, "groups": grouped, "grouped_single": grouped, "offsets": offset}
+VARIETIES = {
+    "varied": varied,
+    "groups": grouped,
+    "grouped_single": grouped,
+    "offsets": offset,
+    "unlike": unlike,
+}
 
 
 def scaled(level: NoiseLevel, factor: float) -> NoiseLevel:
@@ -181,7 +189,7 @@ def choose(kind: str, seed: int, rng: np.random.Generator) -> tuple[str, ...]:
     catalogue, outside = list(CATALOGUE), list(OUTSIDE)
     if kind in ("single", "grouped_single"):
         return (catalogue[seed % len(catalogue)],)
-    if kind == "offsets":
+    if kind in ("offsets", "unlike"):
         own = [n for n in catalogue if n not in ("road_grade", "accelerometer_bias")]
         return (own[seed % len(own)],)
     if kind == "outside":

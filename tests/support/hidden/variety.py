@@ -85,3 +85,19 @@ def offset(rng: np.random.Generator) -> Variety:
         zeros = rng.normal(0.0, rng.uniform(0.06, 0.12), count)
         grounds = tuple(Ground(bias=float(x)) for x in zeros)
     return Variety(grounds=grounds, of_run=tuple(range(count)))
+
+
+def unlike(rng: np.random.Generator) -> Variety:
+    """Each run with pads and tyres of its own, by 1 to 3 %, and half of the cases on own slopes."""
+    count = len((*CALIBRATION, *HOLDOUT))
+    pads, tyres = rng.uniform(0.01, 0.03, 2)
+    slope = rng.uniform(0.008, 0.02) * (rng.random() < 0.5)
+    grounds = tuple(
+        Ground(
+            (float(np.exp(pads * rng.normal())), float(np.exp(pads * rng.normal()))),
+            float(np.exp(tyres * rng.normal())),
+            grade=float(slope * rng.normal()),
+        )
+        for _ in range(count)
+    )
+    return Variety(grounds=grounds, of_run=tuple(range(count)))
