@@ -123,6 +123,7 @@ def _told(found: "Diagnosis") -> str:
         words.groups(found),
         words.start_heats(found),
         words.offsets(found),
+        words.own_pads(found),
         words.something_else(found),
         words.withdrawn(found),
         words.own_effects(found),

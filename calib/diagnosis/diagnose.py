@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from calib.checks.gates import refuse_copies
 from calib.diagnosis.explanation.agreement import half_widths
+from calib.diagnosis.explanation.base import Ground
 from calib.diagnosis.explanation.candidate import (
     BASE,
     Candidate,
@@ -44,7 +45,7 @@ from calib.diagnosis.search.decide import Decision, confusable, explains, gain
 from calib.diagnosis.search.groups import LogGroup, groups_of
 from calib.diagnosis.search.heats import start_heats_of, with_start_heats
 from calib.diagnosis.search.offsets import LogOffsets, decided_with_offsets, offsets_of
-from calib.diagnosis.search.own_pads import with_own_pads
+from calib.diagnosis.search.own_pads import own_pads_of, with_own_pads
 from calib.diagnosis.search.radii import with_free_radii
 from calib.diagnosis.search.regroup import regrouped
 from calib.diagnosis.search.search import unresolved
@@ -121,7 +122,8 @@ class Diagnosis:
     reference first, where one set of parameters does not serve all; ``start_heats`` of the discs
     [degC] by log, where fade is named and no temperature is logged; ``offsets``
     the slope of the road or the zero of a_x that each log has of its own, None where they have
-    none; ``withdrawn`` what fits the
+    none; ``own_pads`` the factors on pads
+    and tyres of each log, empty where those of its group serve; ``withdrawn`` what fits the
     calibration logs and not the hold-outs; ``steps`` the course of the search; ``noise`` that of
     the evidence, and its source; ``warnings`` what speaks against the logs and is not explained.
     """
@@ -145,6 +147,7 @@ class Diagnosis:
     groups: tuple[LogGroup, ...]
     start_heats: Mapping[str, tuple[float, float]]
     offsets: LogOffsets | None
+    own_pads: Mapping[str, Ground]
     not_resolved: tuple[str, ...]
     drives: tuple[ShowingDrive, ...]
     confusion: Confusion | None
@@ -226,6 +229,7 @@ def diagnose(
         after, last = with_term(before, unexplained, proved.before, held)
         at = unexplained.at
     groups = groups_of((*problem.runs, *held.problem.runs))
+    own_pads = own_pads_of((problem, held.problem), left_of.base, left_of.effects)
     return Diagnosis(
         verdict=decision.verdict,
         effects=named(problem, held.problem, decision, confusion) if stands else (),
@@ -241,6 +245,7 @@ def diagnose(
         groups=groups,
         start_heats=start_heats_of((*problem.runs, *held.problem.runs)),
         offsets=offsets_of((problem, held.problem), left_of.base, left_of.effects),
+        own_pads=own_pads,
         not_resolved=not_resolved,
         drives=drives(problem, decision.best, not_resolved),
         confusion=confusion,
@@ -250,7 +255,9 @@ def diagnose(
         steps=proved.steps,
         noise=problem.noise,
         sides=sides,
-        warnings=unexplained_warnings(warnings, left=unexplained is not None, grouped=bool(groups)),
+        warnings=unexplained_warnings(
+            warnings, left=unexplained is not None, grouped=bool(groups) or bool(own_pads)
+        ),
     )
 
 

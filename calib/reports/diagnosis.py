@@ -66,6 +66,7 @@ def report_html(found: Diagnosis, title: str) -> str:
         sides=words.sides(found),
         start_heats=words.start_heats(found),
         offsets=words.offsets(found),
+        own_pads=words.own_pads(found),
         groups=[
             (words.listed(group.logs), words.factors_of(group) if i else "the reference")
             for i, group in enumerate(found.groups)

@@ -6,12 +6,24 @@ beside them. They are asked for only where something is left without them, and c
 nothing is left with them: they are many parameters.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
+from calib.diagnosis.explanation.base import REFERENCE, Base, Ground
 from calib.diagnosis.explanation.candidate import Problem, fit_base
-from calib.diagnosis.explanation.predict import ObservedRun
 from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.jointly import within_reach
+from calib.physics.effects.effects import Effects
+
+
+def own_pads_of(problems: Sequence[Problem], base: Base, effects: Effects) -> dict[str, Ground]:
+    """The factors on pads and tyre of each log with an explanation; none where they are common."""
+    found: dict[str, Ground] = {}
+    for problem in problems:
+        if problem.own_pads is not None:
+            names = [run.name for run in problem.runs]
+            found |= zip(names, problem.grounds(base, effects), strict=True)
+    return found
 
 
 def with_own_pads(decision: Decision) -> Problem | None:
@@ -20,6 +32,6 @@ def with_own_pads(decision: Decision) -> Problem | None:
     The logs are on one ground then: their own pads take the place of groups.
     """
     at = decision.best
-    runs = tuple(replace(run, ground=ObservedRun.ground) for run in at.problem.runs)
+    runs = tuple(replace(run, ground=REFERENCE) for run in at.problem.runs)
     own = replace(at.problem, runs=runs, own_pads=(at.base, at.effects))
     return own if within_reach(fit_base(own)) else None

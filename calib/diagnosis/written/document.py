@@ -33,6 +33,7 @@ def to_dict(found: Diagnosis) -> dict[str, Any]:
         "groups": [asdict(group) for group in found.groups],
         "start_heats": {log: list(heats) for log, heats in found.start_heats.items()},
         "log_offsets": None if found.offsets is None else asdict(found.offsets),
+        "log_pads": {log: asdict(own) for log, own in found.own_pads.items()},
         "sides": dict(found.sides),
         "confusion": None if found.confusion is None else _confusion(found.confusion),
         "not_resolved": list(found.not_resolved),

@@ -3,6 +3,7 @@
 from dataclasses import asdict
 
 from calib.diagnosis.diagnose import Diagnosis, Named
+from calib.diagnosis.explanation.base import Ground
 from calib.diagnosis.explanation.offsets import GRADE
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.unexplained import (
@@ -284,6 +285,22 @@ def groups(found: Diagnosis) -> str:
         f"Other pads or another road in {listed(group.logs)}: {factors_of(group)}."
         for group in found.groups[1:]
     )
+
+
+def own_pads(found: Diagnosis) -> str:
+    """Pads and tyres that each log has of its own; empty where common ones serve."""
+    if not found.own_pads:
+        return ""
+    told = "; ".join(f"{log} {_against_mean(own)}" for log, own in found.own_pads.items())
+    return (
+        "Each log has pads and tyres of its own, within what they repeat to from run to run. "
+        f"Front pads, rear pads and tyre stiffness against the mean [%]: {told}."
+    )
+
+
+def _against_mean(own: Ground) -> str:
+    factors = (own.pad_friction_f, own.pad_friction_r, own.stiffness)
+    return ", ".join(f"{100.0 * (x - 1.0):+.1f}" for x in factors)
 
 
 def start_heats(found: Diagnosis) -> str:
