@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import calib
+from calib.messages.plain import counted
 from cli.completion import names_of, table_names
 from cli.console import emit, emit_json, progress, say, warn
 from cli.grid import grid
@@ -209,7 +210,7 @@ def station(
             require_same_vehicle(reference.table, car, vehicle)
         mapping = channel_map_of(channel_map)
         with progress(
-            f"fitting {car.name}, validating on {len(holdouts)}", len(holdouts) + 1
+            f"fitting {car.name}, validating on {counted(len(holdouts), 'stop')}", len(holdouts) + 1
         ) as done:
             ramp_logs = [read(path, mapping) for path in ramps]
             coast_logs = [read(path, mapping) for path in coasts]

@@ -62,7 +62,8 @@ def require_same_wheels(vehicle: Vehicle, log: Log, s: Signals) -> None:
                 f"the {side} wheels roll with a radius of {radius:.3f} m",
                 where=log.source,
                 expected=f"{axle.rolling_radius:.3f} m as {vehicle.name} has",
-                do="this log is of another vehicle, or its wheel speeds or v have another unit",
+                do="this log is of another vehicle, its wheel speeds or v have another unit, or "
+                "rolling_radius in the vehicle file is not a radius [m]",
             )
 
 

@@ -21,6 +21,9 @@ _QUANTITY = re.compile(rf"({NUMBER})\s*+(.*)", re.DOTALL)
 _DECIMALS = re.compile(r",\d")
 """What follows the digits of a number with a decimal comma."""
 
+_THOUSANDS = re.compile(r"[-+]?\d{1,3},\d{3}(?!\d)")
+"""A comma that may part thousands instead."""
+
 LONGEST_WORD = 60
 """Characters of a misspelt word for which a known one is looked for."""
 
@@ -163,7 +166,7 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
             raise error(
                 f"{_short(value)} has a decimal comma",
                 where=where,
-                expected=f"a decimal point: {with_point(match[0])!r}",
+                expected=f"a decimal point: {with_point(match[0])!r}{_without_mark(match[0])}",
             )
         if match is None:
             wanted = "a number" if dimensionless else f'a quantity such as "1.5 {si}"'
@@ -172,13 +175,23 @@ def quantity(value: object, si: str | None, where: object, error: type[InputErro
     if not math.isfinite(number):
         raise error(f"{_short(value)} is not finite", where=where, expected="a finite number")
     if not unit and not dimensionless:
+        other = f' or "{number:g} g"' if si == "m/s^2" else ""
         raise error(
-            f"{value!r} has no unit", where=where, expected=f'a unit, such as "{number:g} {si}"'
+            f"{value!r} has no unit",
+            where=where,
+            expected=f'a unit, such as "{number:g} {si}"{other}',
         )
     try:
         return to_si(number, unit or "1", si or si_of(unit or "1"))
     except UnknownUnit as cause:
         raise error(str(cause), where=where) from cause
+
+
+def _without_mark(written: str) -> str:
+    """The other reading of a comma in front of three digits: it may part thousands."""
+    if not _THOUSANDS.match(written):
+        return ""
+    return f", or no mark between thousands: {written.replace(',', '')!r}"
 
 
 def _short(value: object) -> str:

@@ -186,11 +186,12 @@ def _refuse_missing(missing: list[str], ignored: tuple[str, ...], where: str) ->
     if not missing:
         return
     hints = [hint for name in missing if (hint := _suggestion(name, list(ignored), name))]
-    have = ", ".join(repr(name) for name in ignored) or "nothing else"
+    others = ", ".join(repr(name) for name in ignored)
+    have = f"; the log also has {others}" if others else ""
     raise LogError(
         f"channel{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing",
         where=where,
-        expected=f"columns with these names; the log also has {have}",
+        expected=f"columns with these names{have}",
         do="; ".join([*hints, MAP_IT]),
     )
 

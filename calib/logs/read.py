@@ -28,6 +28,9 @@ REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
 FORMATS = (*TABLES, *RECORDINGS)
 """File name endings of all known formats."""
 
+WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
+"""File name endings of workbooks, which no reader takes."""
+
 
 @dataclass(frozen=True)
 class Opened:
@@ -317,4 +320,5 @@ def refuse_no_log(path: Path, where: object = None, *, any_format: bool = False)
             f"unknown format {ending_of(path)!r}",
             where=where,
             expected=f"one of {', '.join(FORMATS)}",
+            do="a workbook: save its sheet as CSV" if ending_of(path) in WORKBOOKS else "",
         )

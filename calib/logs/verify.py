@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from calib.errors import LogError
 from calib.logs.gaps import ONLY
 from calib.logs.source import Array
+from calib.messages.plain import counted
 from calib.names import CHANNELS
 
 MIN_SAMPLES = 50
@@ -148,7 +149,7 @@ def check_increasing(time: Array, where: str) -> None:
     back = time[row] < time[row - 1]
     raise LogError(
         f"time {'goes back' if back else 'does not increase'} in row {row + 1}: "
-        f"{time[row]:.6g} s after {time[row - 1]:.6g} s ({wrong.size} such rows)",
+        f"{time[row]:.6g} s after {time[row - 1]:.6g} s ({counted(wrong.size, 'such row')})",
         where=f"{where}: time",
         expected="strictly increasing time",
         do="export again, or delete the repeated rows",

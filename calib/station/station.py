@@ -6,7 +6,6 @@ ramps, coasts --> table --> stops --> metrics --> checks --> passed, warning or 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from calib.checks.check import check
 from calib.errors import LogError
 from calib.fitting.fit import fit
 from calib.logs.log import Log
@@ -15,7 +14,7 @@ from calib.physics.vehicle import Vehicle
 from calib.station.identity import Identity
 from calib.station.metrics import METRICS as OF_CAR
 from calib.station.metrics import Car, metrics_of
-from calib.station.warnings import car_warnings
+from calib.station.warnings import car_warnings, log_warnings
 from calib.store.state import DRAFT, REJECTED, RELEASED, Evidence, StateDecision
 from calib.table.table import Table
 from calib.validation.limits import FAILED, NOT_KNOWN, PASSED, WARNING, Judgement, Limit, judge
@@ -193,7 +192,7 @@ def outcome(
         results=tuple(car.results),
         figures=figures,
         checks=tuple(checks),
-        caveats=tuple(warning for log in logs for warning in check(log).warnings),
+        caveats=tuple(warning for log in logs for warning in log_warnings(car.table.vehicle, log)),
         golden=golden,
         accepted=accepted,
         by=by,

@@ -15,6 +15,8 @@ from calib.errors import StoreError, TableNotFound
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 FOLDER = re.compile(r"v(\d{4,6})")
 RECORD = "record.json"
+LOGS_LAST = "a file of that name is here: give the table first, then the logs"
+"""What to do where a log stands in the place of a table."""
 NEW = ".new-"
 """First letters of a version that is not in its place yet; no listing shows it."""
 SIGNATURE = ".minisig"
@@ -26,6 +28,7 @@ def checked_name(name: str) -> str:
         raise StoreError(
             f"{name!r} cannot name a table",
             expected="letters, digits and . _ - only, at most 100, a letter or digit first",
+            do="a table has the name of its vehicle: change name in the vehicle file",
         )
     return name
 
@@ -86,6 +89,13 @@ def path_of(reference: str) -> Path | None:
         path = path.parent
     elif os.sep not in reference and not (path / RECORD).is_file():
         return None
+    if path.is_file():
+        raise TableNotFound(
+            "is a file and no table",
+            where=reference,
+            expected="name, name@version or path",
+            do=LOGS_LAST,
+        )
     if not path.is_dir():
         raise TableNotFound(
             "no such directory", where=reference, expected="name, name@version or path"

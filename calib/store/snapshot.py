@@ -10,6 +10,7 @@ from pathlib import Path
 
 from calib.errors import DamagedTable, StoreError, TableNotFound
 from calib.store.folders import (
+    LOGS_LAST,
     checked_name,
     names_in,
     numbers,
@@ -66,11 +67,12 @@ class Snapshot:
         if checked_name(name) in known or versions_in(self.folder / name):
             return name
         near = get_close_matches(name, known, n=1)
+        do = f"did you mean {near[0]!r}?" if near else LOGS_LAST if Path(name).is_file() else ""
         raise TableNotFound(
             f"no table {name!r}",
             where=self.folder,
             expected="one of " + ", ".join(known) if known else "a table: the store is empty",
-            do=f"did you mean {near[0]!r}?" if near else "",
+            do=do,
         )
 
     def versions(self, name: str) -> Sequence[int]:

@@ -228,9 +228,13 @@ def test_a_surface_change_is_told(run, tmp_path):
         ("sedan-2up@7", "no version '7'"),
         ("sedan-2up@x", "no version 'x'"),
         ("./none", "no such directory"),
+        ("log.csv", "give the table first, then the logs"),
+        ("./log.csv", "is a file and no table"),
     ],
 )
-def test_an_unknown_table_ends_with_2(run, tmp_path, reference, says):
+def test_an_unknown_table_ends_with_2(run, tmp_path, monkeypatch, reference, says):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "log.csv").touch()
     ran = run("wet.csv", "--json", "--out", tmp_path / "results", table=reference)
     assert (ran.code, ran.result) == (2, "")
     assert says in ran.err

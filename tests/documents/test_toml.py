@@ -35,3 +35,13 @@ def test_another_mistake_is_no_comma(tmp_path):
 def test_a_decimal_comma_in_a_quantity():
     with pytest.raises(InputError, match=r"'1600,5 kg' has a decimal comma; .*'1600\.5 kg'"):
         quantity("1600,5 kg", "kg", "car.toml", InputError)
+
+
+def test_a_comma_that_may_part_thousands_has_two_readings():
+    with pytest.raises(InputError, match=r"'1\.744 kg', or no mark between thousands: '1744 kg'"):
+        quantity("1,744 kg", "kg", "car.toml", InputError)
+
+
+def test_a_deceleration_without_a_unit_may_be_in_g():
+    with pytest.raises(InputError, match=r'"0\.4 m/s\^2" or "0\.4 g"'):
+        quantity(0.4, "m/s^2", "car.toml", InputError)

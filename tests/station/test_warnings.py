@@ -6,8 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from calib.checks.check import check
 from calib.fitting.fit import fit
-from calib.station.warnings import car_warnings, level_change
+from calib.station.warnings import car_warnings, level_change, log_warnings
 from calib.validation.validate import validate
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
 
@@ -49,3 +50,14 @@ def test_scatter_of_single_stops_is_not_named(table):
     around = [made(k * f, k * r) for k in np.exp([-0.08, 0.0, 0.08])]
     assert list(car_warnings(table, around)) == []
     assert list(car_warnings(table, [])) == []
+
+
+def test_radii_that_differ_as_the_file_says_are_no_warning():
+    """Wider rear tyres: eta of rolling wheels is R_f/R_r, 2 % below 1."""
+    wide = replace(CAR, rear=replace(CAR.rear, rolling_radius=1.02 * CAR.rear.rolling_radius))
+    log = noisy(ramp(REAL), 5)
+    turned = {w: log[w] / 1.02 if w in ("omega_rl", "omega_rr") else log[w] for w in log.channels}
+    log = replace(log, channels=turned)
+    assert "eta_zero" in [warning.code for warning in check(log).warnings]
+    assert "eta_zero" not in [warning.code for warning in log_warnings(wide, log)]
+    assert "eta_zero" in [warning.code for warning in log_warnings(CAR, log)]

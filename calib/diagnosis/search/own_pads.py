@@ -33,5 +33,5 @@ def with_own_pads(decision: Decision) -> Problem | None:
     """
     at = decision.best
     runs = tuple(replace(run, ground=REFERENCE) for run in at.problem.runs)
-    own = replace(at.problem, runs=runs, own_pads=(at.base, at.effects))
+    own = replace(at.problem, runs=runs, free_radius=False, own_pads=(at.base, at.effects))
     return own if within_reach(fit_base(own)) else None
