@@ -48,6 +48,7 @@ from calib.signals.blocks import Blocks, blocks
 from calib.signals.brake_balance import BrakeBalance, brake_balance
 from calib.signals.brake_response import BrakeResponse, brake_response
 from calib.signals.filters import block_mean, block_slope
+from calib.signals.lateral import lateral
 from calib.table.pads_budget import front_share
 from calib.table.table import Table
 
@@ -273,8 +274,8 @@ def estimate(
     others = baselines(run, laws=with_laws)
     slips = zeroed_slips(s, driven)
     greatest = float(table.tyre.force[-1])
-    track = plan.nominal.track_width
-    judged = validity(plan.gates, ran.log, s, (front, rear), forces.active, greatest, track)
+    cornering = _cornering(table, plan.nominal, ran.log, s, rear)
+    judged = validity(plan.gates, ran.log, s, (front, rear), forces.active, greatest, cornering)
     return Estimate(
         plan=plan,
         read=read,
@@ -303,6 +304,13 @@ def estimate(
         notes=others.notes,
         basis=Basis(weighed, demand),
     )
+
+
+def _cornering(table: Table, car: Vehicle, log: Log, s: Signals, rear: AxleEstimate) -> Array:
+    """Lateral acceleration [m/s^2] (n,); the rear wheels slip as on the road of the ramp."""
+    carried = np.nan_to_num(rear.normalised_force)
+    slip = np.interp(carried, table.tyre.force, table.tyre.slip)
+    return lateral(log, s, car.track_width, slip=slip, height=car.cg_height)
 
 
 def _require_lead_in(log: Log, s: Signals) -> None:

@@ -11,7 +11,6 @@ from calib.names import WHEELS
 from calib.physics.braking import MOVING
 from calib.signals.axle_signals import Signals
 from calib.signals.filters import since, without_single
-from calib.signals.lateral import lateral
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -74,12 +73,12 @@ def validity(
     axles: tuple[AxleEstimate, AxleEstimate],
     active: Mask,
     greatest: float,
-    track_width: float,
+    cornering: Array,
 ) -> Validity:
     """Where the estimator stands behind its answer, see `Gates`.
 
     ``axles`` the estimates, front and rear; ``active`` where the pads bite (n,); ``greatest``
-    normalised force of the ramp [1]; ``track_width`` [m].
+    normalised force of the ramp [1]; ``cornering`` the lateral acceleration [m/s^2] (n,).
     """
     front, rear = axles
     steered = log["steering"] if "steering" in log else np.zeros_like(s.time)
@@ -95,7 +94,7 @@ def validity(
                 front.normalised_force, rear.normalised_force
             )
             < gates.beyond * greatest,
-            "the car corners": np.abs(lateral(log, s, track_width)) < gates.lateral,
+            "the car corners": np.abs(cornering) < gates.lateral,
             "the wheel is turned": np.abs(steered) < gates.steering,
         }
     valid = np.logical_and.reduce([active, *good.values()])
