@@ -19,6 +19,7 @@ from calib.physics.forces import deceleration
 from calib.physics.vehicle import Vehicle
 from calib.signals.driving_record import SETTLE, STEADY
 from calib.signals.filters import centred_mean, trailing_mean
+from calib.signals.tone_ring import without_runout
 from calib.statistics.intervals import QUARTILE
 
 Array = NDArray[np.float64]
@@ -57,8 +58,7 @@ def eta_of(omega_f: Array, omega_r: Array) -> Array:
 
 def signals(log: Log, vehicle: Vehicle) -> Signals:
     """Axle signals of a log. Raises LogError if the car hardly moves."""
-    omega_f = 0.5 * (log["omega_fl"] + log["omega_fr"])
-    omega_r = 0.5 * (log["omega_rl"] + log["omega_rr"])
+    omega_f, omega_r = (_axle_speed(log, axle) for axle in "fr")
     p_f, p_r = axle_pressure(log, "f"), axle_pressure(log, "r")
     v = None if held_time(log) > HELD else log.channels.get("v")
     speed = vehicle.rear.rolling_radius * omega_r if v is None else v
@@ -84,6 +84,13 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
         lead_in=rolling & _undisturbed(eta_of(omega_f, omega_r), rolling, log.sample_time),
         sample_time=log.sample_time,
     )
+
+
+def _axle_speed(log: Log, axle: str) -> Array:
+    """Mean of left and right wheel speed [rad/s] (n,), without errors of their tone rings."""
+    left, right = (log[f"omega_{axle}{side}"] for side in "lr")
+    step = log.sample_time
+    return np.asarray(0.5 * (without_runout(left, step) + without_runout(right, step)))
 
 
 def rolling_radii(s: Signals) -> tuple[float, float] | None:

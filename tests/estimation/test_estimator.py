@@ -357,15 +357,19 @@ def test_steering_gate(table, wet, sign):
 def bent(log, lateral, first, last):
     """The log with a bend of ``lateral`` v^2/R [m/s^2], left positive, between two times [s].
 
-    The outer wheels run on a circle of R + b/2, the inner ones of R - b/2.
+    The outer wheels run on a circle of R + b/2, the inner ones of R - b/2; the outer ones carry
+    2 h/(g b) of the lateral acceleration more of their load and slip less by as much.
     """
-    curvature = np.where((log.time > first) & (log.time < last), lateral / log["v"] ** 2, 0.0)
-    half = 0.5 * CAR.track_width * curvature
-    return with_channels(
-        log,
-        **{f"omega_{a}l": log[f"omega_{a}l"] * (1.0 - half) for a in "fr"},
-        **{f"omega_{a}r": log[f"omega_{a}r"] * (1.0 + half) for a in "fr"},
-    )
+    inside = (log.time > first) & (log.time < last)
+    half = np.where(inside, 0.5 * CAR.track_width * lateral / log["v"] ** 2, 0.0)
+    more = np.where(inside, 2.0 * CAR.cg_height * lateral / (G * CAR.track_width), 0.0)
+    wheels = {}
+    for axle, radius in (("f", CAR.front.rolling_radius), ("r", CAR.rear.rolling_radius)):
+        for side, sign in (("l", -1.0), ("r", 1.0)):
+            slip = 1.0 - log[f"omega_{axle}{side}"] * radius / log["v"]
+            speed = log["v"] / radius * (1.0 + sign * half)
+            wheels[f"omega_{axle}{side}"] = speed * (1.0 - slip / (1.0 + sign * more))
+    return with_channels(log, **wheels)
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
