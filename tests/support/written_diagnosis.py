@@ -48,8 +48,8 @@ def named_drag():
         "named", (drag,), None, {"pad_friction_f": estimate(0.375), "tyre_peak": estimate(0.8)},
         gap, model, model, (log,), (log,), (log,), 3.5, 1.0, QUIET, (),
         (SearchStep((), 3.5, 8.0), SearchStep(("aerodynamic_drag",), 1.0, 0.25)),
-        ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts", 900), (), {}, (), (), None,
-            {}, (),
+        ChannelNoise(np.zeros((6, 3)), np.ones(6), "unbraked parts", 900), (), {}, None, {}, (), (),
+        None, {}, (),
     )  # fmt: skip
 
 
