@@ -5,7 +5,9 @@ from dataclasses import replace
 import pytest
 from lxml import html
 
+from calib.diagnosis.explanation.base import Ground
 from calib.diagnosis.proof.prove import SearchStep, Withdrawn
+from calib.diagnosis.search.offsets import LogOffsets
 from calib.diagnosis.undecided.confusion import Confusion, Explanation, Pair
 from calib.diagnosis.undecided.drives import ShowingDrive
 from calib.diagnosis.written.document import to_dict
@@ -73,6 +75,17 @@ def test_what_is_left_beside_a_name_is_in_headline_colour_and_text(named):
     assert "What is left" in texts(page, "//h2")
     assert page.xpath("string(//header/@class)") != read(named).xpath("string(//header/@class)")
     assert not any("Something else" in text for text in texts(read(named), "//p"))
+
+
+def test_slopes_and_pads_of_single_logs_are_told(named):
+    slopes = LogOffsets("road_grade", "grade", "1", {"north": 0.012, "south": -0.012})
+    pads = {"north": Ground(1.02, 0.99, 1.0, 1.0), "south": Ground()}
+    page = read(replace(named, offsets=slopes, own_pads=pads))
+    (text,) = [t for t in texts(page, "//p") if "road slope of its own" in t]
+    assert "north +1.2 %, south -1.2 %" in text
+    assert "north +2.0, -1.0, +0.0; south +0.0, +0.0, +0.0" in text
+    zeros = LogOffsets("accelerometer_bias", "bias", "m/s^2", {"monday": 0.08})
+    assert any("monday +0.08" in t for t in texts(read(replace(named, offsets=zeros)), "//p"))
 
 
 def test_the_course_of_the_search_and_what_was_withdrawn_are_told(named):
