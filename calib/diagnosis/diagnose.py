@@ -115,14 +115,13 @@ class Diagnosis:
     ``before`` and ``after`` are the hold-outs replayed open loop; ``not_resolved`` the effects that
     the calibration logs could not have shown at their usual size, and ``drives`` for each of them
     the manoeuvre that shows it most. ``confusion`` is the set of explanations that the logs cannot
-    tell apart, None where there is one alone. ``unexplained`` describes what is
-    left, beside "unknown" or beside effects, None where nothing significant is left; ``left`` is
-    its size in the replays; ``sides`` by how much the right wheel of an axle rolled faster than the
-    left one before that was taken out [1], by axle; ``groups`` the logs by pads and road, the
-    reference first, where one set of parameters does not serve all; ``start_heats`` of the discs
-    [degC] by log, where fade is named and no temperature is logged; ``offsets``
-    the slope of the road or the zero of a_x that each log has of its own, None where they have
-    none; ``own_pads`` the factors on pads
+    tell apart, None where there is one alone. ``unexplained`` describes what is left, beside
+    "unknown" or beside effects, None where nothing significant is left; ``left`` is its size in the
+    replays; ``sides`` by how much the right wheel of an axle rolled faster than the left one before
+    that was taken out [1], by axle; ``groups`` the logs by pads and road, the reference first,
+    where one set of parameters does not serve all; ``start_heats`` of the discs [degC] by log,
+    where fade is named and no temperature is logged; ``offsets`` the slope of the road or the zero
+    of a_x that each log has of its own, None where they have none; ``own_pads`` the factors on pads
     and tyres of each log, empty where those of its group serve; ``withdrawn`` what fits the
     calibration logs and not the hold-outs; ``steps`` the course of the search; ``noise`` that of
     the evidence, and its source; ``warnings`` what speaks against the logs and is not explained.

@@ -1,11 +1,12 @@
 """Pads and tyres of each log of its own, within what they repeat to from run to run.
 
-    innovations r of a log = J d + white noise,   d ~ N(0, S^2): pads in front and behind, tyre
+    innovations r of a log = -J d + white noise,   d ~ N(0, S^2): pads in front and behind, tyre
 
-Then r has the covariance I + J S^2 J', and (I + J S^2 J')^-1/2 r is white: so a log says what it
-can of base and effects, and nothing of what its own pads may be. With J S = U s V', that factor is
-I - U (1 - 1/sqrt(1 + s^2)) U', and the most likely d is S V s/(1 + s^2) U' r. The derivatives J are
-those at one explanation: pads that differ by a few per cent are linear there.
+J are the derivatives of the innovations, measured less predicted, by the logarithms of pads and
+stiffness. So r has the covariance I + J S^2 J', and (I + J S^2 J')^-1/2 r is white: a log says what
+it can of base and effects, and nothing of what its own pads may be. With J S = U s V', that factor
+is I - U (1 - 1/sqrt(1 + s^2)) U', and the most likely d is -S V s/(1 + s^2) U' r. J is taken at one
+explanation: pads that differ by a few per cent are linear there.
 
 Source: the whitening of a linear Gaussian model (Gelman et al., Bayesian Data Analysis, ch. 15).
 """
@@ -30,7 +31,7 @@ class OwnPads:
     """What the pads and the tyre of one log can do to its innovations, all channels in a row.
 
     ``basis`` U (k, 3), ``lost`` (3,) the share of what lies along it that is left out, ``likely``
-    (3, k) the most likely d for innovations without it.
+    (3, k) times the innovations is the most likely -d.
     """
 
     basis: Array
@@ -51,7 +52,7 @@ class OwnPads:
         return np.split(row, np.cumsum([x.size for x in innovations])[:-1])
 
     def ground(self, innovations: list[Array], at: Ground) -> Ground:
-        """The most likely ground of the log, from ``at``, for `innovations` without own pads."""
+        """The most likely ground of the log, from ``at``, for ``innovations`` without own pads."""
         found = at.logarithms
         found[: SIGMA.size] -= self.likely @ np.concatenate(innovations)
         return Ground.of(found)

@@ -5,7 +5,7 @@
 Before anything brakes, dv/dt and a_x differ by the slope of the road and by the zero of a_x, and by
 nothing else that is as large: what slows the car is felt by both. One road driven in both
 directions, or two roads, give each log a slope of its own. That is a state of a log and no effect.
-What all logs have in common stays an effect.
+A slope or a zero that all logs have in common is in these states, too, and is not searched for.
 """
 
 import math
