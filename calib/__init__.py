@@ -12,6 +12,8 @@ subpackages.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from calib.program import VERSION
+
 if TYPE_CHECKING:
     from calib.checks.check import check
     from calib.demo.samples import sample_logs
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
     from calib.store.store import Store
     from calib.validation.validate import validate
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 __all__ = [
     "Store",

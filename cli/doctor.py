@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from calib import __version__
+from calib.program import PROGRAM, VERSION
 from cli.console import emit, emit_json
 from cli.grid import grid
 from cli.options import Json, example
@@ -41,7 +41,7 @@ def doctor(
     wrong = [one for one in found if one.state == library.WRONG]
     if json:
         verdict = library.WRONG if wrong else library.FINE
-        emit_json({"schema": 1, "version": __version__, "verdict": verdict, "findings": found})
+        emit_json({"schema": 1, "version": VERSION, "verdict": verdict, "findings": found})
     else:
         _report(found, wrong)
     if wrong:
@@ -51,7 +51,7 @@ def doctor(
 def _report(found: "list[Finding]", wrong: "list[Finding]") -> None:
     names = ", ".join(one.name for one in wrong)
     can = f"cannot work here: {names}" if wrong else "can work here"
-    emit(f"brake-cal {__version__} {can}")
+    emit(f"{PROGRAM} {can}")
     emit("")
     table = grid("", "state", "found", fold=True)
     for one in found:

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from calib import __version__
 from calib.errors import BrakeCalError
+from calib.program import PROGRAM
 from cli import (
     batch,
     check,
@@ -82,7 +82,7 @@ app.add_typer(limits.app, name="limits")
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"brake-cal {__version__}")
+        typer.echo(PROGRAM)
         raise typer.Exit
 
 

@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 
-from calib import __version__
 from calib.checks.fingerprint import fingerprint_of
 from calib.fitting.settings import SETTINGS
 from calib.fitting.sort_logs import Prepared
 from calib.logs.log import Log
 from calib.physics.braking import BITE
+from calib.program import PROGRAM
 from calib.signals.blocks import BLOCK
 from calib.table.table import LogReference, Provenance
 
@@ -26,7 +26,7 @@ def provenance(
             for log, _, _ in group
         ),
         settings=settings(),
-        program=f"brake-cal {__version__}",
+        program=PROGRAM,
     )
 
 

@@ -5,12 +5,12 @@ import json
 import pickle
 from dataclasses import asdict, dataclass
 
-from calib import __version__
 from calib.fleet.command import Command
 from calib.logs.bus.databases import DatabaseFile
 from calib.logs.channel_map import ChannelMap
 from calib.logs.read import log_bytes
 from calib.physics.vehicle import Vehicle
+from calib.program import VERSION
 from calib.table.table import Table
 from calib.validation.limits import Limit
 
@@ -27,7 +27,7 @@ class Job:
     vehicle: Vehicle | None = None
     limits: tuple[Limit, ...] = ()
     channel_map: ChannelMap | None = None
-    version: str = __version__
+    version: str = VERSION
 
     def settings(self) -> dict[str, str]:
         """Settings on which the rows depend besides the logs, each as a word or a digest."""

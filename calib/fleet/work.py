@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from calib import __version__
 from calib.errors import BatchError, BrakeCalError
 from calib.fleet.columns import FIT, Status
 from calib.fleet.command import Command
@@ -18,6 +17,7 @@ from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
 from calib.logs.tables import ending_of
 from calib.messages.printable import printable
 from calib.messages.warning import PlausibilityWarning
+from calib.program import PROGRAM, VERSION
 
 VEHICLE = "vehicle.toml"
 CALIBRATION, HOLDOUT = "calibration", "holdout"
@@ -41,9 +41,9 @@ def run_items(packed: bytes, items: tuple[WorkItem, ...]) -> list[Row | None]:
     Raises BatchError if the job comes from another version of the program.
     """
     job = _unpacked(packed)
-    if job.version != __version__:
+    if job.version != VERSION:
         raise BatchError(
-            f"a worker runs brake-cal {__version__}",
+            f"a worker runs {PROGRAM}",
             expected=f"version {job.version}, which sent the logs",
             do="install the same version on all workers",
         )

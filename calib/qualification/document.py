@@ -4,10 +4,10 @@ import hashlib
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from calib import __version__
 from calib.files.digest import canonical_json
+from calib.program import NAME, VERSION
 from calib.qualification.check import Outcome
-from calib.qualification.environment import PROGRAM, environment, packages
+from calib.qualification.environment import environment, packages
 from calib.qualification.suite import Qualification
 from calib.qualification.use_cases import USE_CASES
 
@@ -45,8 +45,8 @@ def to_dict(found: Qualification, at: Surroundings) -> dict[str, Any]:
     """`qualification.json`."""
     return {
         "schema": SCHEMA,
-        "tool": PROGRAM,
-        "version": __version__,
+        "tool": NAME,
+        "version": VERSION,
         "date": at.date,
         "verdict": verdict(found),
         "digest": digest(found.outcomes),

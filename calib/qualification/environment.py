@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 
-PROGRAM = "brake-cal"
+from calib.program import NAME
+
 EXTRAS = {
     "mdf": "logs as MDF (.mf4, .mdf, .dat)",
     "can": "bus logs (.blf, .asc, .trc, candump) with DBC, ARXML, KCD or SYM",
@@ -35,7 +36,7 @@ def packages() -> dict[str, str]:
     a folder without being installed.
     """
     found: dict[str, str] = {}
-    waiting = _names(PROGRAM, EXTRAS)
+    waiting = _names(NAME, EXTRAS)
     while waiting:
         name = waiting.pop()
         if name in found:

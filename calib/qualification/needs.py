@@ -5,7 +5,8 @@ import re
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, metadata, version
 
-from calib.qualification.environment import EXTRAS, PROGRAM, declared
+from calib.program import NAME
+from calib.qualification.environment import EXTRAS, declared
 
 
 @dataclass(frozen=True)
@@ -35,13 +36,13 @@ def needs() -> tuple[Need, ...]:
 
     Empty but for Python where the program runs from a folder without being installed.
     """
-    packages = declared(PROGRAM, EXTRAS)
+    packages = declared(NAME, EXTRAS)
     return (_python(), *(Need(p.package, p.lowest, found(p.package), p.extra) for p in packages))
 
 
 def _python() -> Need:
     try:
-        lowest = metadata(PROGRAM)["Requires-Python"]
+        lowest = metadata(NAME)["Requires-Python"]
     except PackageNotFoundError:
         lowest = ""
     return Need("python", lowest.removeprefix(">="), platform.python_version())

@@ -1,9 +1,8 @@
 """The page of a qualification: one HTML file that fetches nothing."""
 
-from calib import __version__
+from calib.program import PROGRAM
 from calib.qualification.check import Outcome
 from calib.qualification.document import Surroundings, digest, verdict
-from calib.qualification.environment import PROGRAM
 from calib.qualification.suite import Qualification
 from calib.qualification.use_cases import USE_CASES, Malfunction
 from calib.reports.html import page
@@ -35,8 +34,8 @@ def report_html(found: Qualification, at: Surroundings) -> str:
     held = {o.check.name: o.held for o in found.outcomes}
     return page(
         "qualification",
-        title=f"{PROGRAM} {__version__}: qualification",
-        tool=f"{PROGRAM} {__version__}",
+        title=f"{PROGRAM}: qualification",
+        tool=PROGRAM,
         verdict=verdict(found),
         headline=headline(found),
         identity=[

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
-from calib import __version__
 from calib.files.digest import file_digest
 from calib.physics.vehicle import Axle, Vehicle
+from calib.program import PROGRAM
 
 PACKAGES = ("numpy", "scipy", "matplotlib")
 """Packages that compute and draw."""
@@ -35,7 +35,7 @@ def origin_view(
     return {
         "made": [
             ("Date", origin.date),
-            ("Program", f"brake-cal {__version__}"),
+            ("Program", PROGRAM),
             ("Runs on", f"Python {platform.python_version()}, " + ", ".join(_packages())),
         ],
         "inputs": [(name, role, digest) for role, name, digest in (*logs, *origin.files)],

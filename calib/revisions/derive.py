@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib import __version__
 from calib.errors import RevisionError
 from calib.physics.forces import axle_loads
+from calib.program import PROGRAM
 from calib.revisions.keys import HandSetting, key_of, settings_of
 from calib.revisions.mean_pads import RATIO
 from calib.store.version import Stored
@@ -102,7 +102,7 @@ def _as_child(
     origin = replace(
         table.provenance,
         parents=(TableReference(parent.id, parent.digest),),
-        program=f"brake-cal {__version__}",
+        program=PROGRAM,
     )
     return replace(
         table,

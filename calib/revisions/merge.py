@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from calib import __version__
 from calib.physics.effects.effects import Effects
+from calib.program import PROGRAM
 from calib.revisions.mean_curves import (
     all_D,
     car_weights,
@@ -122,6 +122,6 @@ def _provenance(parents: Sequence[Stored]) -> Provenance:
     return Provenance(
         logs=tuple(dict.fromkeys(log for origin in origins for log in origin.logs)),
         settings=settings,
-        program=f"brake-cal {__version__}",
+        program=PROGRAM,
         parents=tuple(TableReference(p.id, p.digest) for p in parents),
     )

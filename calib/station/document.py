@@ -7,8 +7,8 @@ import json
 import math
 from typing import Any
 
-from calib import __version__
 from calib.messages.warning import to_dict as warning_dict
+from calib.program import PROGRAM
 from calib.station.advice import action
 from calib.station.station import StationCheck, StationOutcome
 from calib.store.version import Stored
@@ -28,7 +28,7 @@ def to_dict(found: StationOutcome, stored: Stored, files: list[str]) -> dict[str
         "accepted_warnings": found.accepted or None,
         "golden": found.golden or None,
         **({"golden_cars": found.golden_cars} if found.golden_cars else {}),
-        "program": f"brake-cal {__version__}",
+        "program": PROGRAM,
         "counts": found.counts(),
         "warnings": [warning_dict(warning) for warning in found.warnings],
         "checks": [_check(check) for check in found.checks],

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from calib import __version__
 from calib.errors import BrakeCalError
 from calib.files.publish import publish, workshop
 from calib.files.write import write_whole
 from calib.messages.printable import printable
+from calib.program import PROGRAM
 from calib.station.folder import REFUSED
 from calib.station.identity import Identity
 
@@ -26,7 +26,7 @@ def to_dict(error: BrakeCalError, identity: Identity, logs: Sequence[Path]) -> d
         "schema": SCHEMA,
         "identity": identity.given(),
         "logs": [printable(log.name) for log in logs],
-        "program": f"brake-cal {__version__}",
+        "program": PROGRAM,
         "error": error.to_dict(),
     }
 

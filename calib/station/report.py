@@ -1,8 +1,8 @@
 """The report of a car: verdict, next steps, metrics and limits, curves, origin of the data."""
 
-from calib import __version__
 from calib.messages.plain import plain
 from calib.plots.station import sheet
+from calib.program import PROGRAM
 from calib.reports.html import drawn, page
 from calib.reports.judged import JudgedRow, row, sorted_rows, warned
 from calib.station.advice import action, reason
@@ -77,7 +77,7 @@ def report_html(found: StationOutcome, stored: Stored, date: str = "") -> str:
         provenance=[
             ("Table", f"{stored.id}, SHA-256 {stored.digest}"),
             ("Golden table", _golden(found)),
-            ("Program", f"brake-cal {__version__}"),
+            ("Program", PROGRAM),
         ],
         logs=[(name, role, digest[:16]) for name, role, digest in sources],
         settings=[(name, f"{value:g}") for name, value in table.provenance.settings.items()],

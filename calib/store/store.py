@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from calib import __version__
 from calib.errors import StoreError
+from calib.program import PROGRAM
 from calib.signing.secret_key import SecretKey
 from calib.store.commit import (
     commit,
@@ -31,8 +31,6 @@ from calib.store.version import Stored, read_version
 from calib.table.invariants import violations
 from calib.table.same import inputs
 from calib.table.table import Table
-
-PROGRAM = f"brake-cal {__version__}"
 
 
 @dataclass(frozen=True)
