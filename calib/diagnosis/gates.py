@@ -36,6 +36,9 @@ class DiagnosisGates:
     offsets_sure: float = 4.0
     """Standard deviations by which the sum of squares must exceed what chance gives for logs to
     differ."""
+    offsets_unlike: float = 4.0
+    """Mean square by which the offsets of one kind disagree with the lead-ins, over that of the
+    other kind, past which it is not that kind: of the right kind it was 3.2 at most on 19 cars."""
 
     # explanation/candidate.py
     pads: float = 0.7

@@ -48,8 +48,9 @@ def decided_with_offsets(base: Candidate, holdout: Sequence[ObservedRun]) -> Dec
 
     Slopes are tried and zeros, that first whose offsets over whole logs are those before anything
     brakes: a missing effect tells of itself under braking alone. The other one is tried where the
-    first explains too little, or its explanation would be better with the other. The hold-outs
-    are asked before they are braked, too: a slope that they have would be left there.
+    explanation of the first would be better with it, or where there is none and the other agrees
+    nearly as well. The hold-outs are asked before they are braked, too: a slope that they have
+    would be left there.
     """
     problem = base.problem
     known = problem.vehicle.effects
@@ -61,8 +62,12 @@ def decided_with_offsets(base: Candidate, holdout: Sequence[ObservedRun]) -> Dec
     found = [decide(first)]
     best = found[0].best
     for other in others:
-        changed = fit(replace(best.problem, offset=other.problem.offset), best.names, best.x)
-        if not explains(found[0]) or changed.chi2 < best.chi2:
+        if explains(found[0]):
+            changed = fit(replace(best.problem, offset=other.problem.offset), best.names, best.x)
+            asked = changed.chi2 < best.chi2
+        else:
+            asked = _unlike(other) < GATES.offsets_unlike * _unlike(first)
+        if asked:
             found.append(decide(other))
     return min(found, key=lambda decision: (not explains(decision), decision.best.reduced))
 
