@@ -18,7 +18,6 @@ from calib.diagnosis.explanation.candidate import (
     Candidate,
     Problem,
     bounds,
-    fit_base,
     problem_of,
 )
 from calib.diagnosis.explanation.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
@@ -307,7 +306,7 @@ def _rolls_freely(found: Proved) -> bool:
     best = found.decision.best
     known = best.problem.vehicle.effects
     slowed = any(slows(definition(known, name)) for name in best.names)
-    return found.decision.verdict != "unknown" and not found.rest and not slowed
+    return _whole(found) and not slowed
 
 
 def _searched(
@@ -326,7 +325,7 @@ def _searched(
 
 
 def _proved_from(problem: Problem, holdout: list[Log]) -> Proved:
-    decision = decided_with_offsets(fit_base(problem), [run_of(log) for log in holdout])
+    decision = decided_with_offsets(problem, [run_of(log) for log in holdout])
     decision = by_log(with_clocks(with_free_radii(decision)))
     held = hold_outs_of(decision.best, holdout)
     return prove(held, confirm(decision, held.problem))

@@ -13,6 +13,7 @@ Source: the model is that of the effect `tone_ring_runout`.
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.physics.lag import integral
 from calib.statistics.intervals import QUARTILE
 
 Array = NDArray[np.float64]
@@ -46,12 +47,12 @@ def without_runout(omega: Array, step: float) -> Array:
 
     ``step`` is the sample time [s].
     """
-    angle = np.concatenate([[0.0], np.cumsum(0.5 * (omega[1:] + omega[:-1]) * step)])
+    time = step * np.arange(omega.size, dtype=np.float64)
+    angle = integral(time, omega)
     inside = (omega > SLOWEST) & (omega * step < COARSEST)
     inside &= (angle > np.pi) & (angle < angle[-1] - np.pi)
     if np.count_nonzero(inside) < FEWEST or angle[-1] < 2.0 * np.pi * TURNS:
         return omega
-    time = step * np.arange(omega.size)
     rising = np.maximum.accumulate(angle)
     turn = np.interp(angle + np.pi, rising, time) - np.interp(angle - np.pi, rising, time)
     apart = omega[inside] * turn[inside] / (2.0 * np.pi) - 1.0

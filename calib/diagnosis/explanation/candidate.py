@@ -7,7 +7,7 @@ tyre that was never near it, the second parameter of an effect.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Self
 
@@ -163,20 +163,19 @@ class Problem:
     @cached_property
     def _pads(self) -> tuple[OwnPads, ...]:
         """What the own pads and tyres of each run can do."""
-        assert self.own_pads is not None
-        at = [np.concatenate(run) for run in self._with_common_pads(*self.own_pads)]
-        moved = []
-        for i, sigma in enumerate(SIGMA):
-            step = np.zeros(4)
-            step[i] = 0.1 * sigma
-            runs = tuple(
-                replace(run, ground=Ground.of(run.ground.logarithms + step)) for run in self.runs
-            )
-            found = replace(self, runs=runs)._with_common_pads(*self.own_pads)
-            moved.append(
-                [(np.concatenate(x) - own) / step[i] for x, own in zip(found, at, strict=True)]
-            )
-        return tuple(OwnPads.of(np.stack(of_run, axis=1)) for of_run in zip(*moved, strict=True))
+        explanation = self.own_pads
+        assert explanation is not None
+        at = self._with_common_pads(*explanation)
+
+        def innovations(own: Array) -> Array:
+            factors = np.append(own, np.zeros(len(fields(Ground)) - own.size))
+            grounds = (Ground.of(run.ground.logarithms + factors) for run in self.runs)
+            runs = (replace(run, ground=g) for run, g in zip(self.runs, grounds, strict=True))
+            return joined(replace(self, runs=tuple(runs), own_pads=None).whitened(*explanation))
+
+        J = columns(innovations, np.zeros(SIGMA.size), joined(at), np.full(SIGMA.size, np.inf))
+        ends = np.cumsum([sum(c.size for c in run) for run in at])[:-1]
+        return tuple(OwnPads.of(of_run) for of_run in np.split(J, ends))
 
     def _with_common_pads(self, base: Base, effects: Effects) -> list[list[Array]]:
         found = [whiten(x, self.noise) for x in self._residuals(base, effects)]

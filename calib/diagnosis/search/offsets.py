@@ -43,8 +43,8 @@ class LogOffsets:
     values: Mapping[str, float]
 
 
-def decided_with_offsets(base: Candidate, holdout: Sequence[ObservedRun]) -> Decision:
-    """The decision from a base; in which each log has an offset, where the logs differ by that.
+def decided_with_offsets(problem: Problem, holdout: Sequence[ObservedRun]) -> Decision:
+    """The decision on a problem; each log has an offset in it where the logs differ by that.
 
     Slopes are tried and zeros, that first whose offsets over whole logs are those before anything
     brakes: a missing effect tells of itself under braking alone. The other one is tried where the
@@ -52,21 +52,20 @@ def decided_with_offsets(base: Candidate, holdout: Sequence[ObservedRun]) -> Dec
     nearly as well. The hold-outs are asked before they are braked, too: a slope that they have
     would be left there.
     """
-    problem = base.problem
     known = problem.vehicle.effects
     kinds = [name for name in (GRADE, ZERO) if name not in known]
     if not kinds or not differ([*problem.runs, *holdout], problem.noise):
-        return decide(base)
+        return decide(fit_base(problem))
     bases = [fit_base(replace(problem, offset=name)) for name in kinds]
-    first, *others = sorted(bases, key=_unlike)
+    (unlike, first), *others = sorted(((_unlike(at), at) for at in bases), key=lambda one: one[0])
     found = [decide(first)]
     best = found[0].best
-    for other in others:
+    for apart, other in others:
         if explains(found[0]):
             changed = fit(replace(best.problem, offset=other.problem.offset), best.names, best.x)
             asked = changed.chi2 < best.chi2
         else:
-            asked = _unlike(other) < GATES.offsets_unlike * _unlike(first)
+            asked = apart < GATES.offsets_unlike * unlike
         if asked:
             found.append(decide(other))
     return min(found, key=lambda decision: (not explains(decision), decision.best.reduced))
