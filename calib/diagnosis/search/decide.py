@@ -238,11 +238,15 @@ def _mean_squares(candidate: Candidate) -> Array:
 
 
 def confusable(best: Candidate, rivals: list[Candidate] | tuple[Candidate, ...]) -> list[Candidate]:
-    """Rivals that the data cannot distinguish from the best, with no more parameters than it."""
+    """Rivals that the data cannot distinguish from the best, with no more parameters than it.
+
+    Another fit of the best one's own effects is no rival.
+    """
     return [
         rival
         for rival in rivals
-        if rival.reduced - best.reduced < GATES.confusable
+        if set(rival.names) != set(best.names)
+        and rival.reduced - best.reduced < GATES.confusable
         and (rival.parameters <= best.parameters or rival.reduced < best.reduced - GATES.confusable)
         and len(rival.names) <= len(best.names)
     ]
