@@ -37,6 +37,7 @@ def one_blas_thread() -> Iterator[None]:
     Matrices of some hundred rows take twice as long on two threads as on one. The limit holds for
     the whole process, thus also for other threads of it; it is taken back at the end.
     """
+    import scipy.linalg.lapack  # noqa: F401  # a library that is loaded later is not limited
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1, user_api="blas"):

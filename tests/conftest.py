@@ -3,6 +3,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+import scipy.linalg.lapack  # noqa: F401  # so that its linear algebra is limited below
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 

@@ -57,6 +57,9 @@ class DiagnosisGates:
     """Prior on the further parameters of an effect, in spreads of their cards."""
     at_bound: float = 0.01
     """Share of a parameter's range that counts as its bound."""
+    usual_range: float = 4.0
+    """Widest range of a parameter, in its spreads, that this is a share of: a truck has 20 times
+    the drag area of a car, and a small one is not at its bound."""
     pressed: float = 25.0
     """Least fall of the chi-square, in one step past the end of a parameter's range, with which
     that range holds the parameter: five sigma."""
@@ -119,6 +122,9 @@ class DiagnosisGates:
     """Gain above which a second effect may be present. It counts only if the hold-outs show it
     clearly. A wrong second effect gains up to 0.003, or 0.009 where the form of the first differs
     from the plant's; on the hold-outs up to 0.012."""
+    surely_shown: float = 10.0
+    """What an effect brings by a linear step, over its price, from which it is not spared, and no
+    fit without it is asked."""
     confusable: float = 0.004
     """Rivals whose mean squared innovation is within this of the best are indistinguishable from
     it."""
@@ -173,6 +179,9 @@ class DiagnosisGates:
     """Share of what is unexplained that groups must explain for a search with them."""
 
     # search/search.py
+    promise: float = 0.7
+    """Share of the chi-square that a linear step promises down to which a full fit may come, to
+    tell what cannot be the best one: a motor came to 0.76 of it."""
     refined: int = 6
     """Effects that are fitted in full after the first ranking."""
 

@@ -57,7 +57,7 @@ def unknown(named):
     """The same logs with a cause that is in no catalogue; something is left in the replays."""
     term = EmpiricalTerm("rear_brakes", "pressure", (0.0, 2.5e6), (0.0, -0.125))
     model = named.model_after
-    base = Candidate(None, (), None, Effects(), None, 0.0, 1, 1.0)
+    base = Candidate(None, (), None, Effects(), None, 0.0, 0.0, 1, 1.0)
     rest = UnexplainedTerm(
         term,
         "rear",

@@ -7,7 +7,7 @@ tyre that was never near it, the second parameter of an effect.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Self
 
@@ -208,7 +208,9 @@ class Candidate:
     ``problem`` it was fitted to; ``names`` of its effects; ``x`` the fitted vector (see `unpack`);
     ``chi2`` the sum of squared innovations, over ``count`` of them; ``scatter`` the standard
     deviation of `reduced` where nothing is left: that of so many squares, and of the noise that
-    they are held against.
+    they are held against; ``promised`` the chi-square to which more steps may come, `chi2` of a fit
+    that converged. ``further`` and ``fewer`` keep the explanations with one effect more and one
+    less that were fitted, by its name.
     """
 
     problem: Problem
@@ -217,8 +219,11 @@ class Candidate:
     effects: Effects
     x: Array
     chi2: float
+    promised: float
     count: int
     scatter: float
+    further: dict[str, "Candidate"] = field(init=False, repr=False, default_factory=dict)
+    fewer: dict[str, "Candidate"] = field(init=False, repr=False, default_factory=dict)
 
     @property
     def parameters(self) -> int:
@@ -230,6 +235,11 @@ class Candidate:
         known = self.problem.vehicle.effects
         own = (1 if name in known else self.problem.parameters_of(name) for name in self.names)
         return self.problem.base_size + sum(own)
+
+    @property
+    def converged(self) -> bool:
+        """Whether more steps would explain no more."""
+        return self.promised == self.chi2
 
     @property
     def reduced(self) -> float:
@@ -268,10 +278,14 @@ class Candidate:
 
     @cached_property
     def covariance(self) -> Array:
-        """Covariance (k, k) of ``x``, from the derivatives of the innovations and the priors."""
-        J = self.jacobian
-        priors = prior_derivatives(self.problem, self.names, J.shape[1])
-        return np.asarray(np.linalg.pinv(J.T @ J + priors.T @ priors))
+        """Covariance (k, k) of ``x``."""
+        return covariance_of(self.problem, self.names, self.jacobian)
+
+
+def covariance_of(problem: Problem, names: tuple[str, ...], J: Array) -> Array:
+    """Covariance (k, k) of a vector, from derivatives J (n, k) of the innovations, and priors."""
+    priors = prior_derivatives(problem, names, J.shape[1])
+    return np.asarray(np.linalg.pinv(J.T @ J + priors.T @ priors))
 
 
 def free(x: Array, directions: Array) -> Array:
@@ -429,6 +443,19 @@ def bounds(problem: Problem, names: tuple[str, ...]) -> tuple[Array, Array]:
     return np.array(low) - 1e-9, np.array(high) + 1e-9
 
 
+def shown(at: Candidate) -> dict[str, float]:
+    """What the chi-square would rise by without each effect, all else fitted again."""
+    return shown_with(at.problem, at.names, at.x, at.covariance)
+
+
+def shown_with(
+    problem: Problem, names: tuple[str, ...], x: Array, covariance: Array
+) -> dict[str, float]:
+    """The same at a vector, in one linear step: the square of its strength over its variance."""
+    places = {name: own.start for name, own in problem.places(names).items()}
+    return {n: float(x[i] ** 2 / max(covariance[i, i], 1e-12)) for n, i in places.items()}
+
+
 def at_bound(at: Candidate) -> tuple[str, ...]:
     """The effects of which a parameter has come to an end of its range.
 
@@ -467,7 +494,7 @@ def pressed(at: Candidate) -> tuple[str, ...]:
 def _ended(at: Candidate) -> list[tuple[str, int, float]]:
     """Effect, place in the vector and outward direction (1 or -1) of each ended parameter."""
     low, high = bounds(at.problem, at.names)
-    margin = GATES.at_bound * (high - low)
+    margin = GATES.at_bound * np.minimum(high - low, GATES.usual_range)
     found = []
     for name, own in at.problem.places(at.names).items():
         parameters = definition(at.problem.vehicle.effects, name).card.parameters
@@ -541,11 +568,13 @@ def fit(
     steps: int = 20,
     term: FreeTerm | None = None,
     jacobian: Array | None = None,
+    rough: bool = False,
 ) -> Candidate:
     """Fit base and effects from ``start`` (a vector of `unpack`).
 
     With a ``term``, its values at the knots are the last ones of the vector. A ``jacobian`` (n, j)
     of the innovations by its first elements is that of an explanation which this one goes on from.
+    A ``rough`` fit ends after a few steps.
     """
     low, high = bounds(problem, names)
     knots, limit = (term.size, term.limit) if term else (0, 0.0)
@@ -564,9 +593,11 @@ def fit(
     first = np.clip(start, low + 1e-6, high - 1e-6)
     scale = np.concatenate([widths(problem, own), np.full(knots, 0.1)])
     known = None if jacobian is None else _with_priors(problem, names, jacobian, own)
-    x, rows = least_squares(objective, first, low, high, scale, steps, known)
-    priors = prior_rows(problem, names, x[:own]).size + (2 * knots - 1 if knots else 0)
-    return candidate_of(problem, names, x, rows[:-priors])
+    found = least_squares(objective, first, low, high, scale, steps, known, rough)
+    priors = prior_rows(problem, names, found.x[:own]).size + (2 * knots - 1 if knots else 0)
+    at = candidate_of(problem, names, found.x, found.residuals[:-priors])
+    fall = float(found.residuals @ found.residuals) - found.promised
+    return replace(at, promised=at.chi2 - fall)
 
 
 def fit_base(problem: Problem) -> Candidate:
@@ -595,6 +626,7 @@ def candidate_of(
         effects=effects,
         x=x,
         chi2=float(innovations @ innovations),
+        promised=float(innovations @ innovations),
         count=innovations.size,
         scatter=float(
             np.sqrt(2.0 / innovations.size + 2.0 / (len(CHANNELS) * problem.noise.freedom))
@@ -603,7 +635,13 @@ def candidate_of(
 
 
 def fit_without(at: Candidate, name: str) -> Candidate:
-    """An explanation fitted anew without one of its effects."""
+    """An explanation fitted anew without one of its effects; once for each."""
+    if name not in at.fewer:
+        at.fewer[name] = _fitted_without(at, name)
+    return at.fewer[name]
+
+
+def _fitted_without(at: Candidate, name: str) -> Candidate:
     places = {n: own for n, own in at.problem.places(at.names).items() if n != name}
     kept = [at.x[: at.problem.base_size], *(at.x[own] for own in places.values())]
     return fit(at.problem, tuple(places), np.concatenate(kept))

@@ -9,6 +9,7 @@ differences.
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,18 @@ TOLERANCE = 1e-5
 """Relative change of the sum of squares, or of the vector, at which a fit ends."""
 
 
+class Least(NamedTuple):
+    """The vector (k,) and its residuals (n,).
+
+    ``promised`` is the sum of squares to which one more step would come with the last derivatives
+    and what is inside its bounds; that of the residuals where the steps converged.
+    """
+
+    x: Array
+    residuals: Array
+    promised: float
+
+
 def least_squares(
     residuals: Residuals,
     start: Array,
@@ -34,16 +47,18 @@ def least_squares(
     scale: Array,
     steps: int,
     known: Array | None = None,
-) -> tuple[Array, Array]:
-    """The vector (k,) within its bounds that minimises the squares, and its residuals (n,).
+    rough: bool = False,
+) -> Least:
+    """The vector within its bounds that minimises the squares.
 
     ``known`` (n, j) are derivatives by the first elements of the vector nearby, where there are
-    any. Where the secant updates do not converge soon, at most ``steps`` steps with fresh ones.
+    any. Where the secant updates do not converge soon, at most ``steps`` steps with fresh ones;
+    not so if it shall be ``rough``.
     """
     from scipy import optimize
 
     x = start
-    for nearby, most in ((known, min(EASY, steps)), (None, steps)):
+    for nearby, most in ((known, min(EASY, steps)), (None, steps))[: 1 if rough else 2]:
         secant = _Secant(residuals, high, nearby)
         result = optimize.least_squares(
             secant.value,
@@ -56,9 +71,10 @@ def least_squares(
             xtol=TOLERANCE,
         )
         x = result.x
-        if result.status > 0:  # it converged
-            break
-    return x, np.asarray(result.fun)
+        if result.status > 0:
+            return Least(x, np.asarray(result.fun), 2.0 * float(result.cost))
+    inside = np.asarray(result.active_mask) == 0
+    return Least(x, np.asarray(result.fun), secant.promised(result.fun, inside))
 
 
 def columns(residuals: Residuals, x: Array, at: Array, high: Array, first: int = 0) -> Array:
@@ -103,6 +119,12 @@ class _Secant:
                 J = J + np.outer(value - then - J @ step, step) / length
         self.known = (x.copy(), value, J)
         return J
+
+    def promised(self, residuals: Array, inside: NDArray[np.bool_]) -> float:
+        """Sum of squares that one more step would leave, with the elements ``inside`` (k,)."""
+        assert self.known is not None
+        directions = np.linalg.qr(self.known[2][:, inside])[0]
+        return float(residuals @ residuals - np.sum((directions.T @ residuals) ** 2))
 
     def _first(self, x: Array, value: Array) -> Array:
         if self.nearby is None:

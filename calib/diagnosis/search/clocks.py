@@ -14,7 +14,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.diagnosis.explanation.candidate import Candidate, Problem, fit, fit_without, vector_of
+from calib.diagnosis.explanation.candidate import (
+    Candidate,
+    Problem,
+    fit,
+    fit_without,
+    shown,
+    vector_of,
+)
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import (
     Decision,
@@ -99,14 +106,9 @@ def _with_delays(at: Candidate) -> Candidate:
 def _spared(at: Candidate) -> Candidate:
     """An explanation without the delays that bring nothing, the one that brings least first.
 
-    What a delay brings is its square over its variance: what the chi-square rises by without it.
+    Many are left out one after the other, so what each brings is asked of one linear step.
     """
-    places = at.problem.places(at.names)
-    brings = {
-        name: float(at.x[own.start] ** 2 / at.covariance[own.start, own.start])
-        for name, own in places.items()
-        if name in DELAYS
-    }
+    brings = {name: size for name, size in shown(at).items() if name in DELAYS}
     least = min(brings, key=lambda name: brings[name], default="")
     if not least or brings[least] > GATES.faint_second * at.count:
         return at

@@ -19,6 +19,7 @@ from calib.diagnosis.explanation.candidate import (
     at_bound,
     fit,
     fit_without,
+    shown,
     without_its_noise,
 )
 from calib.diagnosis.explanation.channels import CHANNELS
@@ -92,8 +93,10 @@ def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, flo
     if not singles or beyond_chance(chance, base, singles[0]) < 1.0:
         verdict = "unknown" if strange(base) else "no_gap"
         return Decision(verdict, base, base, tuple(singles))
-    first = singles[0]
     pairs = seconds(base, singles)
+    if pairs:
+        singles = _with_lower(singles, spared(pairs[0]))
+    first = singles[0]
     faint = _faint(base, first, pairs)
     if pairs and gain(first, pairs[0]) > max(GATES.second, GATES.second_of_all * gain(base, first)):
         # something the first does not explain lies along another effect
@@ -101,7 +104,7 @@ def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, flo
         if second_earns(first, pairs[0]):
             return Decision(verdict, base, pairs[0], tuple(pairs[1:]))
         return Decision("unknown", base, pairs[0], tuple(pairs[1:]), faint=faint)
-    if pairs and strange(base) and _replaces(first, pairs[0]):
+    if pairs and strange(base) and _replaces(singles, pairs[0]):
         return Decision(standing(base, pairs[0], pairs[1:]), base, pairs[0], tuple(pairs[1:]))
     verdict = standing(base, first, singles[1:])
     if verdict == "unknown" and not strange(base) and gain(base, first) < GATES.second:
@@ -111,13 +114,27 @@ def _decided(base: Candidate, singles: list[Candidate], chance: Mapping[str, flo
     return Decision(verdict, base, first, tuple(singles[1:]), faint=faint)
 
 
-def _replaces(first: Candidate, pair: Candidate) -> bool:
+def _with_lower(singles: list[Candidate], other: Candidate) -> list[Candidate]:
+    """Explanations with one effect, best first, with another fit of one of them if that is better.
+
+    What is left of a pair without its second effect can have come to a lower minimum.
+    """
+    lower = [c for c in singles if c.names == other.names and c.chi2 > other.chi2]
+    return simplest_first([other, *(c for c in singles if c not in lower)]) if lower else singles
+
+
+def _replaces(singles: list[Candidate], pair: Candidate) -> bool:
     """Whether a pair explains all, and one effect of hardly fewer parameters ends at its bound.
 
-    A delay beside a lag looks like two lags in a row, or like an oscillation without overshoot.
+    That is the best one, or one of the pair that explains nearly as much. A delay beside a lag
+    looks like two lags in a row, or like an oscillation without overshoot.
     """
+    first = singles[0]
     explains_more = pair.reduced < min(quiet(pair), first.reduced - GATES.confusable)
-    return explains_more and pair.parameters <= first.parameters + 1 and bool(at_bound(first))
+    if not explains_more or pair.parameters > first.parameters + 1:
+        return False
+    of_the_pair = [c for c in confusable(first, singles[1:]) if set(c.names) < set(pair.names)]
+    return any(at_bound(one) for one in (first, *of_the_pair))
 
 
 def _faint(base: Candidate, first: Candidate, pairs: list[Candidate]) -> Decision | None:
@@ -160,14 +177,14 @@ def seconds(base: Candidate, singles: list[Candidate]) -> list[Candidate]:
     """Pairs from the two best singles, best first, each pair once.
 
     Where the first leaves nothing, from the second only if that explains half: of two effects that
-    a third one imitates, one does.
+    a third one imitates, one does. Only what may explain more than the first alone.
     """
     first, *others = singles
     half = base.reduced - 0.5 * gain(base, first)
     second = [c for c in others[:1] if first.reduced > quiet(first) or c.reduced < half]
     found: dict[frozenset[str], Candidate] = {}
     for parent in (first, *second):
-        for pair in refine(parent, 4):
+        for pair in refine(parent, 4, first.chi2):
             key = frozenset(pair.names)
             if key not in found or pair.chi2 < found[key].chi2:
                 found[key] = pair
@@ -254,7 +271,10 @@ def confusable(best: Candidate, rivals: list[Candidate] | tuple[Candidate, ...])
 
 def spared(at: Candidate) -> Candidate:
     """The explanation without effects that are not worth their parameters."""
-    for name in at.names:
+    for name, brings in shown(at).items():
+        price = GATES.faint_second * at.problem.parameters_of(name)
+        if brings > GATES.surely_shown * price * at.count:
+            continue
         fewer = fit_without(at, name)
         price = GATES.faint_second * (at.parameters - fewer.parameters)
         if fewer.reduced - at.reduced < price:

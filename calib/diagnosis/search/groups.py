@@ -121,7 +121,7 @@ def _own(problem: Problem, at: Candidate, run: ObservedRun) -> _Own:
     def rows(x: Array) -> Array:
         return np.concatenate([innovations(x), x / SPREAD])
 
-    x, _ = least_squares(rows, start, LOW, HIGH, np.full(4, 0.1), 12)
+    x = least_squares(rows, start, LOW, HIGH, np.full(4, 0.1), 12).x
     J = columns(innovations, x, innovations(x), HIGH)
     return _Own(x, J.T @ J)
 

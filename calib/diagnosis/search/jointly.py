@@ -58,7 +58,7 @@ def fit_jointly(
 
     first = np.clip(np.concatenate([start, states.first]), low + 1e-6, high - 1e-6)
     scale = np.concatenate([widths(problem, known), states.scale])
-    x, residuals = least_squares(rows, first, low, high, scale, GATES.jointly_steps)
+    x, residuals, _ = least_squares(rows, first, low, high, scale, GATES.jointly_steps)
     priors = prior_rows(problem, names, x[:known]).size + states.sigma.size
     return candidate_of(states.driven(x[known:]), names, x[:known], residuals[:-priors])
 

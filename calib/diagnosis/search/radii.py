@@ -12,7 +12,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.diagnosis.explanation.candidate import BASE, Candidate, fit, fit_without
+from calib.diagnosis.explanation.candidate import (
+    BASE,
+    Candidate,
+    covariance_of,
+    fit,
+    fit_without,
+    free,
+    joined,
+    shown,
+    shown_with,
+    unpack,
+)
+from calib.diagnosis.explanation.secant import DIFFERENCE
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, decided_anew, explains, gain, simplest_first
 from calib.diagnosis.search.search import refine
@@ -23,11 +35,36 @@ def with_free_radii(decision: Decision) -> Decision:
 
     It is better where fewer effects explain as much, or where as many explain clearly more.
     """
+    if not _promising(decision):
+        return decision
     freed = _freed(decision.best)
     if not _explain_something(decision, freed) and not _replace_an_effect(decision, freed):
         return decision
     other = decided_anew(freed)
     return other if _better(decision, other) else decision
+
+
+def _promising(decision: Decision) -> bool:
+    """Whether free radii may matter, by one linear step.
+
+    They are not fitted where they do not gain half, and where each effect brings twice of what
+    would be asked of them then.
+    """
+    at = decision.best
+    problem, x = replace(at.problem, free_radius=True), np.insert(at.x, BASE, 0.0)
+    other = x.copy()
+    other[BASE] = DIFFERENCE
+    change = problem.flat(*unpack(problem, at.names, other)) - joined(at.whitened)
+    own = free(change, at.directions)
+    fall = float(at.rest @ own) ** 2 / max(float(own @ own), 1e-12)
+    if fall >= 0.5 * _least(decision):
+        return True
+    J = np.insert(at.jacobian, BASE, change / DIFFERENCE, axis=1)
+    beside = shown_with(problem, at.names, x, covariance_of(problem, at.names, J))
+    return any(
+        beside[name] < 2.0 * max(GATES.confusable * at.count, GATES.radii_nearly * brings)
+        for name, brings in shown(at).items()
+    )
 
 
 def _freed(at: Candidate) -> Candidate:
@@ -37,13 +74,15 @@ def _freed(at: Candidate) -> Candidate:
 
 
 def _explain_something(decision: Decision, freed: Candidate) -> bool:
+    return decision.best.chi2 - freed.chi2 >= _least(decision)
+
+
+def _least(decision: Decision) -> float:
+    """Fall of the chi-square with which other radii explain something."""
     best = decision.best
-    fall = best.chi2 - freed.chi2
     if explains(decision):
-        return fall >= max(GATES.radii_least, GATES.confusable * best.count)
-    return fall >= max(
-        GATES.radii_least, GATES.radii_share * (best.chi2 - GATES.floor * best.count)
-    )
+        return max(GATES.radii_least, GATES.confusable * best.count)
+    return max(GATES.radii_least, GATES.radii_share * (best.chi2 - GATES.floor * best.count))
 
 
 def _replace_an_effect(decision: Decision, freed: Candidate) -> bool:

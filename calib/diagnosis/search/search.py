@@ -8,9 +8,10 @@ innovations on the rest. That is cheap. The best ones are then fitted in full, s
 hysteresis are not linear.
 """
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,7 @@ def _along(rest: Array, change: EffectChange) -> tuple[float, float]:
     return amount * amount * length, amount
 
 
+@lru_cache(maxsize=4)
 def hints(at: Candidate) -> list[Hint]:
     """One-step gains of every effect not yet in ``at``, best first."""
     found = [_hint(at, name, changes) for name, changes in further_changes(at).items()]
@@ -92,35 +94,85 @@ def unresolved(at: Candidate, least: Mapping[str, float]) -> tuple[str, ...]:
     return tuple(faint)
 
 
-def refine(at: Candidate, count: int = GATES.refined) -> list[Candidate]:
-    """Fit the most promising effects on top of ``at``; best first."""
-    problem = at.problem
-    tried = [hint for hint in hints(at)[:count] if hint.gain > 0.0]
-    alone = replace(at, problem=problem.alone)
-    results = problem.mapped(partial(_fitted, alone, at.jacobian), tried)
-    fitted = []
-    for i in range(len(tried)):
-        problem.tell(f"fitting the best, effect {i + 1} of {len(tried)}", i, len(tried))
-        fitted.append(replace(next(results), problem=problem))
-    return sorted(fitted, key=lambda candidate: candidate.chi2)
+def refine(at: Candidate, count: int = GATES.refined, below: float = math.inf) -> list[Candidate]:
+    """Fit the most promising effects on top of ``at``; best first.
+
+    Those alone that may come ``below`` a chi-square. All are fitted roughly, then those to their
+    end that may still be the best, or leave no more than noise.
+    """
+    tried = [h for h in hints(at)[:count] if h.gain > 0.0 and in_reach(at.chi2 - h.gain, below)]
+    _side_by_side(at, _roughly, [hint for hint in tried if hint.name not in at.further])
+    best = max(GATES.floor * at.count, min((at.further[h.name].chi2 for h in tried), default=0.0))
+    _side_by_side(at, _to_its_end, [hint for hint in tried if _is_open(at, hint, best)])
+    return sorted((at.further[hint.name] for hint in tried), key=lambda found: found.chi2)
+
+
+def in_reach(promised: float, least: float) -> bool:
+    """Whether an explanation to which this chi-square is ``promised`` may come below another one.
+
+    The promise is that of one linear step.
+    """
+    return GATES.promise * promised < least
 
 
 def added(at: Candidate, name: str) -> Candidate:
     """The explanation with one further effect, fitted."""
-    return _fitted(at, at.jacobian, _hint(at, name, changes_by(at, name, at.directions)))
+    hint = _hint(at, name, changes_by(at, name, at.directions))
+    return _to_its_end(at, at.jacobian, (hint, _roughly(at, at.jacobian, (hint, None))))
 
 
-def _fitted(at: Candidate, jacobian: Array, hint: Hint) -> Candidate:
-    """Fit an effect; once more from a full spread if the fit gains less than its hint promised.
+Item = tuple[Hint, Candidate | None]
+"""A hint, and the fit that was begun with it."""
 
-    ``jacobian`` (n, k) is that before it. A hysteresis loop narrower than the noise of the pressure
-    brings no gain, so a fit that starts there does not leave it.
+
+def _side_by_side(
+    at: Candidate, fitted: Callable[[Candidate, Array, Item], Candidate], tried: Sequence[Hint]
+) -> None:
+    """Fit what is ``tried``, and keep it as ``further`` of the explanation."""
+    problem = at.problem
+    alone = replace(at, problem=problem.alone)
+    begun = (at.further.get(hint.name) for hint in tried)
+    items = [
+        (hint, found and replace(found, problem=alone.problem))
+        for hint, found in zip(tried, begun, strict=True)
+    ]
+    results = problem.mapped(partial(fitted, alone, at.jacobian), items)
+    for i, hint in enumerate(tried):
+        problem.tell(f"fitting the best, effect {i + 1} of {len(tried)}", i, len(tried))
+        at.further[hint.name] = replace(next(results), problem=problem)
+
+
+def _roughly(at: Candidate, jacobian: Array, item: Item) -> Candidate:
+    """Fit an effect in a few steps; ``jacobian`` (n, k) is that before it."""
+    hint, _ = item
+    return fit(at.problem, (*at.names, hint.name), hint.start, jacobian=jacobian, rough=True)
+
+
+def _is_open(at: Candidate, hint: Hint, best: float) -> bool:
+    """Whether more than a rough fit could matter beside the ``best`` chi-square of all."""
+    found = at.further[hint.name]
+    if in_reach(found.promised, best) and not found.converged:
+        return True
+    return in_reach(at.chi2 - hint.gain, best) and _short(at, hint, found)
+
+
+def _short(at: Candidate, hint: Hint, found: Candidate) -> bool:
+    """Whether a fit gains clearly less than its hint promised."""
+    return at.chi2 - found.chi2 <= 0.5 * hint.gain
+
+
+def _to_its_end(at: Candidate, jacobian: Array, item: Item) -> Candidate:
+    """Go on from a rough fit; once more from a full spread if it gains too little.
+
+    A hysteresis loop narrower than the noise of the pressure brings no gain, so a fit that starts
+    there does not leave it.
     """
-    problem, names = at.problem, (*at.names, hint.name)
-    first = fit(problem, names, hint.start, jacobian=jacobian)
-    if at.chi2 - first.chi2 > 0.5 * hint.gain:
+    hint, begun = item
+    assert begun is not None
+    first = begun if begun.converged else fit(at.problem, begun.names, begun.x)
+    if not _short(at, hint, first):
         return first
     further = hint.start.copy()
     further[at.x.size] = np.copysign(1.0, further[at.x.size])
-    other = fit(problem, names, further, jacobian=jacobian)
+    other = fit(at.problem, begun.names, further, jacobian=jacobian)
     return min(first, other, key=lambda candidate: candidate.chi2)

