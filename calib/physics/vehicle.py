@@ -55,6 +55,8 @@ class Vehicle:
     track_width : l_w [m].
     front, rear : the axles.
     mass_tolerance : one standard deviation of the relative error of the mass [1].
+    motor_odds : odds, before a run, that a motor or an engine brakes along with the pedal and is
+        not logged [1].
     effects : known effects in addition to the paper's model.
     """
 
@@ -67,6 +69,7 @@ class Vehicle:
     front: Axle
     rear: Axle
     mass_tolerance: float = 0.03
+    motor_odds: float = 0.1
     effects: Effects = field(default_factory=Effects)
 
     @property

@@ -56,6 +56,7 @@ class ChassisSection(Section):
     cg_height: Annotated[float, QuantityMark("m", 0.1, 3)]
     track_width: Annotated[float, QuantityMark("m", 0.5, 3.5)]
     mass_tolerance: Annotated[float, QuantityMark("1", 0, 0.2)] = Vehicle.mass_tolerance
+    motor_odds: Annotated[float, QuantityMark("1", 0, 100)] = Vehicle.motor_odds
 
     @model_validator(mode="after")
     def _is_low_enough(self) -> Self:

@@ -107,8 +107,8 @@ class Motor(NamedTuple):
     square: float
 
 
-def motor_of(response: BrakeResponse) -> Motor:
-    """Weigh what is usual against a motor, which brakes.
+def motor_of(response: BrakeResponse, odds: float = PLAUSIBLE.motor_odds) -> Motor:
+    """Weigh what is usual against a motor, which brakes; ``odds`` of one before the run [1].
 
     A motor acts from the first pressure on and brakes until the car stands, or hands over to the
     brakes before; or it follows the pedal, which no first pressure shows, and hands over. A run
@@ -117,6 +117,8 @@ def motor_of(response: BrakeResponse) -> Motor:
     >>> at_first, late = (BrakeResponse(1.0, 0.0, 0.01, 400.0, 0.0, 0.06, s) for s in (0.01, 0.03))
     >>> [round(motor_of(response).chance, 2) for response in (at_first, late)]
     [0.9, 0.38]
+    >>> round(motor_of(late, odds=0.01).chance, 2)
+    0.06
     """
     at_once = _as_measured(response.share, response.share_sigma)
     slow = Seen(response.fading, math.hypot(response.fading_sigma, PLAUSIBLE.usual_fading))
@@ -125,11 +127,11 @@ def motor_of(response: BrakeResponse) -> Motor:
         (FOLLOWING, slow),
         (1.0 - LASTING - FOLLOWING, _together(at_once, slow)),
     )
-    odds = [part * _odds(seen) for part, seen in kinds]
-    total = sum(odds)
-    chance = PLAUSIBLE.motor_odds * total / (1.0 + PLAUSIBLE.motor_odds * total)
+    parts = [part * _odds(seen) for part, seen in kinds]
+    total = sum(parts)
+    chance = odds * total / (1.0 + odds * total)
     share, square = (
-        sum(one * of(seen) for one, (_, seen) in zip(odds, kinds, strict=True)) / total
+        sum(one * of(seen) for one, (_, seen) in zip(parts, kinds, strict=True)) / total
         for of in (_measured, _square)
     )
     return Motor(chance, share, chance * square)

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from calib.physics.vehicle import Vehicle
+
 
 @dataclass(frozen=True)
 class PlausibilityLimits:
@@ -37,7 +39,7 @@ class PlausibilityLimits:
     half second below 3 m/s. Pads that grip more as they get slow are below zero."""
     motor_force: float = 0.1
     """Spread of both where a motor brakes along [1]: 0.01 to 0.1 g beside 0.3 g by the pads."""
-    motor_odds: float = 0.1
+    motor_odds: float = Vehicle.motor_odds
     """Odds of such a motor, not logged, before the run: half of the new cars of 2023 have a motor
     that brakes (ACEA, new car registrations, European Union), and most tests log it or switch it
     off."""

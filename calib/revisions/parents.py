@@ -80,9 +80,9 @@ def _ramps(table: Table) -> set[tuple[str, str]]:
 
 
 def _differ(a: Vehicle, b: Vehicle) -> Iterator[str]:
-    """What differs but the name and how well the mass is known."""
+    """What differs but the name, how well the mass is known, and whether a motor may brake."""
     first, second = (_flat(asdict(vehicle)) for vehicle in (a, b))
-    for key in sorted({*first, *second} - {"name", "mass_tolerance"}):
+    for key in sorted({*first, *second} - {"name", "mass_tolerance", "motor_odds"}):
         if first.get(key) != second.get(key):
             yield f"{key} {_shown(first.get(key))} and {_shown(second.get(key))}"
 

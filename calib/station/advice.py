@@ -5,7 +5,7 @@ Every limit has a next step, so that the operator knows what to do with the car.
 
 from dataclasses import dataclass
 
-from calib.validation.limits import Limit
+from calib.validation.limits import DEFAULTS, Limit
 from calib.validation.validate import DEPARTURE_F, DEPARTURE_R
 from calib.vehicles.plausible import LEAST_FRONT_BIASED, UNCONTROLLED
 
@@ -25,6 +25,12 @@ def _row(
     unit: str, reason: str, action: str, *, required: bool = False,
 ) -> Advice:  # fmt: skip
     return Advice(Limit(figure, *fail, *warn, required), unit, reason, action)
+
+
+def _as_validate(figure: str, reason: str, action: str) -> Advice:
+    """One limit for a stop, whichever command judges it."""
+    limit = next(limit for limit in DEFAULTS if limit.figure == figure)
+    return Advice(limit, "1", reason, action)
 
 
 _DRIVE_RAMP = (
@@ -103,10 +109,10 @@ ADVICE: tuple[Advice, ...] = (
     _row("covered_share", (0.50, None), (0.80, None), "1",
          "beyond the table the estimate uses its end values",
          "Drive a ramp that goes as far as the stops do."),
-    _row("interval_f", (None, 0.17), (None, 0.12), "1",
-         "a mass known to 3 % takes 0.06 of it; a warning of worn pads needs 0.12",
+    _as_validate("interval_f",
+         "0.12 for the pads, 0.06 for a mass known to 3 %, 0.05 for the pads' ratio in the ramp",
          "Drive a longer stop; check the noise of the wheel speeds with brake-cal check."),
-    _row("interval_r", (None, 0.32), (None, 0.22), "1",
+    _as_validate("interval_r",
          "the rear has a smaller slip, so its interval is wider",
          "Drive a longer stop; check the noise of the wheel speeds with brake-cal check."),
     _row("pad_friction_drift_f", (None, 0.10), (None, 0.07), "1",

@@ -39,6 +39,7 @@ class VehicleRecord(Section):
     front: Axle
     rear: Axle
     mass_tolerance: float
+    motor_odds: float = Vehicle.motor_odds
     effects: dict[str, dict[str, float]]
 
 

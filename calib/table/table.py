@@ -284,6 +284,8 @@ class Table:
         if own:
             record["own_effects"] = {name: asdict(one) for name, one in own.items()}
         record["vehicle"]["effects"] = vehicle["parameters"]
+        if self.vehicle.motor_odds == Vehicle.motor_odds:  # the format of older tables
+            del record["vehicle"]["motor_odds"]
         record["effects"] = {
             effect: {name: asdict(value) for name, value in values.items()}
             for effect, values in self.effect_values.items()

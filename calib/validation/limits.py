@@ -6,6 +6,8 @@ A metric that a log cannot give (without truth, for example) is `not known`; whe
 
 from dataclasses import dataclass
 
+from calib.estimation.gates import Gates
+
 PASSED, WARNING, FAILED, NOT_KNOWN = "passed", "warning", "failed", "not known"
 """Verdicts of a judgement."""
 
@@ -57,8 +59,8 @@ DEFAULTS: tuple[Limit, ...] = (
     Limit("covered_share", None, None, warn_low=0.5),
     Limit("pad_friction_drift_f", None, 0.10),
     Limit("pad_friction_drift_r", None, 0.20),
-    Limit("interval_f", None, 0.17, warn_high=0.14),
-    Limit("interval_r", None, 0.32, warn_high=0.27),
+    Limit("interval_f", None, 0.17, warn_high=Gates.interval_f),
+    Limit("interval_r", None, 0.32, warn_high=Gates.interval_r),
     Limit("torque_error_f", None, 0.03),
     Limit("torque_error_r", None, 0.08),
     Limit("truth_in_interval", 0.80, None),

@@ -4,10 +4,11 @@
                                               + 2 (D^2 + D_0^2)/F^2
 
 m is the share of the usual brake force F_usual that a motor may have, zero where there is none
-(`calib.plausibility.brakes.motor_of`); it acts on one axle, with the chance s on this one. F_axle
-and F are the brake forces of the axle and of both, D the drag that slowed the car before it braked
-and may go on: its slip is zeroed there, so it moves both axles. m_0 and D_0 are those that a fit
-has named on its ramps: they stand in the table, and the car has them, or one of two of m_0.
+(`calib.plausibility.brakes.motor_of`, with `Vehicle.motor_odds`); it acts on one axle, with the
+chance s on this one. F_axle and F are the brake forces of the axle and of both, D the drag that
+slowed the car before it braked and may go on: its slip is zeroed there, so it moves both axles. m_0
+and D_0 are those that a fit has named on its ramps: they stand in the table, and the car has them,
+or one of two of m_0.
 
 A motor makes pads seem stronger, so the upper end stays. It is rare and large: the end with 2.5 %
 beyond it is 2.2 (a motor for sure, half of a normal distribution) to 3.6 (one of ten) times the
@@ -58,7 +59,8 @@ def with_motor(log: Log, e: Estimate, of_ramps: Sequence[PlausibilityWarning] = 
     both = forces[0] + forces[1]
     usual = float(np.median(both[e.braked]))
     drag = car.weight * math.hypot(*drags) / both
-    square = motor_of(e.response).square + SETTINGS.motor_on_ramp * on_ramp**2
+    odds = max(car.motor_odds, SETTINGS.motor_stated)
+    square = motor_of(e.response, odds).square + SETTINGS.motor_on_ramp * on_ramp**2
     front, rear = (
         lowered(axle, 2.0 * (share * square * (usual / force) ** 2 + drag**2))
         for axle, share, force in zip(

@@ -301,11 +301,12 @@ def require_same_vehicle(
 
 
 def _geometry(vehicle: Vehicle) -> dict[str, float]:
-    """Everything of a vehicle but its name, pads, effects and tolerance."""
+    """Everything of a vehicle but its name, pads, effects, and what is open of it."""
     flat = {k: v for k, v in asdict(vehicle).items() if isinstance(v, float)}
     for side, axle in (("front", vehicle.front), ("rear", vehicle.rear)):
         flat |= {f"{side}.{k}": v for k, v in asdict(axle).items() if k != "pad_friction"}
-    flat.pop("mass_tolerance", None)
+    for open_of_it in ("mass_tolerance", "motor_odds"):
+        flat.pop(open_of_it, None)
     return flat
 
 

@@ -131,6 +131,12 @@ KEYS: tuple[VehicleKey, ...] = (
         "0.005 if the car was weighed as driven; 0.03 if the load is only known roughly",
         "0.03", 0.002, 0.05, optional=True,
     ),
+    VehicleKey(
+        CHASSIS, "motor_odds", "1",
+        "odds that a motor or an engine brakes along with the pedal and no log has its torque",
+        "0 in a car without such a motor; 0.1 if nobody knows",
+        "0.1", 0.0, 10.0, optional=True,
+    ),
     *_axle(
         FRONT, "front",
         ("0.322 m", "1.20 kg*m^2", "28.84 cm^2", "130.9 mm", "2", "0.38"), (12.0, 66.0),

@@ -63,7 +63,7 @@ def test_other_units_mean_the_same_car(tmp_path):
 
 
 def test_known_effects_and_tolerance_come_in_si(tmp_path):
-    path = write(tmp_path, ("[front]", 'mass_tolerance = "1.5 %"\n\n[front]'))
+    path = write(tmp_path, ("[front]", 'mass_tolerance = "1.5 %"\nmotor_odds = 0\n\n[front]'))
     text = path.read_text() + (
         '\n[effects.aerodynamic_drag]\ndrag_area = "6600 cm^2"\n'
         "[effects.rolling_resistance]\ncoefficient = 0.012\n"
@@ -71,6 +71,7 @@ def test_known_effects_and_tolerance_come_in_si(tmp_path):
     path.write_text(text)
     car = read_vehicle(path)
     assert car.mass_tolerance == pytest.approx(0.015)
+    assert car.motor_odds == 0.0
     assert car.effects == Effects(
         {
             "aerodynamic_drag": {"drag_area": pytest.approx(0.66)},

@@ -21,6 +21,9 @@ RATE = 100.0
 """Sample rate of the logs [Hz]."""
 
 BAR = 1e5
+ROTATING = (0.02, 0.05)
+"""Four wheels (inertia over R^2) over the mass of a car [1]: tyre and wheel weigh 0.8 to 2 % of the
+car, and 0.6 of them turn with the radius."""
 STOPS = ("stop_1", "stop_2", "stop_3")
 RUNS = ("ramp", "coast", *STOPS)
 
@@ -67,7 +70,7 @@ class Line:
 
 def line(rng: np.random.Generator, seed: int) -> Line:
     """Draw a good line; ``seed`` is that of its noise."""
-    true = replace(car(rng), name="car")
+    true = with_usual_wheels(replace(car(rng), name="car"))
     plant = Plant(
         vehicle=true,
         tyre=tyre(rng),
@@ -89,6 +92,15 @@ def line(rng: np.random.Generator, seed: int) -> Line:
     return Line(on_paper(rng, true), runs, sensors(rng, seed))
 
 
+def with_usual_wheels(drawn: Vehicle) -> Vehicle:
+    """The car with wheels that are not too heavy or too light for it."""
+    axles = (drawn.front, drawn.rear)
+    share = 2.0 * sum(a.wheel_inertia / a.rolling_radius**2 for a in axles) / drawn.mass
+    factor = float(np.clip(share, *ROTATING)) / share
+    front, rear = (replace(a, wheel_inertia=factor * a.wheel_inertia) for a in axles)
+    return replace(drawn, front=front, rear=rear)
+
+
 def pads(
     rng: np.random.Generator, true: Vehicle, common: float, apart: float
 ) -> Callable[[float], tuple[float, float]]:
@@ -100,7 +112,10 @@ def pads(
 
 
 def on_paper(rng: np.random.Generator, true: Vehicle) -> Vehicle:
-    """The vehicle file: weighed to 1 %, centre of gravity to 3 %, tyres to 0.3 and 0.1 %."""
+    """The vehicle file: weighed to 1 %, centre of gravity to 3 %, tyres to 0.3 and 0.1 %.
+
+    It says that no motor brakes along: the makers of a car know.
+    """
     radius = 1.0 + rng.normal(0.0, 0.003)
     front, rear = (
         replace(
@@ -114,6 +129,7 @@ def on_paper(rng: np.random.Generator, true: Vehicle) -> Vehicle:
         true,
         mass=true.mass * (1.0 + rng.normal(0.0, 0.01)),
         cg_height=true.cg_height * (1.0 + rng.normal(0.0, 0.03)),
+        motor_odds=0.0,
         front=front,
         rear=rear,
     )

@@ -127,6 +127,32 @@ def test_a_stop_that_is_not_braked_to_the_end_leaves_more_open(table):
     assert opened[1] > 2.0 * opened[0]
 
 
+def of_car(table, odds):
+    """The table of a car whose file states the odds of a motor."""
+    return replace(table, vehicle=replace(table.vehicle, motor_odds=odds))
+
+
+def test_a_light_stop_of_a_car_that_has_no_motor_keeps_its_interval(table):
+    """A light stop that ends above 3 m/s says next to nothing of a motor."""
+    log = noisy(stop(WET, 15e5, stop_speed=4.0, duration=20.0), 1)
+    parts = []
+    for odds in (0.1, 0.01, 0.0):
+        e = estimate(of_car(table, odds), log, with_laws=False)
+        parts.append(float(np.median(with_motor(log, e).motor[1][e.valid])))
+    assert parts[0] > 5.0 * parts[1]  # of the variance, which goes with the odds
+    assert parts[1] == parts[2]
+
+
+@pytest.mark.parametrize("torque", [150, 200])
+def test_a_motor_that_the_file_denies_is_named_all_the_same(table, torque):
+    log = without(noisy(braked_along("with the pedal", torque), torque), *CHANNELS)
+    known, denied = (validate(of_car(table, odds), [log])[0] for odds in (0.1, 0.0))
+    assert [w.code for w in denied.warnings] == [w.code for w in known.warnings]
+    assert "unexplained_braking_force" in [w.code for w in denied.warnings]
+    valid = denied.estimate.valid
+    assert not valid.any() or held(denied.estimate)[0] > 0.9
+
+
 def test_what_a_fit_named_on_its_ramp_is_counted(table):
     log = noisy(stop(WET, 35e5, duration=20.0), 1)
     e = estimate(table, log, with_laws=False)

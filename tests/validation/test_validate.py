@@ -209,6 +209,7 @@ def test_other_pads_are_accepted(table, wet, passed):
     [
         {"name": "other name"},
         {"mass_tolerance": 0.02},
+        {"motor_odds": 0},
         {"effects": {"aerodynamic_drag": {"drag_area": 0.6}}},
     ],
 )
