@@ -46,7 +46,7 @@ ADVICE: tuple[Advice, ...] = (
     _row("ramp_deceleration", (0.35, None), (0.40, None), "g",
          "the table ends where the ramp ends; beyond it an ECU uses the end value",
          "Drive the ramp again, up to 0.4 g or more.", required=True),
-    _row("measured_share", (0.50, None), (0.60, None), "1",
+    _row("measured_share", (0.50, None), (0.55, None), "1",
          "rows that were not measured are interpolated", _DRIVE_RAMP, required=True),
     _row("band_width", (None, 0.80), (None, 0.60), "1",
          "without v pads and tyres can hardly be told apart: 0.6; with v usually 0.35",
