@@ -12,17 +12,13 @@ from numpy.typing import NDArray
 
 from calib.checks.gates import refuse_copies
 from calib.diagnosis.explanation.agreement import half_widths
-from calib.diagnosis.explanation.base import Ground
-from calib.diagnosis.explanation.candidate import (
-    BASE,
-    Candidate,
-    Problem,
-    bounds,
-    problem_of,
-)
+from calib.diagnosis.explanation.base import BASE, Ground
+from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.channels import CHANNELS, ChannelNoise, residuals, thinned, whiten
 from calib.diagnosis.explanation.predict import ObservedRun, predict, run_of
+from calib.diagnosis.explanation.problem import Problem, problem_of
 from calib.diagnosis.explanation.progress import Tell, silent
+from calib.diagnosis.explanation.vector import bounds
 from calib.diagnosis.proof.confirm import confirm
 from calib.diagnosis.proof.gap import Gap, gap_of
 from calib.diagnosis.proof.hold_outs import HoldOuts, hold_outs_of, model_of

@@ -41,20 +41,21 @@ class DiagnosisGates:
     other kind, past which it is not that kind: of the right kind it was 3.2 at most on 19 cars."""
 
     # explanation/candidate.py
-    pads: float = 0.7
-    """Largest logarithm of a pad friction over that of the file: half and double. With rear pads of
-    2.8 times the file's, a valve imitated a motor."""
-    higher_peak: float = 0.3
-    """Logarithm by which the second fit of the base begins at a higher peak of the tyre: a third,
-    more than roads and tyres of one surface differ."""
     quieter: float = 0.9
     """Share of a channel's noise below which it counts as quieter with an explanation than
     without."""
+
+    # explanation/fit.py
+    higher_peak: float = 0.3
+    """Logarithm by which the second fit of the base begins at a higher peak of the tyre: a third,
+    more than roads and tyres of one surface differ."""
+
+    # explanation/problem.py
     coasting: float = 1e5
     """Weight of a ripple in the wheel speeds without torque, as a pressure [Pa]: little beside that
     of a braked disc."""
-    second_sigma: float = 2.0
-    """Prior on the further parameters of an effect, in spreads of their cards."""
+
+    # explanation/ranges.py
     at_bound: float = 0.01
     """Share of a parameter's range that counts as its bound."""
     usual_range: float = 4.0
@@ -66,6 +67,13 @@ class DiagnosisGates:
     divided: float = 0.1
     """How far a share of an axle is from nothing, from all and from its usual value to be odd
     [1]."""
+
+    # explanation/vector.py
+    pads: float = 0.7
+    """Largest logarithm of a pad friction over that of the file: half and double. With rear pads of
+    2.8 times the file's, a valve imitated a motor."""
+    second_sigma: float = 2.0
+    """Prior on the further parameters of an effect, in spreads of their cards."""
 
     # search/chance.py
     chance_block: int = 25

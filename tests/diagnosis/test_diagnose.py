@@ -10,8 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from calib.diagnosis.diagnose import Diagnosis, diagnose
-from calib.diagnosis.explanation.candidate import BASE, fit, problem_of
+from calib.diagnosis.explanation.base import BASE
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.search.decide import decide
 from calib.diagnosis.written.document import to_dict
 from calib.errors import LogError

@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.explanation.candidate import BASE, fit, problem_of
+from calib.diagnosis.explanation.base import BASE
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of, wheel_angles
+from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.gap import gap_of
 from calib.diagnosis.proof.hold_outs import hold_outs_of
 from calib.logs.log import Log

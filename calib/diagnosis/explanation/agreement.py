@@ -17,7 +17,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import Candidate, joined
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.problem import joined
 from calib.statistics.random_effects import quantile95
 
 Array = NDArray[np.float64]

@@ -12,8 +12,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.physics.magic_formula import MagicFormula
+from calib.physics.vehicle import Vehicle
 
 Array = NDArray[np.float64]
+
+STIFFNESS, PEAK = 25.0, 0.95
+"""Start of the fit for the tyre: slip stiffness and peak of a passenger car, both per load [1]."""
+
+SHAPE, LOAD_EXPONENT, BEND, RELAXATION, PEAK_EXPONENT = 1.65, 0.03, 0.1, 0.2, 0.04
+"""Middle of the priors on the tyre's form [1, m]: passenger cars on asphalt; `calib.fitting`. The
+bend of a brush is 0.55; relaxation lengths are 0.1 to 0.6 m; the peak falls by 0 to 10 % where the
+load doubles. A fit begins here, within its bounds: from a bound it may not move."""
+
+BASE_SIGMA = np.array([0.5, 0.5, 0.5, 0.35, 0.1, 0.04, 0.2, 0.2, 0.04])
+"""Standard deviations of the priors on the logarithms of pads, stiffness and peak: wide; on that of
+the shape factor, on the load exponent, the bend, the relaxation length and the exponent of the
+peak: the spread of passenger tyres."""
+
+BASE = BASE_SIGMA.size
+"""Number of base parameters, the first ones of every vector, where the rolling radii are given."""
+
+PEAK_PLACE = 3
+"""Place of the logarithm of the tyre's peak among them, as in `base_of`."""
+
+RADIUS_SIGMA, RADIUS_RANGE = 0.01, 0.05
+"""Prior on the logarithm of the rolling radii over those of the file, and its largest value, where
+they are free: tyres wear by 2 % of their radius, and heat, load and pressure change it by 0.5 %."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +75,25 @@ class Base:
             relaxation=self.relaxation,
             peak_exponent=self.peak_exponent,
         )
+
+
+def base_of(vehicle: Vehicle, x: Array) -> Base:
+    """Base parameters from the first ones of the vector; logarithms of the ratio to nominal.
+
+    ``x`` has `BASE` of them, and one more where the rolling radii are free.
+    """
+    return Base(
+        pad_friction_f=vehicle.front.pad_friction * float(np.exp(x[0])),
+        pad_friction_r=vehicle.rear.pad_friction * float(np.exp(x[1])),
+        stiffness=STIFFNESS * float(np.exp(x[2])),
+        peak=PEAK * float(np.exp(x[PEAK_PLACE])),
+        shape=SHAPE * float(np.exp(x[4])),
+        load_exponent=LOAD_EXPONENT + float(x[5]),
+        bend=max(BEND + float(x[6]), 0.0),
+        relaxation=max(RELAXATION + float(x[7]), 0.0),
+        peak_exponent=PEAK_EXPONENT + float(x[8]),
+        radius=float(np.exp(x[BASE])) if x.size > BASE else 1.0,
+    )
 
 
 @dataclass(frozen=True)

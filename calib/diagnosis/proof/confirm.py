@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import Candidate, Problem
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, confusable, strange
 

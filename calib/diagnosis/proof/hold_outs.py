@@ -7,18 +7,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.base import Base, Ground
-from calib.diagnosis.explanation.candidate import (
-    BASE,
-    Candidate,
-    Problem,
-    base_of,
-    bounds,
-    turned_to_ripple,
-    unpack,
-)
+from calib.diagnosis.explanation.base import BASE, Base, Ground, base_of
+from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.offsets import as_effects, offset_between
 from calib.diagnosis.explanation.predict import ObservedRun, run_of, wheel_angles
+from calib.diagnosis.explanation.problem import Problem, turned_to_ripple
+from calib.diagnosis.explanation.vector import bounds, unpack
 from calib.diagnosis.proof.remainder import Remainder, apart_from_parameters, remainder_of
 from calib.diagnosis.search import groups, heats
 from calib.errors import ModelError

@@ -16,7 +16,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import Candidate, at_bound, divided, fit_without, pressed
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.fit import fit_without
+from calib.diagnosis.explanation.ranges import at_bound, divided, pressed
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.confirm import beyond_form, chi2_by_run, helps, squares
 from calib.diagnosis.proof.hold_outs import HoldOuts

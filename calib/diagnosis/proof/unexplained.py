@@ -15,9 +15,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import Candidate, FreeTerm, Problem, fit, free, joined
+from calib.diagnosis.explanation.candidate import Candidate, free
 from calib.diagnosis.explanation.channels import CHANNELS, thinned
+from calib.diagnosis.explanation.fit import FreeTerm, fit
 from calib.diagnosis.explanation.predict import ObservedRun, history_of
+from calib.diagnosis.explanation.problem import Problem, joined
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.proof.hold_outs import HoldOuts
 from calib.diagnosis.proof.oscillation import Oscillation, oscillation_of

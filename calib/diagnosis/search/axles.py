@@ -13,8 +13,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from calib.checks.gates import require_right_slip, wrong_slip
-from calib.diagnosis.explanation.candidate import Candidate, fit_base, problem_of
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.fit import fit_base
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.runs.judged import JudgedLog
 from calib.diagnosis.search.decide import quiet
 from calib.diagnosis.search.search import added, refine

@@ -12,7 +12,9 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import Candidate, Problem, free, joined, origins, unpack
+from calib.diagnosis.explanation.candidate import Candidate, free
+from calib.diagnosis.explanation.problem import Problem, joined
+from calib.diagnosis.explanation.vector import origins, unpack
 from calib.physics.effects.effect import Card
 from calib.physics.effects.effects import Effects
 from calib.physics.own_effects.own_effect import definition, every_effect

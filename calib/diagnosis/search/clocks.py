@@ -14,14 +14,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.diagnosis.explanation.candidate import (
-    Candidate,
-    Problem,
-    fit,
-    fit_without,
-    shown,
-    vector_of,
-)
+from calib.diagnosis.explanation.candidate import Candidate, shown
+from calib.diagnosis.explanation.fit import fit, fit_without
+from calib.diagnosis.explanation.problem import Problem
+from calib.diagnosis.explanation.vector import vector_of
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import (
     Decision,

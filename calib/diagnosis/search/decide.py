@@ -14,15 +14,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import (
-    Candidate,
-    at_bound,
-    fit,
-    fit_without,
-    shown,
-    without_its_noise,
-)
+from calib.diagnosis.explanation.candidate import Candidate, shown, without_its_noise
 from calib.diagnosis.explanation.channels import CHANNELS
+from calib.diagnosis.explanation.fit import fit, fit_without
+from calib.diagnosis.explanation.ranges import at_bound
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.chance import chance_of
 from calib.diagnosis.search.search import refine

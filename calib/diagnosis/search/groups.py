@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.base import REFERENCE, Ground
-from calib.diagnosis.explanation.candidate import Candidate, Problem
+from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.predict import ObservedRun
+from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.explanation.secant import columns, least_squares
 from calib.diagnosis.gates import GATES
 

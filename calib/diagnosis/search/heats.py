@@ -14,8 +14,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import Candidate, Problem, fit
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import ObservedRun
+from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, explains
 from calib.diagnosis.search.jointly import LogStates, fit_jointly, searched_beside

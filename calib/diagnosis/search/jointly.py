@@ -11,16 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import (
-    Candidate,
-    Problem,
-    bounds,
-    candidate_of,
-    prior_rows,
-    unpack,
-    widths,
-)
+from calib.diagnosis.explanation.candidate import Candidate, candidate_of
+from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.explanation.secant import least_squares
+from calib.diagnosis.explanation.vector import bounds, prior_rows, unpack, widths
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, decided_anew, explains, quiet
 from calib.diagnosis.search.together import left_by_all

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calib.diagnosis.explanation.base import Base
-from calib.diagnosis.explanation.candidate import Candidate, Problem, fit, fit_base
+from calib.diagnosis.explanation.candidate import Candidate
 from calib.diagnosis.explanation.channels import (
     CHANNELS,
     DRIFT,
@@ -24,8 +24,10 @@ from calib.diagnosis.explanation.channels import (
     thinned,
     unbraked_length,
 )
+from calib.diagnosis.explanation.fit import fit, fit_base
 from calib.diagnosis.explanation.offsets import GRADE, PARAMETERS, ZERO
 from calib.diagnosis.explanation.predict import ObservedRun
+from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, decide, explains
 from calib.names import G

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from calib.diagnosis.explanation.base import REFERENCE, Base, Ground
-from calib.diagnosis.explanation.candidate import Problem, fit_base
+from calib.diagnosis.explanation.fit import fit_base
+from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.jointly import within_reach
 from calib.physics.effects.effects import Effects

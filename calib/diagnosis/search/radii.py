@@ -12,19 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from calib.diagnosis.explanation.candidate import (
-    BASE,
-    Candidate,
-    covariance_of,
-    fit,
-    fit_without,
-    free,
-    joined,
-    shown,
-    shown_with,
-    unpack,
-)
+from calib.diagnosis.explanation.base import BASE
+from calib.diagnosis.explanation.candidate import Candidate, covariance_of, free, shown, shown_with
+from calib.diagnosis.explanation.fit import fit, fit_without
+from calib.diagnosis.explanation.problem import joined
 from calib.diagnosis.explanation.secant import DIFFERENCE
+from calib.diagnosis.explanation.vector import unpack
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, decided_anew, explains, gain, simplest_first
 from calib.diagnosis.search.search import refine

@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.base import REFERENCE, Ground
-from calib.diagnosis.explanation.candidate import BASE, Candidate, Problem
+from calib.diagnosis.explanation.base import BASE, REFERENCE, Ground
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.decide import Decision, explains
 from calib.diagnosis.search.groups import HIGH, LOW, PARAMETERS, SPREAD, grouped

@@ -16,7 +16,9 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import Candidate, fit, free, joined
+from calib.diagnosis.explanation.candidate import Candidate, free
+from calib.diagnosis.explanation.fit import fit
+from calib.diagnosis.explanation.problem import joined
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.changes import (
     EffectChange,

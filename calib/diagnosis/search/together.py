@@ -12,7 +12,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import Candidate, fit
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.search.changes import EffectChange, changes_by, further_changes
 from calib.diagnosis.search.search import begun

@@ -6,7 +6,8 @@ from itertools import combinations
 
 import numpy as np
 
-from calib.diagnosis.explanation.candidate import Candidate, Problem
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.undecided.separate import best_drive
 
 

@@ -18,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.diagnosis.explanation.agreement import half_widths
-from calib.diagnosis.explanation.candidate import Candidate, joined, prior_derivatives
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.problem import joined
+from calib.diagnosis.explanation.vector import prior_derivatives
 from calib.fitting.parameters import AT, PRIORS
 from calib.fitting.settings import SETTINGS
 from calib.physics.effects.effects import Effects

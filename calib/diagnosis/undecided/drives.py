@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.diagnosis.explanation.candidate import Candidate, Problem
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.problem import Problem
 from calib.diagnosis.gates import GATES
 from calib.diagnosis.undecided.separate import free_lengths, inner_products, manoeuvres
 from calib.physics.effects.effect import Card

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from calib.diagnosis.explanation.candidate import BASE, fit, problem_of
+from calib.diagnosis.explanation.base import BASE
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.confirm import beyond_form, second_shown
 from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.search import added

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.diagnose import Diagnosis, diagnose
-from calib.diagnosis.explanation.candidate import BASE, at_bound, fit, problem_of
+from calib.diagnosis.explanation.base import BASE
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import problem_of
+from calib.diagnosis.explanation.ranges import at_bound
 from calib.diagnosis.proof.hold_outs import hold_outs_of
 from calib.diagnosis.proof.prove import better, prove, remains
 from calib.diagnosis.search.decide import Decision

@@ -1,8 +1,10 @@
 """Which of two explanations of as many parameters is taken."""
 
 from calib.diagnosis.diagnose import by_log
-from calib.diagnosis.explanation.candidate import at_bound, fit, problem_of
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import problem_of
+from calib.diagnosis.explanation.ranges import at_bound
 from calib.diagnosis.search.decide import decide, explains
 from calib.diagnosis.search.search import added
 from tests.support.hidden.cases import draw

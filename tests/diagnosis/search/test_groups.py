@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.explanation.base import REFERENCE, Ground
-from calib.diagnosis.explanation.candidate import BASE, fit, problem_of
+from calib.diagnosis.explanation.base import BASE, REFERENCE, Ground
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.search.decide import decide
 from calib.diagnosis.search.groups import grouped, groups_of, placed
 from calib.diagnosis.search.regroup import regrouped

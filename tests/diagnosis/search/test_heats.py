@@ -7,8 +7,9 @@ import pytest
 
 import calib
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.explanation.candidate import fit, problem_of
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.search.decide import Decision
 from calib.diagnosis.search.heats import start_heats_of, with_start_heats
 from calib.diagnosis.written.words import start_heats

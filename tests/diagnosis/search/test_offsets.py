@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 import calib
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.explanation.candidate import fit_base, problem_of
 from calib.diagnosis.explanation.channels import CHANNELS
+from calib.diagnosis.explanation.fit import fit_base
 from calib.diagnosis.explanation.offsets import GRADE, ZERO, as_effects
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.search.offsets import differ
 from calib.diagnosis.written.document import to_dict
 from calib.diagnosis.written.words import offsets

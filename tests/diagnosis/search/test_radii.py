@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.diagnose import diagnose
-from calib.diagnosis.explanation.candidate import BASE, bounds, fit, problem_of, unpack
+from calib.diagnosis.explanation.base import BASE
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import problem_of
+from calib.diagnosis.explanation.vector import bounds, unpack
 from calib.diagnosis.search.decide import decide
 from calib.diagnosis.search.radii import with_free_radii
 from calib.diagnosis.written.document import to_dict

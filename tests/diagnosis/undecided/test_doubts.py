@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.explanation.agreement import half_widths
-from calib.diagnosis.explanation.candidate import BASE, fit, problem_of
+from calib.diagnosis.explanation.base import BASE
+from calib.diagnosis.explanation.fit import fit
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.undecided.doubts import base_half_widths, tyre_spread
 from calib.physics.effects.effects import Effects
 from calib.simulation.sensor_noise import add_noise

@@ -5,15 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calib.diagnosis.explanation.candidate import (
-    Candidate,
-    Problem,
-    fit,
-    fit_base,
-    pressed,
-    problem_of,
-)
+from calib.diagnosis.explanation.candidate import Candidate
+from calib.diagnosis.explanation.fit import fit, fit_base
 from calib.diagnosis.explanation.predict import run_of
+from calib.diagnosis.explanation.problem import Problem, problem_of
+from calib.diagnosis.explanation.ranges import pressed
 from calib.physics.effects import rolling_radius_mismatch
 from calib.physics.vehicle import Vehicle
 from tests.support.plant import Plant, magic
