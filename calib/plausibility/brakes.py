@@ -29,12 +29,14 @@ UNKNOWN = 1.0
 BAR = 1e5
 
 
-def response_warnings(log: str, response: BrakeResponse | None) -> Iterator[PlausibilityWarning]:
-    """Force without pressure, a step of it, and delay."""
+def response_warnings(
+    log: str, response: BrakeResponse | None, odds: float = PLAUSIBLE.motor_odds
+) -> Iterator[PlausibilityWarning]:
+    """Force without pressure, a step of it, and delay; ``odds`` of a motor as in `motor_of`."""
     if response is None:
         return
     sure = abs(response.share) > PLAUSIBLE.sure * response.share_sigma
-    motor = motor_of(response)
+    motor = motor_of(response, odds)
     if motor.share > PLAUSIBLE.force and motor.chance > PLAUSIBLE.motor_likely:
         yield PlausibilityWarning(
             "unexplained_braking_force",
@@ -108,7 +110,9 @@ class Motor(NamedTuple):
 
 
 def motor_of(response: BrakeResponse, odds: float = PLAUSIBLE.motor_odds) -> Motor:
-    """Weigh what is usual against a motor, which brakes; ``odds`` of one before the run [1].
+    """Weigh what is usual against a motor, which brakes.
+
+    ``odds`` of one before the run [1] are those of the vehicle file; `motor_stated` at least.
 
     A motor acts from the first pressure on and brakes until the car stands, or hands over to the
     brakes before; or it follows the pedal, which no first pressure shows, and hands over. A run
@@ -128,7 +132,7 @@ def motor_of(response: BrakeResponse, odds: float = PLAUSIBLE.motor_odds) -> Mot
         (1.0 - LASTING - FOLLOWING, _together(at_once, slow)),
     )
     parts = [part * _odds(seen) for part, seen in kinds]
-    total = sum(parts)
+    total, odds = sum(parts), max(odds, PLAUSIBLE.motor_stated)
     chance = odds * total / (1.0 + odds * total)
     share, square = (
         sum(one * of(seen) for one, (_, seen) in zip(parts, kinds, strict=True)) / total

@@ -43,6 +43,9 @@ class PlausibilityLimits:
     """Odds of such a motor, not logged, before the run: half of the new cars of 2023 have a motor
     that brakes (ACEA, new car registrations, European Union), and most tests log it or switch it
     off."""
+    motor_stated: float = 0.01
+    """Odds that are left where the vehicle file says that there is none: files are wrong, too, and
+    a run can show it."""
     motor_likely: float = 0.4
     """Chance of a motor from which it is named [1]: what is named too often costs a look, a motor
     that is not named stands in the pads."""

@@ -29,5 +29,5 @@ def run_warnings(
         *wheel_signal_warnings(log, vehicle, s),
         *pressure_warnings(log.name, s),
         *accelerometer_warnings(log.name, sensor),
-        *response_warnings(log.name, response),
+        *response_warnings(log.name, response, vehicle.motor_odds),
     )

@@ -59,8 +59,7 @@ def with_motor(log: Log, e: Estimate, of_ramps: Sequence[PlausibilityWarning] = 
     both = forces[0] + forces[1]
     usual = float(np.median(both[e.braked]))
     drag = car.weight * math.hypot(*drags) / both
-    odds = max(car.motor_odds, SETTINGS.motor_stated)
-    square = motor_of(e.response, odds).square + SETTINGS.motor_on_ramp * on_ramp**2
+    square = motor_of(e.response, car.motor_odds).square + SETTINGS.motor_on_ramp * on_ramp**2
     front, rear = (
         lowered(axle, 2.0 * (share * square * (usual / force) ** 2 + drag**2))
         for axle, share, force in zip(

@@ -64,9 +64,6 @@ class ValidationSettings:
     """Share of the motors that brake the front axle [1]: most cars with a small one are driven
     there (our estimate). One at the rear makes its pads seem a third better, and is named for
     that."""
-    motor_stated: float = 0.01
-    """Odds of a motor [1] that are left where the vehicle file says that there is none: files are
-    wrong, too, and a run can show it."""
     motor_on_ramp: float = 0.5
     """Chance that what a fit has named on a ramp is a motor [1]: 0.4 at least, and a force
     that is not there on one of ten good cars (`tests/studies/coverage_by_cause.py`, seed 6613)."""

@@ -44,7 +44,7 @@ def test_only_what_is_large_and_sure_is_named(seen, codes):
     assert [one.code for one in response_warnings("log", seen)] == codes
 
 
-def chance_by_counting(share, sigma, fading, fading_sigma):
+def chance_by_counting(share, sigma, fading, fading_sigma, odds):
     """Chance and mean square of a motor's share, by weighing a fine grid of shares."""
     m = np.linspace(0.0, 0.8, 8001)
     half = 2.0 * NormalDist(0.0, 0.1).pdf(0.0) * np.exp(-0.5 * (m / 0.1) ** 2) * (m[1] - m[0])
@@ -56,7 +56,7 @@ def chance_by_counting(share, sigma, fading, fading_sigma):
     at_once = [seen(x, share, np.hypot(sigma, 0.015)) for x in (m, 0.0)]
     slow = [seen(x, fading, np.hypot(fading_sigma, 0.02)) for x in (m, 0.0)]
     kinds = 0.4 * at_once[0] * slow[1] + 0.2 * at_once[1] * slow[0] + 0.4 * at_once[0] * slow[0]
-    none, motor = at_once[1] * slow[1], 0.1 * half * kinds
+    none, motor = at_once[1] * slow[1], odds * half * kinds
     total = none + motor.sum()
     return motor.sum() / total, (motor * m**2).sum() / total
 
@@ -64,13 +64,14 @@ def chance_by_counting(share, sigma, fading, fading_sigma):
 @pytest.mark.parametrize("share", [-0.05, 0.0, 0.03, 0.1])
 @pytest.mark.parametrize("fading", [-0.05, 0.0, 0.05, 0.15])
 @pytest.mark.parametrize(("sigma", "fading_sigma"), [(0.01, 0.02), (0.03, 1.3)])
-def test_a_motor_is_weighed_as_by_counting_all_shares(share, fading, sigma, fading_sigma):
+@pytest.mark.parametrize("odds", [0.01, 0.1, 1.0])
+def test_a_motor_is_weighed_as_by_counting_all_shares(share, fading, sigma, fading_sigma, odds):
     """`response` has the share with what is usual before the run, 0.05, counted in."""
     known = 1.0 / (sigma**-2.0 + 0.05**-2.0)
     counted = share * known / sigma**2
     seen = response(share=counted, sigma=known**0.5, fading=fading, fading_sigma=fading_sigma)
-    chance, square = chance_by_counting(share, sigma, fading, fading_sigma)
-    found = motor_of(seen)
+    chance, square = chance_by_counting(share, sigma, fading, fading_sigma, odds)
+    found = motor_of(seen, odds)
     assert found.chance == pytest.approx(chance, rel=1e-3)
     assert found.square == pytest.approx(square, rel=1e-3)
 

@@ -133,7 +133,7 @@ def of_car(table, odds):
 
 
 def test_a_light_stop_of_a_car_that_has_no_motor_keeps_its_interval(table):
-    """A light stop that ends above 3 m/s says next to nothing of a motor."""
+    """A light stop that ends above 3 m/s says next to nothing of a motor. One of 100 is left."""
     log = noisy(stop(WET, 15e5, stop_speed=4.0, duration=20.0), 1)
     parts = []
     for odds in (0.1, 0.01, 0.0):
