@@ -80,3 +80,27 @@ def test_derivatives_that_are_known_nearby_spare_evaluations_and_not_the_solutio
     assert float(left @ left) == pytest.approx(2.0 * expected.cost, rel=5e-3)
     assert begun == pytest.approx(x, abs=0.01)
     assert len(few[1]) < len(plain[1])
+
+
+def test_a_rough_fit_promises_what_a_straight_problem_keeps():
+    rng = np.random.default_rng(4)
+    A, y = rng.standard_normal((60, 6)), rng.standard_normal(60)
+    low, high = np.full(6, -10.0), np.full(6, 10.0)
+
+    def residuals(x):
+        return A @ x - y
+
+    begun = least_squares(residuals, np.full(6, 5.0), low, high, np.ones(6), 1, rough=True)
+    least = float(optimize.lsq_linear(A, y).cost) * 2.0
+    assert float(begun.residuals @ begun.residuals) > 1.01 * least
+    assert begun.promised == pytest.approx(least, rel=1e-4)
+    done = least_squares(residuals, begun.x, low, high, np.ones(6), 20)
+    assert done.promised == pytest.approx(float(done.residuals @ done.residuals))
+
+
+def test_an_element_at_its_bound_promises_nothing():
+    A, y = np.eye(3), np.array([1.0, 2.0, 5.0])
+    low, high = np.zeros(3), np.array([10.0, 10.0, 3.0])
+    start = np.array([0.5, 0.5, 3.0 - 1e-12])
+    found = least_squares(lambda x: A @ x - y, start, low, high, np.ones(3), 1, rough=True)
+    assert found.promised >= 4.0 - 1e-6

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.diagnosis.explanation.base import BASE
-from calib.diagnosis.explanation.fit import fit
+from calib.diagnosis.explanation.fit import fit, fit_base, fit_without
 from calib.diagnosis.explanation.predict import run_of
 from calib.diagnosis.explanation.problem import problem_of
 from calib.diagnosis.proof.unexplained import locate
@@ -46,3 +46,28 @@ def test_two_processes_place_what_is_left_as_one_does(problem):
     assert together.term.place == alone.term.place
     assert together.term.values == pytest.approx(alone.term.values, rel=1e-6)
     assert [r[:2] for r in together.runners_up] == [r[:2] for r in alone.runners_up]
+
+
+def test_what_is_not_fitted_to_its_end_cannot_be_the_best():
+    """Fits that go on from there, each to its end, come nowhere near the best."""
+    case = draw("single", 9, names=("hydraulic_lag",))
+    problem = problem_of(case.vehicle, [run_of(log) for log in case.calibration])
+    found = refine(fit_base(problem))
+    rough = [one for one in found if not one.converged]
+    assert rough
+    for one in rough:
+        assert fit(problem, one.names, one.x).chi2 > found[0].chi2
+    assert found[0].chi2 == pytest.approx(fit(problem, found[0].names, found[0].x).chi2, rel=1e-3)
+
+
+def test_an_explanation_keeps_its_fits(problem):
+    base = fit(problem, (), np.zeros(BASE))
+    found = refine(base, 3)
+    assert all(one is other for one, other in zip(found, refine(base, 3), strict=True))
+    assert fit_without(found[0], found[0].names[0]) is fit_without(found[0], found[0].names[0])
+
+
+def test_what_cannot_come_below_a_chi_square_is_not_fitted(problem):
+    base = fit(problem, (), np.zeros(BASE))
+    assert refine(base, 3, below=0.5 * base.chi2)[0].names == ("hydraulic_lag",)
+    assert refine(base, 3, below=0.0) == []
