@@ -286,7 +286,9 @@ def _exchanged(held: HoldOuts, present: Proved) -> Proved:
     at = present.decision.best
     for name in dict.fromkeys((*at_bound(at), *divided(at))):
         fewer = fit_without(at, name)
-        for option in (fewer, *refine(fewer, GATES.tried)):
+        least = GATES.parameter * (at.parameters - fewer.parameters - 1)
+        others = refine(fewer, GATES.tried, at.chi2 + least * at.count, but=name)
+        for option in (fewer, *others):
             if (exchanged := _simpler(held, present, option)) is not None:
                 return exchanged
     return present

@@ -96,15 +96,19 @@ def unresolved(at: Candidate, least: Mapping[str, float]) -> tuple[str, ...]:
     return tuple(faint)
 
 
-def refine(at: Candidate, count: int = GATES.refined, below: float = math.inf) -> list[Candidate]:
-    """Fit the most promising effects on top of ``at``; best first.
+def refine(
+    at: Candidate, count: int = GATES.refined, below: float = math.inf, but: str = ""
+) -> list[Candidate]:
+    """Fit the most promising effects on top of ``at``, best first; all ``but`` one.
 
     Those alone that may come ``below`` a chi-square. All are fitted roughly, then those to their
-    end that may still be the best, or leave no more than noise.
+    end that may still come below it and be the best, or leave no more than noise.
     """
-    tried = [h for h in hints(at)[:count] if h.gain > 0.0 and in_reach(at.chi2 - h.gain, below)]
+    hopeful = [hint for hint in hints(at)[:count] if hint.gain > 0.0 and hint.name != but]
+    tried = [hint for hint in hopeful if in_reach(at.chi2 - hint.gain, below)]
     _side_by_side(at, _roughly, [hint for hint in tried if hint.name not in at.further])
-    best = max(GATES.floor * at.count, min((at.further[h.name].chi2 for h in tried), default=0.0))
+    least = min((at.further[hint.name].chi2 for hint in tried), default=0.0)
+    best = max(GATES.floor * at.count, min(least, below))
     _side_by_side(at, _to_its_end, [hint for hint in tried if _is_open(at, hint, best)])
     return sorted((at.further[hint.name] for hint in tried), key=lambda found: found.chi2)
 
