@@ -202,6 +202,8 @@ class DiagnosisGates:
     # proof/prove.py
     tried: int = 3
     """Further effects that are fitted in each step, the most promising ones."""
+    runners_up: int = 2
+    """Other pairs from which an explanation is looked for, where the best one leaves something."""
     further_of_all: float = 0.003
     """Least gain of an effect that replays show well, as a share of that of the effects before. A
     wheel that rolls 0.5 % faster explains so much that a trifle of it, 0.0002, is a wrong drag."""

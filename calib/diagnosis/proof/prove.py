@@ -114,6 +114,8 @@ def prove(held: HoldOuts, decision: Decision) -> Proved:
     Something is left, too, where the range of a parameter holds it: see `pressed`.
     """
     found = _named_with(held, decision)
+    if found.rest:
+        found = _from_a_runner_up(held, decision) or found
     if found.decision.verdict not in ("named", "ambiguous"):
         return found
     found = _unless_held(held, _one_for_two(held, _exchanged(held, found)))
@@ -144,6 +146,25 @@ def _named_with(held: HoldOuts, decision: Decision) -> Proved:
     while _hinted(present.decision.best) and (further := _further(held, present)) is not None:
         present = further
     return present
+
+
+def _from_a_runner_up(held: HoldOuts, decision: Decision) -> Proved | None:
+    """What is proved from another pair, where one effect more leaves nothing; None if none does.
+
+    Where a third effect is missing, a wrong second one can explain more than the right one.
+    """
+    best = decision.best
+    if len(best.names) < 2:
+        return None
+    pairs = [c for c in decision.rivals if len(c.names) == len(best.names)]
+    for pair in pairs[: GATES.runners_up]:
+        if all(one.reduced > quiet(one) for one in refine(pair, GATES.tried)):
+            continue
+        others = (best, *(c for c in decision.rivals if c is not pair))
+        found = _named_with(held, replace(decision, best=pair, rivals=others, faint=None))
+        if found.decision.verdict in ("named", "ambiguous") and not found.rest:
+            return found
+    return None
 
 
 def remains(best: Candidate, left: Remainder) -> bool:
