@@ -40,7 +40,7 @@ from calib.diagnosis.search.decide import Decision, confusable, explains, gain
 from calib.diagnosis.search.groups import LogGroup, groups_of
 from calib.diagnosis.search.heats import start_heats_of, with_start_heats
 from calib.diagnosis.search.offsets import LogOffsets, decided_with_offsets, offsets_of
-from calib.diagnosis.search.own_pads import own_pads_of, with_own_pads
+from calib.diagnosis.search.own_pads import follow_a_driver, own_pads_of, with_own_pads
 from calib.diagnosis.search.radii import with_free_radii
 from calib.diagnosis.search.regroup import regrouped
 from calib.diagnosis.search.search import unresolved
@@ -317,7 +317,9 @@ def _searched(
         return found
     own = with_own_pads(found.decision)
     other = None if own is None else _proved_from(own, holdout)
-    return found if other is None or not _whole(other) else other
+    if other is None or not _whole(other) or follow_a_driver(other.decision.best):
+        return found
+    return other
 
 
 def _proved_from(problem: Problem, holdout: list[Log]) -> Proved:

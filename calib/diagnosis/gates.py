@@ -162,6 +162,15 @@ class DiagnosisGates:
     """Share of what is unexplained that all effects together leave in one linear step, from which
     no search can explain it."""
 
+    # search/own_pads.py
+    own_pads_pressure: float = 2e5
+    """Pressure [Pa] from which a log brakes."""
+    own_pads_logs: int = 5
+    """Fewest logs that brake in which own pads can be seen to follow something."""
+    own_pads_driven: float = 0.002
+    """Chance of a correlation below which they do: six are asked, so that one set of pads that
+    differ by chance in a hundred is taken for driven."""
+
     # search/radii.py
     radii_least: float = 25.0
     """Least fall of the chi-square by other radii with which they are tried. Where nothing is left,

@@ -1,5 +1,7 @@
 """Pads and tyres that each log has of its own."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,6 +11,7 @@ from numpy.testing import assert_allclose
 from calib.diagnosis.diagnose import diagnose
 from calib.diagnosis.explanation.base import Ground
 from calib.diagnosis.explanation.own_pads import SIGMA, OwnPads
+from calib.diagnosis.search.own_pads import follow_a_driver
 from calib.diagnosis.written.document import to_dict
 from calib.diagnosis.written.words import own_pads
 from tests.support.hidden.cases import draw
@@ -70,3 +73,37 @@ def test_nothing_hidden_is_no_gap_beside_pads_of_each_log():
     found = diagnose(case.vehicle, list(case.calibration), list(case.holdout))
     assert found.verdict == "no_gap"
     assert found.own_pads
+
+
+def explained_with(pads):
+    """Ten logs with other temperatures, and these pads (10, 2) of their own [1]."""
+    rng = np.random.default_rng(2)
+    runs = [
+        SimpleNamespace(
+            p_mc=np.full(50, rng.uniform(10e5, 40e5)),
+            v_smooth=np.full(50, rng.uniform(10.0, 30.0)),
+            temperature_f=np.full(50, temperature),
+            temperature_r=None,
+        )
+        for temperature in np.linspace(80.0, 340.0, 10)
+    ]
+    grounds = [Ground(*np.exp(own)) for own in pads]
+    problem = SimpleNamespace(own_pads=True, runs=runs, grounds=lambda base, effects: grounds)
+    return SimpleNamespace(problem=problem, base=None, effects=None)
+
+
+def test_pads_that_differ_by_chance_follow_nothing():
+    rng = np.random.default_rng(1)
+    drawn = [explained_with(0.03 * rng.standard_normal((10, 2))) for _ in range(300)]
+    assert np.mean([follow_a_driver(one) for one in drawn]) < 0.03
+
+
+def test_pads_that_follow_the_discs_are_seen():
+    """A friction that is 8 % larger where the discs are hot."""
+    rng = np.random.default_rng(1)
+    hump = 0.08 * np.exp(-(((np.linspace(80.0, 340.0, 10) - 330.0) / 100.0) ** 2))
+    seen = [
+        follow_a_driver(explained_with(hump[:, None] + 0.01 * rng.standard_normal((10, 2))))
+        for _ in range(50)
+    ]
+    assert np.mean(seen) > 0.9
