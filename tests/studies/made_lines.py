@@ -26,6 +26,8 @@ ROTATING = (0.02, 0.05)
 car, and 0.6 of them turn with the radius."""
 STOPS = ("stop_1", "stop_2", "stop_3")
 RUNS = ("ramp", "coast", *STOPS)
+WEIGHED = 0.01
+"""How well the mass of the vehicle file is known [1]."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ def pads(
 def on_paper(rng: np.random.Generator, true: Vehicle) -> Vehicle:
     """The vehicle file: weighed to 1 %, centre of gravity to 3 %, tyres to 0.3 and 0.1 %.
 
-    It says that no motor brakes along: the makers of a car know.
+    It says how well the car was weighed, and that no motor brakes along: the makers of a car know.
     """
     radius = 1.0 + rng.normal(0.0, 0.003)
     front, rear = (
@@ -127,8 +129,9 @@ def on_paper(rng: np.random.Generator, true: Vehicle) -> Vehicle:
     )
     return replace(
         true,
-        mass=true.mass * (1.0 + rng.normal(0.0, 0.01)),
+        mass=true.mass * (1.0 + rng.normal(0.0, WEIGHED)),
         cg_height=true.cg_height * (1.0 + rng.normal(0.0, 0.03)),
+        mass_tolerance=WEIGHED,
         motor_odds=0.0,
         front=front,
         rear=rear,
