@@ -177,12 +177,15 @@ def something_else(found: Diagnosis) -> str:
     if found.unexplained is None or not found.effects:
         return ""
     left = found.left
-    text = (
-        f"Something else is left: an {UNEXPLAINED} of {found.reduced_after:.2f}, and in the "
-        f"replays lasting errors of {left.size:.1f} times the sensors' noise"
-    )
-    if left.significant:
-        text += f", {min(left.sigma, 99.0):.0f} standard deviations or more from noise alone"
+    text = f"Something else is left: an {UNEXPLAINED} of {found.reduced_after:.2f}"
+    lasting = f"lasting errors of {left.size:.1f} times the sensors' noise"
+    if not left.significant:
+        return (
+            f"{text} in the calibration logs. The replays of the hold-outs do not show it: they "
+            f"have {lasting}, which noise alone can make."
+        )
+    sure = f"{min(left.sigma, 99.0):.0f} standard deviations or more from noise alone"
+    text += f", and in the replays {lasting}, {sure}"
     at = f"{span(left.pressure, 'Pa')} and {span(left.speed, 'm/s')}"
     return (
         f"{text}. It is largest in {left.channel} of {left.log} ({left.largest:.1f} times the "
