@@ -101,14 +101,15 @@ def refine(
 ) -> list[Candidate]:
     """Fit the most promising effects on top of ``at``, best first; all ``but`` one.
 
-    Those alone that may come ``below`` a chi-square. All are fitted roughly, then those to their
-    end that may still come below it and be the best, or leave no more than noise.
+    Those alone that may come ``below`` a chi-square, or leave no more than noise. All are fitted
+    roughly, then those to their end that may still do so and be the best.
     """
+    noise = GATES.floor * at.count
     hopeful = [hint for hint in hints(at)[:count] if hint.gain > 0.0 and hint.name != but]
-    tried = [hint for hint in hopeful if in_reach(at.chi2 - hint.gain, below)]
+    tried = [hint for hint in hopeful if in_reach(at.chi2 - hint.gain, max(below, noise))]
     _side_by_side(at, _roughly, [hint for hint in tried if hint.name not in at.further])
     least = min((at.further[hint.name].chi2 for hint in tried), default=0.0)
-    best = max(GATES.floor * at.count, min(least, below))
+    best = max(noise, min(least, below))
     _side_by_side(at, _to_its_end, [hint for hint in tried if _is_open(at, hint, best)])
     return sorted((at.further[hint.name] for hint in tried), key=lambda found: found.chi2)
 

@@ -67,7 +67,10 @@ def test_an_explanation_keeps_its_fits(problem):
     assert fit_without(found[0], found[0].names[0]) is fit_without(found[0], found[0].names[0])
 
 
-def test_what_cannot_come_below_a_chi_square_is_not_fitted(problem):
+def test_what_cannot_come_near_the_noise_is_not_fitted(problem):
     base = fit(problem, (), np.zeros(BASE))
     assert refine(base, 3, below=0.5 * base.chi2)[0].names == ("hydraulic_lag",)
-    assert refine(base, 3, below=0.0) == []
+    fitted, hopeful = refine(base, 20), refine(base, 20, below=0.0)
+    assert hopeful[0].names == fitted[0].names
+    assert len(hopeful) < len(fitted)
+    assert all(one.reduced < 2.0 * fitted[0].reduced for one in hopeful)
