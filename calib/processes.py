@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from contextlib import contextmanager
@@ -11,6 +12,9 @@ from multiprocessing.context import BaseContext
 from typing import Protocol, TypeVar
 
 from calib.errors import BatchError
+
+STOPPING = 0.3
+"""Time [s] within which a signal to a group of processes has come to all of them."""
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -77,6 +81,7 @@ def side_by_side(count: int, preload: str) -> Iterator[Mapped]:
     try:
         yield mapped
     except BrokenExecutor as error:
+        time.sleep(STOPPING)  # what stopped the workers may stop this process, too
         raise BatchError(
             "a worker process died",
             do="repeat it; if memory ran out, with --workers 1",
