@@ -42,6 +42,10 @@ class Axle:
         return replace(self, rolling_radius=self.rolling_radius * factor)
 
 
+NOT_OF_THE_CAR = ("mass_tolerance", "motor_odds")
+"""Fields of a `Vehicle` that say what is open about it: cars that differ in them alone are one."""
+
+
 @dataclass(frozen=True)
 class Vehicle:
     """Table II of the paper, both axles, and the known effects.
@@ -56,7 +60,8 @@ class Vehicle:
     front, rear : the axles.
     mass_tolerance : one standard deviation of the relative error of the mass [1].
     motor_odds : odds, before a run, that a motor or an engine brakes along with the pedal and is
-        not logged [1].
+        not logged [1]. Half of the new cars of 2023 have a motor that brakes (ACEA, new car
+        registrations, European Union), and most tests log it or switch it off.
     effects : known effects in addition to the paper's model.
     """
 

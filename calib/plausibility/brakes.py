@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from calib.messages.warning import PlausibilityWarning
+from calib.physics.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
 from calib.signals.axle_signals import Signals
 from calib.signals.brake_response import FORCE as FORCE_BEFORE
@@ -30,7 +31,7 @@ BAR = 1e5
 
 
 def response_warnings(
-    log: str, response: BrakeResponse | None, odds: float = PLAUSIBLE.motor_odds
+    log: str, response: BrakeResponse | None, odds: float = Vehicle.motor_odds
 ) -> Iterator[PlausibilityWarning]:
     """Force without pressure, a step of it, and delay; ``odds`` of a motor as in `motor_of`."""
     if response is None:
@@ -109,7 +110,7 @@ class Motor(NamedTuple):
     square: float
 
 
-def motor_of(response: BrakeResponse, odds: float = PLAUSIBLE.motor_odds) -> Motor:
+def motor_of(response: BrakeResponse, odds: float = Vehicle.motor_odds) -> Motor:
     """Weigh what is usual against a motor, which brakes.
 
     ``odds`` of one before the run [1] are those of the vehicle file; `motor_stated` at least.

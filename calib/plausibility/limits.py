@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-from calib.physics.vehicle import Vehicle
-
 
 @dataclass(frozen=True)
 class PlausibilityLimits:
@@ -39,13 +37,9 @@ class PlausibilityLimits:
     half second below 3 m/s. Pads that grip more as they get slow are below zero."""
     motor_force: float = 0.1
     """Spread of both where a motor brakes along [1]: 0.01 to 0.1 g beside 0.3 g by the pads."""
-    motor_odds: float = Vehicle.motor_odds
-    """Odds of such a motor, not logged, before the run: half of the new cars of 2023 have a motor
-    that brakes (ACEA, new car registrations, European Union), and most tests log it or switch it
-    off."""
     motor_stated: float = 0.01
-    """Odds that are left where the vehicle file says that there is none: files are wrong, too, and
-    a run can show it."""
+    """Odds of such a motor, not logged, that are left where the vehicle file says that there is
+    none: files are wrong, too, and a run can show it."""
     motor_likely: float = 0.4
     """Chance of a motor from which it is named [1]: what is named too often costs a look, a motor
     that is not named stands in the pads."""

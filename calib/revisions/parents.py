@@ -5,7 +5,7 @@ from dataclasses import asdict
 from itertools import combinations
 
 from calib.errors import RevisionError
-from calib.physics.vehicle import Vehicle
+from calib.physics.vehicle import NOT_OF_THE_CAR, Vehicle
 from calib.store.version import Stored
 from calib.table.table import Table
 
@@ -80,9 +80,9 @@ def _ramps(table: Table) -> set[tuple[str, str]]:
 
 
 def _differ(a: Vehicle, b: Vehicle) -> Iterator[str]:
-    """What differs but the name, how well the mass is known, and whether a motor may brake."""
+    """What differs but the name and what is open about the car."""
     first, second = (_flat(asdict(vehicle)) for vehicle in (a, b))
-    for key in sorted({*first, *second} - {"name", "mass_tolerance", "motor_odds"}):
+    for key in sorted({*first, *second} - {"name", *NOT_OF_THE_CAR}):
         if first.get(key) != second.get(key):
             yield f"{key} {_shown(first.get(key))} and {_shown(second.get(key))}"
 

@@ -24,7 +24,7 @@ from calib.messages.warning import PlausibilityWarning
 from calib.messages.warning import to_dict as warning_dict
 from calib.names import G
 from calib.physics.mass import MassUsed, mass_used
-from calib.physics.vehicle import Vehicle
+from calib.physics.vehicle import NOT_OF_THE_CAR, Vehicle
 from calib.plausibility.wheel_signals import V_OF_WHEELS
 from calib.signals.axle_signals import signals
 from calib.store.version import Stored
@@ -301,13 +301,11 @@ def require_same_vehicle(
 
 
 def _geometry(vehicle: Vehicle) -> dict[str, float]:
-    """Everything of a vehicle but its name, pads, effects, and what is open of it."""
+    """Everything of a vehicle but its name, pads, effects, and what is open about it."""
     flat = {k: v for k, v in asdict(vehicle).items() if isinstance(v, float)}
     for side, axle in (("front", vehicle.front), ("rear", vehicle.rear)):
         flat |= {f"{side}.{k}": v for k, v in asdict(axle).items() if k != "pad_friction"}
-    for open_of_it in ("mass_tolerance", "motor_odds"):
-        flat.pop(open_of_it, None)
-    return flat
+    return {key: value for key, value in flat.items() if key not in NOT_OF_THE_CAR}
 
 
 def all_warnings(

@@ -72,7 +72,7 @@ def least_squares(
         )
         x = result.x
         if result.status > 0:
-            return Least(x, np.asarray(result.fun), 2.0 * float(result.cost))
+            return Least(x, np.asarray(result.fun), float(result.fun @ result.fun))
     inside = np.asarray(result.active_mask) == 0
     return Least(x, np.asarray(result.fun), secant.promised(result.fun, inside))
 

@@ -307,8 +307,8 @@ def _exchanged(held: HoldOuts, present: Proved) -> Proved:
     at = present.decision.best
     for name in dict.fromkeys((*at_bound(at), *divided(at))):
         fewer = fit_without(at, name)
-        least = GATES.parameter * (at.parameters - fewer.parameters - 1)
-        others = refine(fewer, GATES.tried, at.chi2 + least * at.count, but=name)
+        spared_price = GATES.parameter * (at.parameters - fewer.parameters - 1) * at.count
+        others = refine(fewer, GATES.tried, at.chi2 + spared_price, but=name)
         for option in (fewer, *others):
             if (exchanged := _simpler(held, present, option)) is not None:
                 return exchanged
