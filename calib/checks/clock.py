@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.limits import LIMITS
+from calib.logs.clock import GAP, step_of
 
 Array = NDArray[np.float64]
 
@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 class Clock:
     """Sampling of a log.
 
-    ``duration`` [s]; ``rate`` of the median step [Hz]; ``jitter`` root mean square deviation of
-    the steps from the median, without gaps [s]; ``gaps`` as (start [s], length [s]).
+    ``duration`` [s]; ``rate`` of the mean step [Hz]; ``jitter`` root mean square deviation of
+    the steps from it, without gaps [s]; ``gaps`` as (start [s], length [s]).
     """
 
     samples: int
@@ -28,13 +28,13 @@ class Clock:
 def clock_of(time: Array) -> Clock:
     """Sampling of a strictly increasing time [s], shape (n,)."""
     steps = np.diff(time)
-    median = float(np.median(steps))
-    wide = steps > LIMITS.gap_steps * median
-    jitter = steps[~wide] - median
+    step = step_of(time)
+    wide = steps > GAP * step
+    jitter = steps[~wide] - step
     return Clock(
         samples=time.size,
         duration=float(time[-1] - time[0]),
-        rate=1.0 / median,
+        rate=1.0 / step,
         jitter=float(np.sqrt(np.mean(jitter**2))),
         gaps=tuple((float(time[i]), float(steps[i])) for i in np.flatnonzero(wide)),
     )

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from calib.checks.limits import LIMITS
 from calib.checks.sensors import resolution_of
+from calib.logs.clock import GAP
 from calib.logs.log import Log
 from calib.names import WHEELS
 from calib.statistics.least_squares import explained_square
@@ -39,7 +40,7 @@ def rough(log: Log, channel: str) -> Array:
 def _differences(log: Log, channel: str) -> Array:
     """Second differences of a channel without those over a gap, which every channel has alike."""
     steps = np.diff(log.time)
-    even = steps <= LIMITS.gap_steps * log.sample_time
+    even = steps <= GAP * log.sample_time
     return np.asarray(np.diff(log[channel], 2)[even[1:] & even[:-1]])
 
 

@@ -7,10 +7,6 @@ from dataclasses import dataclass
 class CheckLimits:
     """Each is named after what it decides; the comments name the file."""
 
-    # clock.py
-    gap_steps: float = 3.0
-    """A step longer than this many median steps is a gap: two consecutive samples are lost."""
-
     # computed_channels.py
     computed_alike: float = 1e-3
     """Largest difference of a channel and its source, over its range [1]: rounding of decimals."""
@@ -147,7 +143,7 @@ class CheckLimits:
     slow_rate: float = 95.0
     """Lowest rate [Hz] that resolves the build-up of the brake, 0.1 to 0.2 s."""
     jitter: float = 0.1
-    """Deviation of the steps of the clock over their median [1]."""
+    """Deviation of the steps of the clock over their mean [1]."""
     tyres: float = 8e-3
     """Mismatch of the axles [1] that wear cannot cause; less is zeroed without a word."""
     sides: float = 5e-3

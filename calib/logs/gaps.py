@@ -11,13 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calib.logs.clock import GAP, step_of
 from calib.logs.source import Array
 
-STEPS = 3.5
-"""Gaps up to this many median steps are filled and not told: two lost samples, plus jitter."""
-
 BRIDGE = 0.2
-"""Gaps longer than this [s] and than `STEPS` are never bridged: a brake builds up in that time."""
+"""Gaps longer than this [s] and than `GAP` are never bridged: a brake builds up in that time."""
 
 SIDE = 0.1
 """Length [s] of the samples on either side of a gap that show whether a channel is smooth."""
@@ -51,16 +49,11 @@ class ChannelHole:
 
 @dataclass(frozen=True)
 class Filled:
-    """``values`` at the wanted times; gaps of more than `STEPS` that were bridged, or left open."""
+    """``values`` at the wanted times; gaps of over `GAP` steps that were bridged, or left open."""
 
     values: Array
     bridged: tuple[ChannelHole, ...] = ()
     left_open: tuple[ChannelHole, ...] = ()
-
-
-def step_of(time: Array) -> float:
-    """The median step of ascending times, shape (n,) [s]."""
-    return float(np.median(np.diff(time)))
 
 
 def fill(channel: str, t: Array, x: Array, at: Array) -> Filled:
@@ -84,7 +77,7 @@ def fill(channel: str, t: Array, x: Array, at: Array) -> Filled:
         return Filled(values)
     step, steps, allowed = step_of(t), np.diff(t), SMOOTH * float(np.ptp(x))
     bridged, left_open = [], []
-    for i in np.flatnonzero(steps > STEPS * step):
+    for i in np.flatnonzero(steps > GAP * step):
         inside = slice(np.searchsorted(at, t[i], side="right"), np.searchsorted(at, t[i + 1]))
         if inside.start == inside.stop:
             continue  # no value is wanted there

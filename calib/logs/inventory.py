@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.logs.gaps import STEPS
+from calib.logs.clock import GAP, step_of
 from calib.logs.log import Array
 from calib.logs.whole import TIME, WholeColumn, WholeLog
 
@@ -14,7 +14,7 @@ class Inventory:
     """One column.
 
     ``low``, ``high`` in ``unit``, None without a value; ``samples`` rows with a value; ``rate``
-    [Hz] of the recording, or by the median step of those rows; ``gaps`` of more than `STEPS` steps:
+    [Hz] of the recording, or by the mean step of those rows; ``gaps`` of more than `GAP` steps:
     time of the last value before each and its length [s].
     """
 
@@ -37,9 +37,9 @@ def _of(column: WholeColumn, time: Array) -> Inventory:
     known = np.isfinite(column.values)
     at, values = time[known], column.values[known]
     steps = np.diff(at)
-    usual = float(np.median(steps)) if steps.size else 0.0
+    usual = step_of(at) if steps.size else 0.0
     rate = column.rate or (1.0 / usual if steps.size else None)
-    long = np.flatnonzero(steps > STEPS * usual)
+    long = np.flatnonzero(steps > GAP * usual)
     return Inventory(
         column.name,
         column.unit,

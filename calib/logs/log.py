@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.logs.clock import step_of
 from calib.logs.gaps import ChannelHole
 
 Array = NDArray[np.float64]
@@ -73,5 +74,5 @@ class Log:
 
     @cached_property
     def sample_time(self) -> float:
-        """Median step of the clock [s]."""
-        return float(np.median(np.diff(self.time)))
+        """Mean step of the clock, gaps aside [s]; see `calib.logs.clock`."""
+        return step_of(self.time)

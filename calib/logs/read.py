@@ -5,11 +5,14 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from calib.errors import ChannelMapError, LogError
 from calib.files.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.bus.databases import Databases
 from calib.logs.channel_map import ChannelMap
+from calib.logs.clock import on_line
 from calib.logs.gaps import ChannelHole, fill_rows
 from calib.logs.kind import refuse_other_kind
 from calib.logs.log import Array, Log, Origin
@@ -215,12 +218,19 @@ def _read_table(
     taken, ignored = assign(source.columns, channel_map, require, str(path))
     written = source.read([item.index for item in taken])
     values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
+    values["time"], rounded = _clock(values["time"])
     measured = {name: x for name, x in values.items() if name in CHANNELS and name != "time"}
     filled, notes, bridged = fill_rows(measured, values["time"])
-    notes = [*source.notes, *without_unit(source.columns, taken), *notes]
+    notes = [*source.notes, *without_unit(source.columns, taken), *rounded, *notes]
     return _Taken(
         opened.digest, values | filled, _origins(taken), ignored, tuple(notes), tuple(bridged)
     )
+
+
+def _clock(time: Array) -> tuple[Array, tuple[str, ...]]:
+    """Times of a table [s], (n,), on their line where they are rounded; else as they are."""
+    ascending = np.isfinite(time).all() and np.all(np.diff(time) > 0)
+    return on_line(time) if ascending else (time, ())
 
 
 def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import LogError
-from calib.logs.gaps import ChannelHole, Filled, fill, in_words, step_of
+from calib.logs.clock import on_line, step_of
+from calib.logs.gaps import ChannelHole, Filled, fill, in_words
 from calib.logs.recording import ChannelTrace
 from calib.logs.running import running
 from calib.logs.source import Array
@@ -108,6 +109,9 @@ def _clean(wanted: Sequence[Wanted], where: str) -> tuple[list[Wanted], list[str
         trace = w.trace
         if trace.clock not in clocks:
             time, changes = running(trace.time, f"{where}: {trace.clock}")
+            if np.all(np.diff(time) > 0):
+                time, rounded = on_line(time)
+                changes += rounded
             clocks[trace.clock] = time, trace.clock
             notes += [f"{trace.clock}: {text}" for text in changes]
         time = clocks[trace.clock][0]
@@ -162,7 +166,7 @@ def _span(full: list[Wanted], where: str) -> tuple[float, float, list[str]]:
 
 
 def rate_of(time: Array) -> float:
-    """Sample rate [Hz] from the median step of ascending times [s]."""
+    """Sample rate [Hz] from the mean step of ascending times [s]."""
     return 1.0 / step_of(time)
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.logs.clock import step_of
 from calib.signals.filters import centred_mean
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def noisy(
 
 def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
     """Centred mean over ``window`` [s], shape (n,); NaN stays NaN and spreads to no neighbour."""
-    width = max(1, round(window / float(np.median(np.diff(time))))) | 1
+    width = max(1, round(window / step_of(time))) | 1
     known = np.isfinite(values)
     weight = centred_mean(known.astype(float), width)
     total = centred_mean(np.where(known, values, 0.0), width)

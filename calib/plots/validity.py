@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from calib.logs.clock import step_of
 from calib.plots.style import IDENTIFIED, NOMINAL
 from calib.plots.trace import StopTrace
 from calib.signals.filters import runs
@@ -22,7 +23,7 @@ LEAST = 0.02
 
 def validity(ax: "Axes", trace: StopTrace) -> None:
     """When the estimate is valid, and each reason why it is not, as bars over time."""
-    step = float(np.median(np.diff(trace.time)))
+    step = step_of(trace.time)
     reasons = {why: mask for why, mask in trace.refused.items() if np.mean(mask) >= LEAST}
     rows = {"valid": trace.valid, **reasons}
     for place, (word, mask) in enumerate(rows.items()):

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from calib.checks.limits import LIMITS
 from calib.logs.channel_map import Mapping
+from calib.logs.clock import step_of
 from calib.suggest.physics import ColumnClock
 from calib.suggest.proposal import LIKELY, SURE, Doubt, Proposal
 from calib.suggest.series import Series
@@ -83,7 +84,7 @@ def _doubt(candidates: list[Series], why: str, do: str) -> Doubt:
 
 def _proposal(series: Series) -> tuple[Proposal | None, ColumnClock | None, list[Doubt]]:
     time = series.values[rising(series.values)]
-    step, order = float(np.median(np.diff(time))), _increasing(series.values)
+    step, order = step_of(time), _increasing(series.values)
     if series.si == "s":
         reasons = ("name", f"unit {series.column.unit}", order)
         found = Proposal("time", Mapping(series.name), SURE, reasons)

@@ -28,7 +28,7 @@ TOGETHER, RATIO = 0.99, 0.1
 
 @dataclass(frozen=True)
 class ColumnClock:
-    """Time of each row, shape (n,), and the median step [s]."""
+    """Time of each row, shape (n,), and the mean step [s]."""
 
     time: Array
     step: float

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from calib.checks.computed_channels import factor_between, is_other_quantity
 from calib.logs.channel_map import Mapping
+from calib.logs.clock import step_of
 from calib.logs.source import ColumnSource
 from calib.names import CHANNELS, WHEELS
 from calib.suggest.body import FoundChannel, find_acceleration, find_pressure, find_speed
@@ -145,7 +146,7 @@ class _Work:
             named = next((s for s in series if s is not None), None)
             if named is not None:
                 named = named[rising(named)]
-                self.clock = ColumnClock(named, float(np.median(np.diff(named))))
+                self.clock = ColumnClock(named, step_of(named))
         elif "time" not in self.told:
             found, self.clock, doubts = find_clock(self._free(), self.with_gaps)
             self.doubts += doubts

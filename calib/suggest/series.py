@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import LogError
-from calib.logs.gaps import ONLY, fill_rows, step_of
+from calib.logs.clock import step_of
+from calib.logs.gaps import ONLY, fill_rows
 from calib.logs.source import Column, ColumnSource
 from calib.names import CHANNELS
 from calib.units import UnknownUnit, is_unit, si_of, to_si

@@ -354,7 +354,7 @@ def test_of_two_speeds_the_finer_one_is_taken():
     result = suggestion(columns)
     assert {p.channel: p.mapping.source for p in result.proposals}["v"] == "Fahrzeuggeschwindigkeit"
     assert result.left["GPS vehicle speed"] == (
-        "sampled at 9.09 Hz, and Fahrzeuggeschwindigkeit at 100 Hz"
+        "sampled at 9.14 Hz, and Fahrzeuggeschwindigkeit at 100 Hz"
     )
     assert not result.doubts
 

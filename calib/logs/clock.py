@@ -1,0 +1,83 @@
+"""The step of a clock, and even clocks that were written with few digits.
+
+true      0.00000  0.00667  0.01333  0.02000      150 Hz
+written   0.000    0.007    0.013    0.020        whole milliseconds: steps of 7 and of 6 ms
+result    0.00000  0.00667  0.01333  0.02000      the line through all times: one even step
+"""
+
+import numpy as np
+
+from calib.logs.source import Array
+
+GAP = 3.5
+"""A longer step than this many usual ones [1] is a gap: two lost samples, plus jitter, are none."""
+
+VALUES = 4
+"""Most values that the steps of a rounded even clock have: two, or four where the spacing of
+float32 doubles within the log. A clock that jitters has many."""
+
+FINE = 1e-3
+"""Rounding below this [steps] is left alone: it moves no result."""
+
+
+def step_of(time: Array) -> float:
+    """Mean step of ascending times, shape (n,), without gaps [s]: a duration over its count.
+
+    Not the median step: of whole milliseconds at 300 Hz that is 3 ms where 3.33 ms is true.
+    """
+    steps = np.diff(time)
+    return float(np.mean(steps[steps <= GAP * np.median(steps)]))
+
+
+FEW = 50
+"""Fewest times that show whether a clock is even."""
+
+
+def on_line(time: Array) -> tuple[Array, tuple[str, ...]]:
+    """Ascending times [s], as `evened` has them, and what is to be said of it."""
+    line = evened(time) if time.size >= FEW else None
+    if line is None:
+        return time, ()
+    values, rounding = line
+    note = (
+        f"times are written in steps of {1e3 * rounding:.3g} ms; they were put on the even clock "
+        f"of {step_of(values) * 1e3:.6g} ms that they lie on"
+    )
+    return values, (note,)
+
+
+def evened(time: Array) -> tuple[Array, float] | None:
+    """The line of an even clock that was written with few digits, and the rounding [s].
+
+    Parameters
+    ----------
+    time : ascending times [s], shape (n,). Lost samples and gaps leave a line as it is.
+
+    Returns
+    -------
+    The times, shape (n,), each within the rounding of what was written, and the distance of two
+    neighbouring values of the step. None for a clock that jitters by more than its last digit, and
+    for one with digits enough. The step is then known to the rounding over the length of the log.
+    """
+    steps = np.diff(time)
+    step = _slope(time, steps)
+    counts = np.round(steps / step)
+    single = np.unique(np.round(steps[counts == 1] / step, 6)) * step
+    if not 2 <= single.size <= VALUES or single[-1] - single[0] < FINE * step:
+        return None
+    row = np.concatenate([[0.0], np.cumsum(counts)])
+    slope, start = np.polynomial.polynomial.Polynomial.fit(row, time, 1).convert().coef[::-1]
+    line = start + slope * row
+    rounding = float(single[-1] - single[0])
+    if np.max(np.abs(line - time)) > rounding:
+        return None
+    return np.asarray(line), rounding
+
+
+def _slope(time: Array, steps: Array) -> float:
+    """Step [s] of the lines through the times between gaps, one slope for all: least squares."""
+    part = np.concatenate([[0], np.cumsum(steps > GAP * step_of(time))])
+    row = np.concatenate([[0.0], np.cumsum(np.round(steps / step_of(time)))])
+    size = np.bincount(part)
+    along, later = (x - (np.bincount(part, x) / size)[part] for x in (row, time))
+    return float(along @ later / (along @ along))

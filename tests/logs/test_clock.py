@@ -1,0 +1,56 @@
+"""The step of a clock, and even clocks that were written with few digits."""
+
+import numpy as np
+import pytest
+
+from calib.logs.clock import evened, on_line, step_of
+
+
+def kept(size, lost=()):
+    """Numbers of the rows that were not lost."""
+    return np.delete(np.arange(size), lost)
+
+
+@pytest.mark.parametrize("rate", [95.0, 128.0, 150.0, 256.0, 300.0, 400.0, 512.0, 700.0])
+@pytest.mark.parametrize("lost", [(), (300,), (500, 501, 502), range(600, 1000)])
+@pytest.mark.parametrize("written", [np.round, np.floor], ids=["rounded", "cut"])
+def test_whole_milliseconds_are_put_on_their_line(rate, lost, written):
+    true = 3.0 + kept(2000, lost) / rate
+    line, rounding = evened(written(1e3 * true) / 1e3)
+    assert rounding == pytest.approx(1e-3, rel=1e-3)
+    assert np.median(np.diff(line)) == pytest.approx(1.0 / rate, rel=2e-5)
+    shift = line - true
+    assert np.ptp(shift) < 2e-4  # how late the clock is as a whole moves nothing
+
+
+@pytest.mark.parametrize("start", [3600.0, 30000.0, 32760.0])  # the last one: the spacing doubles
+@pytest.mark.parametrize("rate", [50.0, 100.0, 120.0])
+def test_float32_seconds_of_the_day(start, rate):
+    true = start + np.arange(2000) / rate
+    line, _ = on_line(true.astype(np.float32).astype(np.float64))
+    assert step_of(line) == pytest.approx(1.0 / rate, rel=2e-4)
+    assert np.ptp(line - true) < 1e-3
+
+
+@pytest.mark.parametrize("jitter", [0.5e-3, 2e-3])
+def test_a_clock_that_jitters_stays_as_it_is(jitter):
+    rng = np.random.default_rng(3)
+    time = np.arange(2000) / 100 + rng.uniform(-jitter, jitter, 2000)
+    assert evened(time) is None
+    assert step_of(time) == pytest.approx(0.01, rel=3e-4)
+
+
+def test_a_clock_that_changes_its_rate_stays_as_it_is():
+    true = np.cumsum(np.where(np.arange(2000) < 1000, 1 / 150, 1 / 155))
+    assert evened(np.round(true, 3)) is None
+
+
+def test_digits_enough_are_left_alone():
+    assert evened(np.arange(2000) / 200) is None
+    assert evened(np.round(1.7e9 + np.arange(2000) / 150, 6)) is None
+
+
+def test_a_gap_is_no_part_of_the_step():
+    time = np.arange(500) / 200
+    time[300:] += 2.0
+    assert step_of(time) == pytest.approx(0.005)
