@@ -11,7 +11,7 @@ from calib.checks.observation import OPTIONAL, Observation, observe
 from calib.checks.rules import PURPOSES, problems
 from calib.checks.sensors import Sensor
 from calib.checks.uses import uses
-from calib.checks.warnings import warnings_of
+from calib.checks.warnings import impossible_samples, warnings_of
 from calib.checks.wheel_checks import IntervalEstimate
 from calib.logs.gaps import ChannelHole
 from calib.logs.log import Log, Origin
@@ -140,7 +140,7 @@ def check(log: Log, copies: tuple[ComputedChannel, ...] = ()) -> Findings:
         ignored=log.ignored,
         seen=seen,
         notes=log.notes,
-        warnings=warnings_of(log.name, seen),
+        warnings=(*impossible_samples(log), *warnings_of(log.name, seen)),
         verdicts=tuple(verdicts),
         taken=tuple(_taken(log, origin) for origin in log.origins if origin.channel in CHANNELS),
         uses=tuple(uses(seen)),

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from calib.checks.limits import LIMITS
 from calib.checks.observation import Observation
 from calib.checks.swapped import causes_of_reversed_slip
+from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
 
 NONE = (0.0, 0.0)
@@ -16,6 +17,16 @@ def warnings_of(name: str, seen: Observation) -> tuple[PlausibilityWarning, ...]
     """Warnings on the log ``name``."""
     rules = (_clock, _lead_in, _radii, swapped_axles, _limits, _sensors, _pressure)
     return tuple(warning for rule in rules for warning in rule(name, seen))
+
+
+def impossible_samples(log: Log) -> Iterator[PlausibilityWarning]:
+    """Samples that no car drives and that the reader left out."""
+    if log.marked:
+        yield PlausibilityWarning(
+            "impossible_samples", log.name, sum(one.count for one in log.marked), NONE,
+            tuple(str(one) for one in log.marked),
+            "they are not used; decode the error value of a signal as no value",
+        )  # fmt: skip
 
 
 def _clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:

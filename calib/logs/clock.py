@@ -20,6 +20,11 @@ FINE = 1e-3
 """Rounding below this [steps] is left alone: it moves no result."""
 
 
+def is_ascending(time: Array) -> bool:
+    """Whether every time is a number, and later than the one before."""
+    return bool(np.isfinite(time).all() and np.all(np.diff(time) > 0))
+
+
 def step_of(time: Array) -> float:
     """Mean step of ascending times, shape (n,), without gaps [s]: a duration over its count.
 

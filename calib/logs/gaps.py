@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.logs.clock import GAP, step_of
+from calib.logs.clock import GAP, is_ascending, step_of
 from calib.logs.source import Array
 
 BRIDGE = 0.2
@@ -106,7 +106,7 @@ def fill_rows(
     values stays as it is; all do if the times do not increase.
     """
     values, notes, bridged = dict(channels), [], list[ChannelHole]()
-    if not (np.isfinite(time).all() and np.all(np.diff(time) > 0)):
+    if not is_ascending(time):
         return values, [], []
     for name, x in channels.items():
         empty = np.isnan(x)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from calib.logs.clock import step_of
 from calib.logs.gaps import ChannelHole
+from calib.logs.impossible import Marked
 
 Array = NDArray[np.float64]
 
@@ -41,6 +42,7 @@ class Log:
     notes : what the reader changed or ignored, as text.
     origins : source and conversion of each channel; empty for a simulated log.
     bridged : gaps of single channels that were bridged, see `calib.logs.gaps`.
+    marked : samples that no car drives, see `calib.logs.impossible`; they have no value.
     interpolated : channels that were recorded on another clock: between their samples the values
         are interpolated.
     """
@@ -54,6 +56,7 @@ class Log:
     notes: tuple[str, ...] = ()
     origins: tuple[Origin, ...] = ()
     bridged: tuple[ChannelHole, ...] = ()
+    marked: tuple[Marked, ...] = ()
     interpolated: tuple[str, ...] = ()
 
     def __repr__(self) -> str:

@@ -5,15 +5,14 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from calib.errors import ChannelMapError, LogError
 from calib.files.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.bus.databases import Databases
 from calib.logs.channel_map import ChannelMap
-from calib.logs.clock import on_line
+from calib.logs.clock import is_ascending, on_line
 from calib.logs.gaps import ChannelHole, fill_rows
+from calib.logs.impossible import without_impossible
 from calib.logs.kind import refuse_other_kind
 from calib.logs.log import Array, Log, Origin
 from calib.logs.recording import ChannelTrace, Recording
@@ -179,7 +178,8 @@ def _needed(require: tuple[str, ...]) -> tuple[str, ...]:
 
 def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
     """Check the channels from a file, and make the `Log`."""
-    cut, cut_notes = without_open_ends(taken.values)
+    possible = without_impossible(taken.values, str(path))
+    cut, cut_notes = without_open_ends(possible.channels)
     values, notes = complete_channels(cut, require, str(path))
     check_clock(values["time"], str(path))
     return Log(
@@ -191,7 +191,8 @@ def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
         ignored=taken.ignored,
         notes=taken.notes + cut_notes + notes,
-        bridged=tuple(gap for gap in taken.bridged if gap.channel in values),
+        bridged=tuple(gap for gap in (*taken.bridged, *possible.bridged) if gap.channel in values),
+        marked=possible.marked,
         interpolated=taken.interpolated,
     )
 
@@ -229,8 +230,7 @@ def _read_table(
 
 def _clock(time: Array) -> tuple[Array, tuple[str, ...]]:
     """Times of a table [s], (n,), on their line where they are rounded; else as they are."""
-    ascending = np.isfinite(time).all() and np.all(np.diff(time) > 0)
-    return on_line(time) if ascending else (time, ())
+    return on_line(time) if is_ascending(time) else (time, ())
 
 
 def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:

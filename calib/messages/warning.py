@@ -15,6 +15,7 @@ UNITS = {
     "pressure_lag": "s",
     "force_step": "1",
     "pressure_zero": "bar",
+    "impossible_samples": "1",
     "same_signal": "1",
     "v_held": "s",
     "v_of_wheels": "1",

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from calib.checks.copies import alike, is_noise, rough
 from calib.checks.limits import LIMITS
+from calib.checks.warnings import impossible_samples
 from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
 from calib.names import WHEELS
@@ -22,7 +23,8 @@ COMPARED = (*(f"omega_{w}" for w in WHEELS), "v", "a_x", "p_mc")
 
 
 def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:
-    """Two channels with one signal; wheels that are not those of the file."""
+    """Samples that no car drives, one signal twice, wheels that are not those of the file."""
+    yield from impossible_samples(log)
     yield from _twice(log)
     if s.v is None and "v" in log:
         yield _held(log)

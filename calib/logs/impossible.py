@@ -1,0 +1,219 @@
+"""Samples that no car drives: rows of zeros, and the ends of a type, that a decoder wrote.
+
+omega  97.1 97.0 327.7 327.7 96.9 96.8    no tyre turns a wheel so much faster, and back
+omega  97.1 97.0   0.0  96.9  96.8        no brake stops a wheel for one sample
+          kept  |  marked  |  kept        cut where a step is impossible; the longest part is true
+
+Marked samples count as samples without a value: `calib.logs.gaps` bridges a few where the channel
+is smooth, and more are refused. This comes before anything is zeroed or fitted.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.errors import LogError
+from calib.logs.clock import is_ascending
+from calib.logs.gaps import BRIDGE, ChannelHole, fill_rows
+from calib.logs.source import Array
+from calib.logs.verify import ENDS
+from calib.names import CHANNELS, WHEELS
+from calib.units import from_si
+
+Mask = NDArray[np.bool_]
+
+
+class Possible(NamedTuple):
+    """What a car can do to a channel, in SI.
+
+    ``up``, ``down`` its fastest rise and fall [1/s]; ``zero`` the fastest change from and to a
+    reading of exactly 0 [1/s], ``nonzero`` the least jump there; ``long`` change that goes on for
+    longer than `QUICK` [1/s]; ``end`` beyond which nothing is measured. ``steps``: a step may be
+    true, as that of a simulated pressure, and only a short way to 0 and back is not.
+    """
+
+    up: float
+    down: float
+    zero: float
+    nonzero: float
+    long: float
+    end: float
+    steps: bool = False
+
+
+POSSIBLE = {
+    # a tyre spins a wheel up with 1.2 6 kN 0.32 m/0.9 kg m^2, a brake of 4 kN m stops it on ice;
+    # a wheel that locks falls to 0 by steps, and from below the least speed of its sensor
+    **{f"omega_{w}": Possible(2500.0, 5000.0, 1500.0, 20.0, 40.0, 400.0) for w in WHEELS},
+    # v of a receiver is held, or found again after a bridge: only its zeros are known as wrong
+    "v": Possible(np.inf, np.inf, 100.0, 6.0, 15.0, 120.0),
+    # 1000 bar/s are the fastest brakes; a pedal that is let go falls to 0 by steps
+    "p_mc": Possible(np.inf, np.inf, 2e8, 1e6, np.inf, 4e7, steps=True),
+    # bumps move a_x by any step, and 5 g is past the range of car sensors
+    "a_x": Possible(np.inf, np.inf, np.inf, np.inf, np.inf, 50.0),
+}
+
+QUICK = 0.05
+"""Time [s] over which a wheel spins up or stops; over a longer one it goes with the car."""
+
+NOISE = 10.0
+"""Standard deviations of its noise by which a channel may jump beside."""
+
+LEAST = 2.0
+"""Least jump [SI] that counts: a lost pulse of a ring of 48 teeth is 2 rad/s."""
+
+FEW = 0.02
+"""Largest share of samples that are marked [1]; with more the log is refused."""
+
+
+@dataclass(frozen=True)
+class Marked:
+    """Samples of ``channel`` that no car drives: how many, time [s] and value [SI] of the first."""
+
+    channel: str
+    count: int
+    start: float
+    value: float
+
+    def __str__(self) -> str:
+        quantity = CHANNELS[self.channel]
+        value = from_si(self.value, quantity.unit, quantity.si)
+        return f"{self.channel} reads {value:.4g} {quantity.unit} at {self.start:.3f} s"
+
+
+@dataclass(frozen=True)
+class Drivable:
+    """Channels without the samples that no car drives, which were ``marked``; bridged gaps."""
+
+    channels: dict[str, Array]
+    marked: tuple[Marked, ...] = ()
+    bridged: tuple[ChannelHole, ...] = ()
+
+
+def without_impossible(channels: Mapping[str, Array], where: str) -> Drivable:
+    """The channels with NaN, or a bridge, in the place of samples that no car drives.
+
+    Parameters
+    ----------
+    channels : by name [SI], each (n,), NaN where it has no value; ``time`` among them. They stay as
+        they are where the times do not ascend.
+    where : the file's path, for messages.
+
+    Returns
+    -------
+    The channels. At the ends, and in channels that a log need not have, what cannot be bridged is
+    left open. Raises LogError where more than `FEW` of the
+    samples of a required channel are marked, or so many in one place that none can be bridged.
+    """
+    time, values = channels["time"], dict(channels)
+    if not is_ascending(time):
+        return Drivable(values)
+    found = {
+        name: _impossible(time, values[name], possible)
+        for name, possible in POSSIBLE.items()
+        if name in values
+    }
+    wheels = [found[name] for name in (f"omega_{w}" for w in WHEELS) if name in found]
+    if len(wheels) == len(WHEELS):  # a row of zeros is one of all its channels
+        for name, mask in found.items():
+            mask |= np.logical_and.reduce(wheels) & (values[name] == 0.0)
+    marked = []
+    for name, mask in found.items():
+        if not mask.any():
+            continue
+        first = int(np.argmax(mask))
+        marked.append(
+            Marked(
+                name, int(np.count_nonzero(mask)), float(time[first]), float(values[name][first])
+            )
+        )
+        values[name] = np.where(mask, np.nan, values[name])
+    filled, _, bridged = fill_rows({one.channel: values[one.channel] for one in marked}, time)
+    for one in marked:
+        if CHANNELS[one.channel].required:
+            _refuse_many(one, found[one.channel], time, filled[one.channel], where)
+    return Drivable(values | filled, tuple(marked), tuple(bridged))
+
+
+def _impossible(time: Array, x: Array, possible: Possible) -> Mask:
+    """Mask (n,) of the samples of a channel that no car drives."""
+    mask = np.abs(x) > possible.end
+    if np.count_nonzero(mask) > FEW * x.size:  # the unit: `calib.checks` says so
+        return np.zeros(x.size, np.bool_)
+    known = np.flatnonzero(np.isfinite(x) & ~mask)
+    steps = np.diff(time[known])
+    if known.size > 2:
+        least = min(possible.nonzero, possible.up * float(np.min(steps)) + LEAST)
+        if np.max(np.abs(np.diff(x[known]))) > least:
+            mask[known] = _apart(time[known], x[known], possible)
+    return mask
+
+
+def _apart(time: Array, x: Array, possible: Possible) -> Mask:
+    """Mask (n,) of the parts that no possible step joins with the longest one."""
+    slack = max(LEAST, NOISE * _noise(x)) if np.isfinite(possible.up) else 0.0
+    cuts = np.flatnonzero(_impossible_steps(np.diff(time), x[:-1], x[1:], slack, possible)) + 1
+    if not cuts.size:
+        return np.zeros(x.size, np.bool_)
+    edges = np.concatenate([[0], cuts, [x.size]])
+    longest = int(np.argmax(np.diff(edges)))
+    mask = np.ones(x.size, np.bool_)
+    mask[edges[longest] : edges[longest + 1]] = False
+    for parts, near in ((range(longest + 1, edges.size - 1), 1), (range(longest - 1, -1, -1), 0)):
+        last = edges[longest + near] - near
+        for part in parts:
+            begin, end = edges[part], edges[part + 1]
+            first = begin if near else end - 1
+            earlier, later = (last, first) if near else (first, last)
+            step = np.array([time[later] - time[earlier]])
+            pair = x[earlier : earlier + 1], x[later : later + 1]
+            if not _impossible_steps(step, *pair, slack, possible)[0]:
+                mask[begin:end] = False
+                last = end - 1 if near else begin
+    return mask & _dropouts(time, edges) if possible.steps else mask
+
+
+def _dropouts(time: Array, edges: NDArray[np.intp]) -> Mask:
+    """Mask (n,) of the parts between two others that are short enough for a bridge."""
+    mask = np.zeros(time.size, np.bool_)
+    for begin, end in pairwise(edges[1:-1]):
+        mask[begin:end] = time[end] - time[begin - 1] <= BRIDGE
+    return mask
+
+
+def _impossible_steps(step: Array, before: Array, after: Array, slack: float, p: Possible) -> Mask:
+    """Whether each change in ``step`` [s] is faster than the channel can change, (m,)."""
+    quick, long = np.minimum(step, QUICK), np.where(step > QUICK, p.long, 0.0) * step
+    change = after - before
+    impossible = (change > p.up * quick + slack + long) | (-change > p.down * quick + slack + long)
+    zero = (before == 0.0) | (after == 0.0)
+    return np.asarray(
+        impossible | zero & (np.abs(change) > np.maximum(p.nonzero, p.zero * quick) + long)
+    )
+
+
+def _noise(x: Array) -> float:
+    """Standard deviation of a sample, from the median of the second differences."""
+    return float(np.median(np.abs(np.diff(x, 2)))) / 0.6745 / np.sqrt(6.0)
+
+
+def _refuse_many(one: Marked, mask: Mask, time: Array, values: Array, where: str) -> None:
+    """Raise LogError where the marked samples are neither few nor at the ends.
+
+    ``mask`` of them and ``values`` that were bridged, (n,).
+    """
+    inside = np.logical_or.accumulate(~mask) & np.logical_or.accumulate(~mask[::-1])[::-1] & mask
+    inside |= mask & (time > time[0] + ENDS) & (time < time[-1] - ENDS)
+    if np.count_nonzero(inside) <= max(FEW * time.size, 1.0) and np.isfinite(values[inside]).all():
+        return
+    raise LogError(
+        f"{one}, beside values that are far away: {one.count} of {values.size} samples are "
+        "such that no car drives them",
+        where=f"{where}: {one.channel}",
+        expected="values that a car can have one after the other",
+        do="decode the error value of the signal as no value, or cut the log there",
+    )

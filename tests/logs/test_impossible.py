@@ -1,0 +1,102 @@
+"""Samples that no car drives are marked, whatever a wheel does that a brake or a tyre can do."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calib.errors import LogError
+from calib.logs.impossible import without_impossible
+from calib.names import WHEELS
+from tests.support.made_runs import made_run, ramp
+from tests.support.plant import drive, magic
+from tests.support.reference_car import REAL
+
+OMEGAS = [f"omega_{w}" for w in WHEELS]
+EVERY = ["p_mc", "a_x", "v", *OMEGAS]
+
+
+def spoiled(names, value, first, count, rate=100.0):
+    """A made run with ``value`` in ``count`` rows from ``first`` on; and what was there."""
+    log = made_run(ramp(rate=12.0), rate=rate, duration=5.0)
+    channels = {name: x.copy() for name, x in log.channels.items()}
+    for name in names:
+        channels[name][first : first + count] = value
+    return channels, log.channels
+
+
+@pytest.mark.parametrize("rate", [40.0, 100.0, 200.0, 1000.0])
+@pytest.mark.parametrize(
+    ("names", "value"),
+    [
+        (["omega_rl"], 0.0),
+        (["omega_rl"], 327.675),  # 0xFFFF by 0.005 rad/s
+        (["omega_fr"], 511.97),  # 0x3FFF by 1/32
+        (OMEGAS, 0.0),
+        (EVERY, 0.0),
+        (["v"], 0.0),
+        (["v"], 182.0),  # 0xFFFF by 0.01 km/h
+        (["p_mc"], 6.5535e7),
+        (["p_mc"], 0.0),
+        (["a_x"], -327.68),
+    ],
+)
+def test_a_few_are_marked_and_bridged(names, value, rate):
+    at, count = round(4.5 * rate), max(round(0.03 * rate), 1)  # at 36 bar, 22 m/s
+    if names == ["p_mc"] and value == 0.0 and rate == 40.0:
+        pytest.skip("a pedal that is let go may do that in 25 ms")
+    channels, true = spoiled(names, value, at, count, rate)
+    found = without_impossible(channels, "log")
+    assert {one.channel: one.count for one in found.marked} == dict.fromkeys(names, count)
+    for name in EVERY:
+        rest = np.delete(found.channels[name] - true[name], np.s_[at : at + count])
+        assert not rest.any()
+        spread = np.ptp(true[name][at - count - 5 : at + count + 5])
+        off = found.channels[name][at : at + count] - true[name][at : at + count]
+        assert np.max(np.abs(off)) <= spread
+
+
+@pytest.mark.parametrize(("first", "count"), [(0, 1), (0, 26), (499, 1), (480, 20)])
+def test_at_the_ends_they_are_left_open(first, count):
+    channels, _ = spoiled(EVERY, 0.0, first, count)
+    found = without_impossible(channels, "log")
+    for name in EVERY:
+        np.testing.assert_array_equal(
+            np.flatnonzero(np.isnan(found.channels[name])), np.arange(first, first + count)
+        )
+
+
+@pytest.mark.parametrize(("first", "count"), [(100, 40), (250, 250)])
+def test_many_are_refused_by_channel_and_time(first, count):
+    channels, _ = spoiled(["omega_rr"], 0.0, first, count)
+    with pytest.raises(LogError) as caught:
+        without_impossible(channels, "log")
+    assert str(caught.value.where) == "log: omega_rr"
+    assert "omega_rr reads 0 rad/s at" in caught.value.what
+
+
+def test_rows_all_over_the_log_are_refused():
+    channels, _ = spoiled(["omega_rr"], 0.0, 0, 0)
+    channels["omega_rr"][50::20] = 0.0
+    with pytest.raises(LogError):
+        without_impossible(channels, "log")
+
+
+def test_a_speed_without_satellites_at_first_is_left_open():
+    channels, _ = spoiled(["v"], 0.0, 0, 200)
+    found = without_impossible(channels, "log")
+    assert np.isnan(found.channels["v"]).sum() == 200
+
+
+@pytest.mark.parametrize("rate", [40.0, 100.0, 1000.0])
+def test_wheels_that_lock_and_spin_up_again_are_possible(rate):
+    ice = replace(REAL, tyre=magic(20.0, 0.12))
+    run = drive(ice, lambda t: 6e6 if t % 1.0 > 0.5 else 0.0, 25.0, duration=4.0, rate=rate)
+    assert min(run[name].min() for name in OMEGAS) < 0.1  # they do lock
+    assert not without_impossible(run, "log").marked
+
+
+@pytest.mark.parametrize("rate", [40.0, 200.0])
+def test_a_simulated_step_of_pressure_is_possible(rate):
+    log = made_run(lambda t: np.where((t > 2.0) & (t < 3.0), 60.0, 0.0), rate=rate, noise=0.0)
+    assert not without_impossible(log.channels, "log").marked
