@@ -55,7 +55,7 @@ from calib.physics.effects.effects import Effects
 from calib.physics.model import Model
 from calib.physics.own_effects.own_effect import definition
 from calib.physics.vehicle import Vehicle
-from calib.plausibility.wheel_signals import require_measured_speed
+from calib.plausibility.speed import require_measured_speed
 from calib.processes import Mapped, one_blas_thread
 from calib.signals.held import without_holds
 from calib.units import behind

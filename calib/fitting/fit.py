@@ -31,7 +31,7 @@ from calib.physics.forces import front_biased_up_to
 from calib.physics.mass import mass_used, weighed
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.pads import calibration_warnings, require_possible_pads
-from calib.plausibility.wheel_signals import require_measured_speed
+from calib.plausibility.speed import require_measured_speed
 from calib.signals.noise import worst_noise
 from calib.table.table import Table
 

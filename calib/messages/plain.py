@@ -178,6 +178,7 @@ METRICS: dict[str, Plain] = {
     "pads_off_file_f": Plain("Front pads, not as in the vehicle file", "", 1.0, 0.001),
     "pads_off_file_r": Plain("Rear pads, not as in the vehicle file", "", 1.0, 0.001),
     "a_x_scale": _percent("Scale of a_x"),
+    "v_scale": _percent("v against a_x"),
     "unexplained_braking_force": _percent("Braking force without pressure"),
     "braking_force_missing": _percent("Braking force that is missing"),
     "tyre_stiffness": _percent("Slip stiffness of the tyres"),

@@ -6,6 +6,7 @@ from typing import Any
 
 UNITS = {
     "a_x_scale": "1",
+    "v_scale": "1",
     "a_x_offset": "m/s^2",
     "a_x_against_v": "g",
     "a_x_late": "s",
@@ -18,6 +19,7 @@ UNITS = {
     "impossible_samples": "1",
     "same_signal": "1",
     "v_held": "s",
+    "v_late": "s",
     "v_of_wheels": "1",
     "lost_pulses": "1",
     "rolling_radius_f": "m",

@@ -10,14 +10,30 @@ from calib.signals.accelerometer import Accelerometer
 from calib.statistics.intervals import Z95
 
 SLOPE, LIKELY = 0.01, 0.5
-"""Disagreement by turns of a_x and v [g], and chance of a slope that changes [1], from which that
-is named: on level roads they disagree by 0.007 g with usual sensors."""
+"""Disagreement by turns of a_x and v [g] from which a slope that changes is named: on level roads
+they disagree by 0.007 g with usual sensors; and chance [1] from which it is."""
+
+V_SCALE = "v_scale"
 
 
 def accelerometer_warnings(log: str, sensor: Accelerometer) -> Iterator[PlausibilityWarning]:
     """Scale, slope, offset, drag and delay as known at the end of the run."""
     c, sigma = float(sensor.scale[-1]), math.sqrt(float(sensor.variance_scale[-1]))
-    if abs(c) > PLAUSIBLE.a_x_scale and abs(c) > Z95 * sigma:
+    other = float(sensor.other_scale[-1])
+    if other != 0.0:
+        yield PlausibilityWarning(
+            V_SCALE,
+            log,
+            other / (1.0 - other),
+            (-PLAUSIBLE.a_x_scale, PLAUSIBLE.a_x_scale),
+            (
+                "the unit of v or of a_x",
+                "v or a_x with a clock of its own, or a filter",
+                "a scale of a_x that no sound sensor has",
+            ),
+            "compare v and a_x with another source, or leave v out of the log",
+        )
+    elif abs(c) > PLAUSIBLE.a_x_scale and abs(c) > Z95 * sigma:
         yield PlausibilityWarning(
             "a_x_scale",
             log,

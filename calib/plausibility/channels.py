@@ -15,6 +15,7 @@ from calib.names import WHEELS
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
 from calib.signals.axle_signals import HELD, Signals, held_time, rolling_radii
+from calib.signals.speed_delay import USUAL, SpeedDelay
 
 Array = NDArray[np.float64]
 
@@ -26,7 +27,9 @@ def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Plausib
     """Samples that no car drives, one signal twice, wheels that are not those of the file."""
     yield from impossible_samples(log)
     yield from _twice(log)
-    if s.v is None and "v" in log:
+    if s.delay.late:
+        yield _late(log.name, s.delay)
+    elif s.v is None and "v" in log:
         yield _held(log)
     yield from _radii(log.name, vehicle, s)
 
@@ -56,6 +59,17 @@ def _held(log: Log) -> PlausibilityWarning:
         (0.0, HELD),
         ("a receiver of satellites, or a slow bus, whose v is held in between", "a coarse v"),
         "v is not used; log a v of 20 Hz or more",
+    )
+
+
+def _late(log: str, delay: SpeedDelay) -> PlausibilityWarning:
+    return PlausibilityWarning(
+        "v_late",
+        log,
+        delay.value,
+        (0.0, 3.0 * USUAL),
+        ("v of a receiver of satellites, or of a slow filter", "the clock of v"),
+        ("v was put in time" if delay.sharp else "v is not used") + "; record v without its delay",
     )
 
 

@@ -3,12 +3,11 @@
 A tyre that brakes slips. Where v shows none of it, v was computed from the wheel speeds.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import LogError
 from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
 from calib.names import WHEELS
@@ -24,18 +23,6 @@ from calib.statistics.intervals import QUARTILE
 Array = NDArray[np.float64]
 
 V_OF_WHEELS, LOST_PULSES = "v_of_wheels", "lost_pulses"
-
-
-def require_measured_speed(warnings: Iterable[PlausibilityWarning]) -> None:
-    """Raise LogError where a v is warned of as made of the wheel speeds: no slip is seen in it."""
-    for warning in warnings:
-        if warning.code == V_OF_WHEELS:
-            raise LogError(
-                f"{warning.causes[0]}: these tyres brake and do not slip against v",
-                where=warning.log,
-                expected="a v that no wheel speed has a part in, or no v",
-                do="leave v out of the log: rename its column, or map it to no channel",
-            )
 
 
 def wheel_signal_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[PlausibilityWarning]:

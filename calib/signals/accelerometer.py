@@ -12,7 +12,8 @@ does not. What slows the car there besides the known resistance (an engine in ge
 third that could explain it. Each of the three is there or not. So is a grade that changes on the
 way, a random walk beside the noise: a_x feels it as the tyres do, and then only quick changes of z
 tell the scale. The sixteen cases are weighed by how well they predict what was measured, and what
-cannot be told widens the interval.
+cannot be told widens the interval. A scale that no sensor has, by a unit, a clock or a filter, is
+weighed against all of them.
 
 Causal: every figure uses only what came before. A bias that changes within the log looks like a
 grade that does, and is taken for one.
@@ -26,7 +27,9 @@ from numpy.typing import NDArray
 
 from calib.names import G
 from calib.signals.blocks import Blocks
+from calib.signals.speed_delay import EVEN
 from calib.statistics.hypotheses import Mixture, weigh_hypotheses
+from calib.statistics.moving_average import second_differences
 
 Array = NDArray[np.float64]
 
@@ -37,19 +40,22 @@ class AccelerometerPriors:
 
     ``scale`` sigma of c: data sheets of car accelerometers give 1 to 3 % over life and temperature.
     ``bias``, ``grade``, ``drag`` [g]: sigma of each where it is there; a mounting that is 2 degrees
-    off is 0.035 g, a road of 4 % is 0.04 g, an engine in gear at 2000 rpm 0.02 to 0.05 g.
+    off is 0.035 g, a road of 4 % is 0.04 g and a mountain road has 0.15 g, an engine in gear at
+    2000 rpm 0.02 to 0.05 g.
     ``still_bias``, ``still_grade``, ``still_drag`` [g]: sigma where it is said not to be there.
     ``odds_bias``, ``odds_grade``, ``odds_drag``: how often each is there.
-    ``still_wander`` [g/s^0.5]: how far any grade walks in a second: level tracks are even to 1 mm
-    in 2 m. ``wander`` [g/s^0.5]: how far one walks that changes; a crest of 6 km radius
-    changes it by 0.005 a second at 30 m/s, a bridge or a ramp by 0.02. ``odds_wander``: how often,
-    on roads that are chosen for such runs.
+    ``still_wander`` [g/s^0.5]: how far any grade walks in a second. ``wander`` [g/s^0.5]: how far
+    one walks that changes; a crest of 6 km radius changes it by 0.005 a second at 30 m/s, a bridge
+    or a ramp by 0.02. ``odds_wander``: how often, on roads that are chosen for such runs.
+    ``other_scale`` sigma of c where a unit, a clock or a filter is wrong: knots taken for m/s are
+    49 % off, a clock of 110 Hz taken for 100 is 10 % off. ``odds_other``: in one log of a hundred;
+    a scale that is sharp is then another cause from 7.5 % on, where three sigma of a sensor are 6.
     ``lag`` [s]: how far v and a_x may be out of step.
     """
 
     scale: float = 0.02
     bias: float = 0.03
-    grade: float = 0.03
+    grade: float = 0.05
     drag: float = 0.03
     still_bias: float = 0.0015
     still_grade: float = 0.002
@@ -57,9 +63,11 @@ class AccelerometerPriors:
     odds_bias: float = 0.15
     odds_grade: float = 0.3
     odds_drag: float = 0.15
-    still_wander: float = 0.0002
+    still_wander: float = EVEN
     wander: float = 0.015
     odds_wander: float = 0.03
+    other_scale: float = 0.3
+    odds_other: float = 0.01
     lag: float = 0.02
 
 
@@ -69,8 +77,10 @@ class Accelerometer:
 
     ``scale`` c [1], ``bias`` [g] and their ``variance_scale``, ``variance_bias``, ``covariance``;
     ``grade``, ``drag`` [g] as far as they are told apart; ``lag`` [s] by which a_x comes after v,
-    with ``variance_lag``. ``wanders`` [1] how likely the grade changes on the way; ``disagrees``
-    [g] how much a_x and the slowing of v differ by turns so far, over a second, the scale aside.
+    with ``variance_lag``. ``wanders`` [1] how likely the grade changes on the way; ``other_scale``
+    [1] the scale where it is likelier that of a unit or a clock than of a sensor, else 0.
+    ``disagrees`` [g] how much a_x and the slowing of v differ by turns so far, over a second, the
+    scale aside.
     """
 
     scale: Array
@@ -83,6 +93,7 @@ class Accelerometer:
     lag: Array
     variance_lag: Array
     wanders: Array
+    other_scale: Array
     disagrees: Array
 
     def at(self, blocks: NDArray[np.int64] | int) -> "Accelerometer":
@@ -139,13 +150,15 @@ def accelerometer(
     )
     precision[..., 2, 2] += 1.0 / variance_d[:, None]
     vector[..., 2] += (d / variance_d)[:, None]
-    weighed = _weighed(precision, vector, np.stack([s.likelihood for s in speeds], 1), p)
+    evidence = precision, vector, np.stack([s.likelihood for s in speeds], 1)
+    weighed = _weighed(evidence, p)
+    other = _other_scale(evidence, weighed, p)
     wanders = weighed.weights[:, 1::2].sum(axis=1)
     lags = [s.lag_of(weighed) for s in speeds]
     lag, variance_lag = ((1.0 - wanders) * x + wanders * y for x, y in zip(*lags, strict=True))
     variance_lag += (1.0 - wanders) * wanders * (lags[1][0] - lags[0][0]) ** 2
     disagrees = _disagreement(b, weighed.mean[:, 0], at)
-    rows = np.column_stack([*_columns(weighed), lag, variance_lag, wanders, disagrees])
+    rows = np.column_stack([*_columns(weighed), lag, variance_lag, wanders, other, disagrees])
     return _held(rows, at, b.end.size)
 
 
@@ -224,9 +237,7 @@ def _against_speed(
     h = b.length
     white, walk = density_v**2 / h, (G * density_z) ** 2 * h
     columns, usable = compared
-    turned = (G * h * wander) ** 2 * h
-    covariance = [6.0 * white + 2.0 * walk + turned, -4.0 * white - walk, white]
-    average, sigma = moving_average(np.array(covariance))
+    average, sigma = second_differences(white, walk, (G * h * wander) ** 2 * h)
     y, c, e, lag = lfilter([1.0], average, columns) / sigma
     pairs = {
         (i, j): _so_far(u * w)
@@ -246,19 +257,6 @@ def _against_speed(
     likelihood = -_so_far(0.5 * y**2 + usable * np.log(sigma))[at]
     likelihood += 0.5 * (right[2][at] ** 2 / own - np.log(own))
     return AgainstSpeed(precision, vector, likelihood, own, right[2][at], along)
-
-
-def moving_average(covariance: Array) -> tuple[Array, float]:
-    """Coefficients (q + 1,), the first is 1, and sigma of a moving average that can be undone.
-
-    From its ``covariance`` (q + 1,) at the distances 0 to q. Its spectrum is a polynomial whose
-    roots come in pairs z, 1/z: those within the unit circle are taken (Brockwell and Davis, Time
-    Series: Theory and Methods, section 3.1).
-    """
-    roots = np.roots(np.concatenate([covariance[:0:-1], covariance]))
-    inside = sorted(roots, key=abs)[: covariance.size - 1]
-    average = np.real(np.poly(inside))
-    return average, float(np.sqrt(covariance[-1] / average[-1]))
 
 
 def _so_far(x: Array) -> Array:
@@ -283,21 +281,41 @@ SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1
 """From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
 
 
-def _weighed(precision: Array, vector: Array, likelihood: Array, p: AccelerometerPriors) -> Mixture:
-    """Mixture over the sixteen cases of (c, bias, grade, drag), at m blocks.
+Evidence = tuple[Array, Array, Array]
+"""Of a steady grade and of one that walks: precision (m, 2, 3, 3), vector (m, 2, 3) of (c, e, d),
+logarithm of the likelihood where they are zero (m, 2)."""
 
-    Of a steady grade and of one that walks: ``precision`` (m, 2, 3, 3), ``vector`` (m, 2, 3) and
-    ``likelihood`` (m, 2); the cases go by turns.
+
+def _weighed(evidence: Evidence, p: AccelerometerPriors) -> Mixture:
+    """Mixture over the sixteen cases of (c, bias, grade, drag), at m blocks; they go by turns."""
+    return _mixture(evidence, np.array(list(product((False, True), repeat=4))), p.scale, p)
+
+
+def _other_scale(evidence: Evidence, sensor: Mixture, p: AccelerometerPriors) -> Array:
+    """The scale (m,) where it is likelier that of no sensor, else 0.
+
+    Without a grade that walks, which explains what such a scale does. It takes no part in what is
+    corrected: a run with such a scale is not used.
     """
-    there = np.array(list(product((False, True), repeat=4)))
+    steady = np.array([(*case, False) for case in product((False, True), repeat=3)])
+    other = _mixture(evidence, steady, p.other_scale, p)
+    likelier = other.evidence + np.log(p.odds_other) > sensor.evidence
+    return np.where(likelier, other.mean[:, 0], 0.0)
+
+
+def _mixture(
+    evidence: Evidence, there: NDArray[np.bool_], scale: float, p: AccelerometerPriors
+) -> Mixture:
+    """Mixture over cases, ``there`` (k, 4) whether bias, grade, drag and wandering are there."""
     still = (p.still_bias, p.still_grade, p.still_drag)
     spread = np.where(there[:, :3], (p.bias, p.grade, p.drag), still)
     odds = np.array((p.odds_bias, p.odds_grade, p.odds_drag, p.odds_wander))
     walks = there[:, 3].astype(int)
+    precision, vector, likelihood = evidence
     return weigh_hypotheses(
         (SENSED.T @ precision @ SENSED)[:, walks],
         (vector @ SENSED)[:, walks],
-        np.column_stack([np.full(len(there), p.scale), spread]),
+        np.column_stack([np.full(len(there), scale), spread]),
         np.where(there, odds, 1.0 - odds).prod(axis=1),
         likelihood[:, walks],
     )

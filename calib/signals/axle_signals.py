@@ -19,6 +19,7 @@ from calib.physics.forces import deceleration
 from calib.physics.vehicle import Vehicle
 from calib.signals.driving_record import SETTLE, STEADY
 from calib.signals.filters import centred_mean, trailing_mean
+from calib.signals.speed_delay import IN_TIME, SpeedDelay, in_time, speed_delay
 from calib.signals.tone_ring import without_runout
 from calib.statistics.intervals import QUARTILE
 
@@ -32,9 +33,9 @@ class Signals:
 
     ``p_f``, ``p_r`` axle pressures (wheel pressures where logged, else master cylinder);
     ``drive_f``, ``drive_r`` torque of engine or motor [N m per axle], zero where not logged;
-    ``z`` (5); ``omega_f``, ``omega_r`` axle means; ``v`` reference speed, or None, also where it
-    keeps a value for longer than `HELD`; ``speed`` v, else the rear wheels'. ``lead_in`` is true
-    before the first braking; ``sample_time`` [s].
+    ``z`` (5); ``omega_f``, ``omega_r`` axle means; ``v`` reference speed, in time, or None, also
+    where it keeps a value for longer than `HELD`, or its ``delay`` is not sharp; ``speed`` v, else
+    the rear wheels'. ``lead_in`` is true before the first braking; ``sample_time`` [s].
     """
 
     time: Array
@@ -49,6 +50,7 @@ class Signals:
     speed: Array
     lead_in: Mask
     sample_time: float
+    delay: SpeedDelay = IN_TIME
 
 
 def eta_of(omega_f: Array, omega_r: Array) -> Array:
@@ -60,7 +62,7 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
     """Axle signals of a log. Raises LogError if the car hardly moves."""
     omega_f, omega_r = (_axle_speed(log, axle) for axle in "fr")
     p_f, p_r = axle_pressure(log, "f"), axle_pressure(log, "r")
-    v = None if held_time(log) > HELD else log.channels.get("v")
+    v, delay = _reference_speed(log)
     speed = vehicle.rear.rolling_radius * omega_r if v is None else v
     if np.max(speed) < MOVING:
         raise LogError(
@@ -83,7 +85,19 @@ def signals(log: Log, vehicle: Vehicle) -> Signals:
         speed=speed,
         lead_in=rolling & _undisturbed(eta_of(omega_f, omega_r), rolling, log.sample_time),
         sample_time=log.sample_time,
+        delay=delay,
     )
+
+
+def _reference_speed(log: Log) -> tuple[Array | None, SpeedDelay]:
+    """The reference speed [m/s] (n,) in time, and how late it is; None where it cannot be used."""
+    if "v" not in log or held_time(log) > HELD:
+        return None, IN_TIME
+    clock, v, a_x = log.time, log["v"], log["a_x"]
+    delay = speed_delay(clock, v, a_x, log.sample_time)
+    if not delay.late:
+        return v, delay
+    return in_time(clock, v, a_x, delay) if delay.sharp else None, delay
 
 
 def _axle_speed(log: Log, axle: str) -> Array:

@@ -11,13 +11,15 @@ Array = NDArray[np.float64]
 class Mixture(NamedTuple):
     """Mean (..., n) and covariance (..., n, n) of the mixture.
 
-    ``weights`` (..., k) of the explanations and ``means`` (..., k, n) under each.
+    ``weights`` (..., k) of the explanations, ``means`` (..., k, n) under each; ``evidence`` (...)
+    logarithm of the measurement's likelihood under all of them, up to the same constant.
     """
 
     mean: Array
     covariance: Array
     weights: Array
     means: Array
+    evidence: Array
 
 
 def weigh_hypotheses(
@@ -42,9 +44,12 @@ def weigh_hypotheses(
     means = np.einsum("...kij,...kj->...ki", covariance, np.broadcast_to(side, total.shape[:-1]))
     evidence = 0.5 * np.sum(side * means, axis=-1) + likelihood
     evidence += 0.5 * (np.log(prior).sum(axis=1) - np.linalg.slogdet(total)[1]) + np.log(odds)
-    weights = np.exp(evidence - evidence.max(axis=-1, keepdims=True))
-    weights /= weights.sum(axis=-1, keepdims=True)
+    most = evidence.max(axis=-1, keepdims=True)
+    weights = np.exp(evidence - most)
+    total_weight = weights.sum(axis=-1, keepdims=True)
+    weights /= total_weight
     mean = np.einsum("...k,...ki->...i", weights, means)
     apart = means - mean[..., None, :]
     spread = covariance + apart[..., :, None] * apart[..., None, :]
-    return Mixture(mean, np.einsum("...k,...kij->...ij", weights, spread), weights, means)
+    mixed = np.einsum("...k,...kij->...ij", weights, spread)
+    return Mixture(mean, mixed, weights, means, (most + np.log(total_weight))[..., 0])

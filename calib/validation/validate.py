@@ -25,7 +25,7 @@ from calib.messages.warning import to_dict as warning_dict
 from calib.names import G
 from calib.physics.mass import MassUsed, mass_used
 from calib.physics.vehicle import NOT_OF_THE_CAR, Vehicle
-from calib.plausibility.wheel_signals import V_OF_WHEELS
+from calib.plausibility.speed import NO_SPEED, wrong_speed
 from calib.signals.axle_signals import signals
 from calib.store.version import Stored
 from calib.table.budget import AxleBudget, summary
@@ -234,8 +234,8 @@ def validate_one(
     if crossed is not None and crossed.sure:
         front, rear = crossed.found.wheels
         result = without_answer(result, f"the wheel speeds fit with {front} and {rear} exchanged")
-    if any(warning.code == V_OF_WHEELS for warning in warnings):
-        result = without_answer(result, "v is computed from the wheel speeds")
+    if (wrong := wrong_speed(warnings)) is not None:
+        result = without_answer(result, NO_SPEED[wrong.code])
     if _foreign(warnings, result.z[result.braked]):
         result = without_answer(result, "something brakes that the pressure does not explain")
     if _foreign(_of_ramps(table), table.paper.z):

@@ -107,7 +107,7 @@ def prepared(clean):
 
 def sensed(scale=0.0, bias=0.0, together=0.0):
     """An accelerometer with these variances."""
-    return Accelerometer(*map(np.asarray, (0.0, 0.0, scale, bias, together, *np.zeros(6))))
+    return Accelerometer(*map(np.asarray, (0.0, 0.0, scale, bias, together, *np.zeros(7))))
 
 
 def test_level_parts_in_closed_form(prepared):

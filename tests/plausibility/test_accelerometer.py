@@ -13,6 +13,7 @@ BLOCKS = 100
 def sensor(**values):
     """An accelerometer that is right, but for ``values``; sigma 0.1 %, 0.0005 g, 5 ms."""
     names = ("scale", "bias", "covariance", "grade", "drag", "lag", "wanders", "disagrees")
+    names = (*names, "other_scale")
     fields = dict.fromkeys(names, 0.0)
     known = {"variance_scale": 1e-6, "variance_bias": 2.5e-7, "variance_lag": 2.5e-5}
     fields |= {**known, **values}
@@ -32,6 +33,7 @@ def test_a_sensor_that_is_right_is_not_warned_about():
     [
         ({"scale": 0.04}, "a_x_scale", 0.04 / 0.96),
         ({"scale": -0.04}, "a_x_scale", -0.04 / 1.04),
+        ({"scale": 0.06, "other_scale": 1 / 6}, "v_scale", 0.2),
         ({"bias": 0.03}, "a_x_offset", -0.03 * G),
         ({"bias": -0.03}, "a_x_offset", 0.03 * G),
         ({"drag": 0.03}, "unexplained_drag", 0.03 * G),

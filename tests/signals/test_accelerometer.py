@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from calib.names import G
-from calib.signals.accelerometer import accelerometer, moving_average
+from calib.signals.accelerometer import accelerometer
 from calib.signals.blocks import Blocks
 
 STEP, COUNT, LEAD = 0.05, 160, 30
@@ -150,9 +150,17 @@ def test_a_steady_slope_and_a_wrong_sensor_are_no_slope_that_changes():
         assert judged(run(**hidden)[0]).wanders[-1] < 0.3
 
 
-def test_a_moving_average_has_the_covariance_it_is_made_of():
-    for made in ([1.0, -0.7], [1.0, -1.2, 0.4]):
-        covariance = 2.0 * np.correlate(made, made, "full")[len(made) - 1 :]
-        average, sigma = moving_average(covariance)
-        assert average == pytest.approx(made)
-        assert sigma**2 == pytest.approx(2.0)
+@pytest.mark.parametrize("scale", [0.12, 0.22, 0.5, -0.3])
+def test_a_scale_that_no_sensor_has_is_another_cause(scale):
+    sensor = judged(run(scale=scale)[0])
+    other = sensor.other_scale[-1]
+    assert other / (1.0 - other) == pytest.approx(scale, abs=0.03)
+
+
+@pytest.mark.parametrize("hidden", [{}, {"scale": 0.05}, {"grade": 0.15}, {"lag": 0.02}])
+def test_what_a_sensor_or_a_road_has_is_no_other_cause(hidden):
+    b, felt = run(**hidden)
+    sensor = judged(b)
+    assert sensor.other_scale[-1] == 0.0
+    error = (sensor.corrected(b.z) - felt)[BRAKED][40:]
+    assert abs(np.mean(error)) < 0.01  # a slope of 15 % is a slope

@@ -69,7 +69,7 @@ def made_estimate(mu_f=0.40, mu_r=0.36, *, pressure=20e5, valid=None, innovation
         ),
         "level": PadLevel(np.ones(N), np.ones(N)),
         "eta_zero": -0.001,
-        "accelerometer": Accelerometer(*np.zeros((11, blocks))),
+        "accelerometer": Accelerometer(*np.zeros((12, blocks))),
         "pressure_f": p,
         "pressure_r": p,
     }  # fmt: skip

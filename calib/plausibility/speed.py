@@ -1,0 +1,35 @@
+"""A reference speed that says nothing of this car: a run that holds one is not used."""
+
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+
+from calib.errors import LogError
+from calib.messages.warning import PlausibilityWarning
+from calib.plausibility.accelerometer import V_SCALE
+from calib.plausibility.wheel_signals import V_OF_WHEELS
+
+NO_SPEED: Mapping[str, str] = MappingProxyType(
+    {
+        V_OF_WHEELS: "v is computed from the wheel speeds",
+        V_SCALE: "v and a_x differ by a scale that no sensor has",
+    }
+)
+"""What is said of such a speed, by the code of its warning."""
+
+
+def wrong_speed(warnings: Iterable[PlausibilityWarning]) -> PlausibilityWarning | None:
+    """The first warning that v says nothing of the car; None where there is none."""
+    return next((warning for warning in warnings if warning.code in NO_SPEED), None)
+
+
+def require_measured_speed(warnings: Iterable[PlausibilityWarning]) -> None:
+    """Raise LogError where a run is warned of a v that says nothing of the car."""
+    warning = wrong_speed(warnings)
+    if warning is not None:
+        raise LogError(
+            f"{NO_SPEED[warning.code]}: {warning.code} is {warning.amount}, expected "
+            f"{warning.bounds}; likely {', or '.join(warning.causes)}",
+            where=warning.log,
+            expected="a v and an a_x that agree on how the car slows, or no v",
+            do="leave v out of the log: rename its column, or map it to no channel",
+        )

@@ -1,0 +1,166 @@
+r"""A reference speed that comes late, as that of a receiver of satellites by 0.1 to 0.3 s.
+
+    v read(t) = v_0 + (1 + c) I(t - tau) + e t        I = int a_x dt
+
+    a_x   ------\______        v   --------\                the corner at the bite, and all that
+                                            \               z does after it, come tau later
+    scale c and slope e do not move a corner, so the delay tau is seen beside them
+
+A v on the bus of the other channels is within `USUAL` of them, and its rest is a state of the
+filter. A late one is anywhere up to `LATEST`. Both are weighed by how well they predict v, over the
+whole log: a delay belongs to a sensor and stays. Of a late v, v(t + tau) stands for v(t).
+
+It stops being true where the wheel speeds are as late as v, and for a_x that is filtered by more
+than v is late.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.names import G
+from calib.physics.lag import integral
+from calib.signals.filters import block_mean
+from calib.statistics.intervals import QUARTILE
+from calib.statistics.moving_average import second_differences
+
+Array = NDArray[np.float64]
+
+BLOCK = 0.05
+"""Length of the means that are compared [s]."""
+
+USUAL = 0.02
+"""One sigma [s] of the delay of a v on the bus of the other channels."""
+
+LATEST = 0.5
+"""Greatest delay [s] that is looked for: receivers have 0.1 to 0.3 s, slow filters more. What v was
+read as within this time of the start was had before the log, and is not compared."""
+
+ODDS = 0.05
+"""Odds of a late v before the log: few of those who log v take it from a receiver."""
+
+SCALE = 0.05
+"""One sigma of the scale of a_x [1]: wider than that of a sensor, since a delay is not to explain
+what another scale does."""
+
+EVEN = 0.0002
+"""How far the grade of any road walks in a second [g/s^0.5]: tracks are even to 1 mm in 2 m."""
+
+STEP = 0.01
+"""Step of the delays that are tried [s]; parabolas go between them."""
+
+SHARP = 0.02
+"""One sigma [s] of a delay from which on v is not put in time but left out: at 0.5 g it makes an
+error of 0.1 m/s, a tenth of the slip."""
+
+
+@dataclass(frozen=True)
+class SpeedDelay:
+    """Time by which v comes late [s], its ``sigma``, and whether it is ``late`` at all."""
+
+    value: float
+    sigma: float
+    late: bool
+
+    @property
+    def sharp(self) -> bool:
+        """Whether v may be put in time."""
+        return self.sigma < SHARP
+
+
+IN_TIME = SpeedDelay(0.0, USUAL, late=False)
+
+
+def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
+    """How late ``v`` [m/s] is against ``a_x`` [m/s^2]; ``time`` [s], all (n,), ``step`` [s]."""
+    seen = _Seen.of(time, v, a_x, step)
+    if seen is None or abs(seen.first()) < 2.0 * USUAL:
+        return IN_TIME
+    tried = np.arange(-5.0 * USUAL, LATEST + 0.5 * STEP, STEP)
+    likelihood = np.array([seen.likelihood(delay) for delay in tried])
+    least = -2.0 * likelihood.max() / max(np.count_nonzero(seen.usable), 1)
+    likelihood = (likelihood - likelihood.max()) / max(least, 1.0)  # noise that no median shows
+    usual = np.exp(likelihood - 0.5 * (tried / USUAL) ** 2) / (USUAL * np.sqrt(2.0 * np.pi))
+    late = np.exp(likelihood) * (tried > 0.0) / LATEST
+    if ODDS * late.sum() <= usual.sum():
+        return IN_TIME
+    value = float(late @ tried / late.sum())
+    variance = float(late @ (tried - value) ** 2 / late.sum())
+    return SpeedDelay(value, float(np.sqrt(variance + STEP**2 / 12.0)), late=True)
+
+
+def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
+    """A late v [m/s] (n,) at the times at which the car had it; a_x carries it on at the end."""
+    gained = integral(time, a_x)
+    later = time + delay.value
+    after = np.interp(time, time, gained) - np.interp(time[-1] - delay.value, time, gained)
+    return np.where(later <= time[-1], np.interp(later, time, v), v[-1] + after)
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What is compared: v (k,) by blocks of ``size`` samples, and the integral at the log's rate.
+
+    ``average``, ``sigma`` make its second differences white; ``begins`` (k - 2, 2) spans what the
+    unknown v and slope at the start make of them.
+    """
+
+    time: Array
+    gained: Array
+    v: Array
+    usable: NDArray[np.bool_]
+    size: int
+    average: Array
+    sigma: float
+    begins: Array
+
+    @classmethod
+    def of(cls, time: Array, v: Array, a_x: Array, step: float) -> "_Seen | None":
+        from scipy.signal import lfilter
+
+        size = max(1, round(BLOCK / step))
+        means, slowing = block_mean(v, size), block_mean(a_x, size)
+        if means.size < 20:
+            return None
+        h = size * step
+        white, walk = (max(_noise(x) ** 2, 1e-12) for x in (means, h * slowing))
+        wander = (G * h * EVEN) ** 2 * h
+        average, sigma = second_differences(white, walk, wander)
+        usable = (means > 2.0) & (np.abs(slowing) < 1.5 * G)
+        usable &= h * np.arange(means.size) >= LATEST
+        usable = usable[2:] & usable[1:-1] & usable[:-2]
+        first = np.eye(usable.size, 2, -int(np.argmax(usable)))
+        begins = np.linalg.qr(lfilter([1.0], average, first, axis=0))[0]
+        return cls(time, integral(time, a_x), means, usable, size, average, sigma, begins)
+
+    def first(self) -> float:
+        """The delay by the slope at no delay: enough to see whether there may be one [s]."""
+        y, x = self._white(0.0)
+        shift = self._filtered(block_mean(-np.gradient(self.gained, self.time), self.size))
+        A = np.column_stack([x, shift])
+        precision = A.T @ A + np.diag([SCALE**-2, LATEST**-2])
+        return float(np.linalg.solve(precision, A.T @ y)[1])
+
+    def likelihood(self, delay: float) -> float:
+        """Logarithm of the likelihood of a ``delay`` [s], with any scale, up to a constant."""
+        y, x = self._white(delay)
+        own = float(x @ x) + SCALE**-2
+        return float(-0.5 * (y @ y - (x @ y) ** 2 / own) - 0.5 * np.log(own))
+
+    def _white(self, delay: float) -> tuple[Array, Array]:
+        """What v differs by, and what a scale makes of it, as white noise of sigma 1, (k - 2,)."""
+        gained = block_mean(np.interp(self.time - delay, self.time, self.gained), self.size)
+        return self._filtered(self.v - gained), self._filtered(gained)
+
+    def _filtered(self, x: Array) -> Array:
+        from scipy.signal import lfilter
+
+        white = lfilter([1.0], self.average, np.where(self.usable, np.diff(x, 2), 0.0))
+        white -= self.begins @ (self.begins.T @ white)
+        return np.asarray(white / self.sigma)
+
+
+def _noise(x: Array) -> float:
+    """Standard deviation of a block, from the median of the second differences."""
+    return float(np.median(np.abs(np.diff(x, 2)))) / QUARTILE / np.sqrt(6.0)
