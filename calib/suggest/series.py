@@ -88,7 +88,7 @@ def _one(source: ColumnSource, index: int) -> Array | str:
     try:
         return source.read([index])[0]
     except LogError as error:
-        return f"not numeric: {error.what}"
+        return error.what
 
 
 def _series(column: Column, values: Array) -> Series:
