@@ -8,6 +8,7 @@ name_unit      if the ending can only be a unit, or if the name is a canonical c
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 from calib.errors import LogError
 from calib.logs.source import Column
@@ -132,3 +133,8 @@ def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -
             )
         out.append(Column(column.name, column.unit or unit or None, column.full))
     return out
+
+
+def with_more(column: Column, more: str) -> Column:
+    """A column with what a further header row says of it in its full name."""
+    return replace(column, full=f"{column.full or column.name} {more}") if more else column
