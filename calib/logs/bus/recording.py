@@ -10,7 +10,7 @@ from calib.errors import LogError
 from calib.logs.bus.by_message import Flawed, FlawedSignal
 from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import LONGEST, Dbc, decode, read_databases
-from calib.logs.bus.frames import Frames, Gathered, joined
+from calib.logs.bus.frames import Frames, Gathered, joined, once
 from calib.logs.bus.j1939 import source_of
 from calib.logs.bus.transport import put_together
 from calib.logs.recording import ChannelTrace, Recording, named
@@ -60,7 +60,8 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
     """
     time, wrapped = running(np.asarray(found.times), where)
     begin = float(time.min())
-    frames, carried = put_together(found.result(time - begin), dbc)
+    single, doubled = once(found.result(time - begin))
+    frames, carried = put_together(single, dbc)
     require_known(frames, found.buses, dbc, carried, where)
     more = [f"time counts from the first frame, which was written at {begin:.6f} s"]
     empty = sorted(set(dbc.buses) - set(found.buses))
@@ -71,7 +72,7 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
         )
     if found.errors:
         more.append(f"{found.errors} error frames were ignored")
-    return of_frames(frames, dbc, (*notes, *wrapped, *more, *carried))
+    return of_frames(frames, dbc, (*notes, *wrapped, *more, *doubled, *carried))
 
 
 def require_known(

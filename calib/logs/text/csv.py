@@ -115,9 +115,9 @@ def _refuse_uneven(names: list[str], units: list[str], more: list[str], where: s
 
 
 def _is_clock(cells: Sequence[str]) -> bool:
-    """Whether all of the cells with a value are times of day."""
+    """Whether more than half of the cells with a value are times of day."""
     filled = [cell for cell in cells if cell not in EMPTY]
-    return bool(filled) and all(is_clock(cell) for cell in filled)
+    return 2 * sum(is_clock(cell) for cell in filled) > len(filled)
 
 
 def last_row(data: bytes, start: int, width: int, dialect: Dialect, where: str) -> str | None:
