@@ -24,7 +24,7 @@ CORNERS = {
 
 TIME = {
     *("time", "zeit", "zeitstempel", "t", "timestamp", "timestamps", "timestemp", "ts"),
-    *("uhrzeit", "messzeit", "clock", "datetime"),
+    *("uhrzeit", "messzeit", "clock", "datetime", "interval"),
 }
 BRAKE = {"brake", "brk", "pbk", "brakes", "bremse", "brems", "bremsdruck", "bremskraft"}
 MASTER = {

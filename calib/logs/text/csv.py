@@ -26,6 +26,10 @@ from calib.logs.text.encoding import head_text, to_utf8
 from calib.logs.text.header import column_from_cell, is_unit_row, with_more, with_unit_row
 from calib.logs.text.layout import layout_of
 
+FRAME_ID = {"id", "can id", "can_id", "canid", "identifier", "arbitration_id", "arbitration id"}
+FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "byte1"}
+"""Names of columns, in lower case: a table with one of each has frames in its rows."""
+
 
 def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> ColumnSource:
     """Open a file of separated text.
@@ -42,8 +46,13 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> Colum
     if data.startswith(b"\x1f\x8b"):
         data = gunzip(data, where)
     data = to_utf8(data, where, text_format.encoding)
+    text = data.rstrip(b"\0")  # a logger that lost its power leaves them
+    notes = [f"{len(data) - len(text)} zero bytes at the end were not read"] if text != data else []
+    if b"\n" not in text:
+        text = text.replace(b"\r", b"\n")
     try:
-        return _open(data, where, text_format)
+        source = _open(text, where, text_format)
+        return replace(source, notes=(*notes, *source.notes))
     except csv.Error as cause:
         raise LogError(
             f"not a text table: {cause}", where=where, expected="lines of cells"
@@ -61,6 +70,7 @@ def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
     cells, units, more = (dialect.cells([line])[0] for line in names.split("\n"))
     columns = [column_from_cell(cell) for cell in cells]
     _refuse_uneven(cells, units, more, where)
+    _refuse_frames(columns, where)
     if units:
         columns = with_unit_row(columns, units, where)
     if more:
@@ -112,6 +122,18 @@ def _refuse_uneven(names: list[str], units: list[str], more: list[str], where: s
                 where=where,
                 expected="a cell, which may be empty, for each name",
             )
+
+
+def _refuse_frames(columns: Sequence[Column], where: str) -> None:
+    """Raise LogError for a table of bus frames, as programs for a CAN bus save it."""
+    names = {column.name.lower() for column in columns}
+    if names & FRAME_ID and names & FRAME_LENGTH:
+        raise LogError(
+            "the rows are frames of a bus, not samples of channels",
+            where=where,
+            expected="a column for each channel",
+            do="save the frames as BLF, ASC, TRC or `candump -L`, and name a DBC in a channel map",
+        )
 
 
 def _is_clock(cells: Sequence[str]) -> bool:

@@ -32,7 +32,7 @@ def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
             break
     encoding = encoding or _unmarked_utf16(data[:HEAD])
     if encoding is None or codecs.lookup(encoding).name == "utf-8":
-        _refuse_binary(data[:HEAD], where)
+        _refuse_binary(data[:HEAD].rstrip(b"\0"), where)
         return data
     try:
         return data.decode(encoding).encode()

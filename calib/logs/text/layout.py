@@ -80,31 +80,39 @@ def _found(
 ) -> tuple[int, Layout | None]:
     """The number of columns with numbers, and the layout; None without a header over them."""
     dialect = Dialect(separator, ".")
-    width, numbers = _columns(dialect.cells(sample))
+    width, numbers, spare = _columns(dialect.cells(sample))
     if len(numbers) < 2:
         return 0, None
     table = [dialect.cells([line.decode("latin-1")])[0] if line.strip() else [] for line in lines]
     first = _first_row(table, width, numbers)
-    block = _block(table, first, width)
+    block = _block(table, first, (width, width - spare))
     if not block:
         return 0, None
     units = max((i for i in block[1:] if is_unit_row(table[i])), default=None)
     names = block[0] if units is None else block[block.index(units) - 1]
     more = [i for i in block if i > (names if units is None else units)]
+
+    def line(index: int) -> bytes:
+        return lines[index] + separator.encode() * (width - len(table[index]))
+
     return len(numbers), Layout(
-        lines[names],
+        line(names),
         starts[first],
-        b"" if units is None else lines[units],
-        lines[more[0]] if more else b"",
+        b"" if units is None else line(units),
+        line(more[0]) if more else b"",
         sum(bool(row) for row in table[:names]),
     )
 
 
-def _columns(rows: Sequence[Sequence[str]]) -> tuple[int, list[int]]:
-    """The width of most rows, and their columns of numbers."""
+def _columns(rows: Sequence[Sequence[str]]) -> tuple[int, list[int], bool]:
+    """The width of most rows, their columns of numbers, and whether the last cell is always empty.
+
+    A separator at the end of each row makes such a cell, over which a header may have none.
+    """
     ((width, _),) = Counter(len(row) for row in rows if row).most_common(1) or [(0, 0)]
     columns = list(zip(*(row for row in rows if len(row) == width), strict=True))
-    return width, [i for i, column in enumerate(columns) if numeric_column(column)]
+    numbers = [i for i, column in enumerate(columns) if numeric_column(column)]
+    return width, numbers, sum(map(bool, columns[-1])) <= 1 if columns else False
 
 
 def _first_row(table: Sequence[Sequence[str]], width: int, numbers: Sequence[int]) -> int:
@@ -121,14 +129,14 @@ def _first_row(table: Sequence[Sequence[str]], width: int, numbers: Sequence[int
     return len(table)
 
 
-def _block(table: Sequence[Sequence[str]], first: int, width: int) -> list[int]:
+def _block(table: Sequence[Sequence[str]], first: int, widths: tuple[int, int]) -> list[int]:
     """The lines of the header above the ``first`` row: names, or names over a blank and units."""
     block: list[int] = []
     for index in range(min(first, len(table)) - 1, -1, -1):
         row = table[index]
         if not row and (not block or is_unit_row(table[block[0]])):
             continue
-        if len(row) != width:
+        if len(row) not in widths:
             break
         block.insert(0, index)
     return block

@@ -25,6 +25,7 @@ HEADERS = {
     "quotes": '"Time","Brake","v"\n"s","bar","km/h"\n',
     "sources": f"{NAMES}\n{UNITS}\n,bus 1,gps\n",
     "one row": "Time [s],Brake [bar],v [km/h]\n",
+    "bars": '"Time"|"s"|0|0|1,"Brake"|"bar"|0|200|100,"v"|"km/h"|0|300|25\n',
 }
 
 
@@ -58,6 +59,30 @@ def test_the_unit_tells_columns_of_one_name_apart():
         assert item.index == index
     with pytest.raises(LogError, match=r"'Time \[s\]', 'Time \[min\]'"):
         assign(columns, ChannelMap("map", {"time": Mapping("Time")}), ("time",), "run.csv")
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_a_separator_at_the_end_of_each_row(header):
+    rows = ROWS.replace("\n", ",\n")
+    source = open_csv((HEADERS[header] + rows).encode(), "run.csv")
+    assert [c.name for c in source.columns[:3]] == ["Time", "Brake", "v"]
+    assert source.read([0])[0].size == 60
+
+
+def test_zero_bytes_at_the_end_and_old_line_ends():
+    text = (HEADERS["units"] + ROWS).encode()
+    source = open_csv(text + bytes(100), "run.csv")
+    assert "100 zero bytes" in source.notes[0]
+    for data in (text + bytes(100), text.replace(b"\n", b"\r")):
+        assert open_csv(data, "run.csv").read([0])[0].size == 60
+    with pytest.raises(LogError, match="cut off"):
+        open_csv(text[:-3] + bytes(100), "run.csv")
+
+
+def test_a_table_of_bus_frames_is_no_log():
+    rows = "".join(f"{10 * i},0000013B,false,Rx,0,2,{i % 90:02d},00\n" for i in range(60))
+    with pytest.raises(LogError, match="frames of a bus"):
+        open_csv(("Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2\n" + rows).encode(), "run.csv")
 
 
 def test_lines_above_without_a_header_are_no_table():
