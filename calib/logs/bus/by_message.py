@@ -22,6 +22,8 @@ TOLD = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")
 """Statements on a signal of a message that change what is decoded."""
 LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")
 """Attributes with the names that are longer than 32 characters."""
+MOST = 10_000
+"""Largest number of messages: each takes about a millisecond."""
 SHOWN = 5
 """Number of names that a note lists."""
 BUS_NAME = "DBName"
@@ -101,9 +103,12 @@ def read_by_message(
 ) -> "tuple[list[Message | Flawed], list[str]]":
     """The messages of a DBC in its order, and notes on what is wrong in it.
 
-    ``text`` is the whole file, ``where`` its path, for messages.
+    ``text`` is the whole file, ``where`` its path, for messages. Raises ValueError for more than
+    `MOST` messages.
     """
     common, parts, unused = _parts(text)
+    if len(parts) > MOST:
+        raise ValueError(f"it has {len(parts)} messages, at most {MOST} are read")
     messages = _once([_read(cantools, part, common, where) for part in parts], where)
     unmarked = [part.name for part in parts if part.unmarked]
     flawed = [f"{m.name} ({m.why})" for m in messages if isinstance(m, Flawed)]

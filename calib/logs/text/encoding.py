@@ -32,7 +32,7 @@ def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
             break
     encoding = encoding or _unmarked_utf16(data[:HEAD])
     if encoding is None or codecs.lookup(encoding).name == "utf-8":
-        _refuse_binary(data[:HEAD].rstrip(b"\0"), where)
+        _refuse_binary(data[:HEAD], where)
         return data
     try:
         return data.decode(encoding).encode()
@@ -54,7 +54,8 @@ def _unmarked_utf16(head: bytes) -> str | None:
 
 
 def _refuse_binary(head: bytes, where: str) -> None:
-    if b"\0" in head:
+    lines = head.rstrip(b"\0") if b"\n" in head else head  # a short log may end with zero bytes
+    if b"\0" in lines:
         raise LogError("not text", where=where, expected="text with separated columns")
 
 
