@@ -63,6 +63,7 @@ def suggest(
     """
     from calib.logs.read import open_log
     from calib.suggest.propose import suggest as propose
+    from calib.suggest.tried import tried
     from calib.suggest.written import to_toml
 
     taken = dict(_pair(text) for text in take or [])
@@ -71,6 +72,7 @@ def suggest(
         refuse_overwriting([out], [log], [channel_map])
     read_with = channel_map_of(channel_map)
     found = propose(open_log(log, read_with).source, str(log), told=taken, radius=radius)
+    found = tried(found, log, read_with)
     toml = to_toml(found, read_with, None if out is None else out.absolute().parent)
     if out is not None:
         refuse_foreign(out, lambda data: data == toml.encode(), "this map", force)
@@ -81,7 +83,7 @@ def suggest(
     else:
         _tell(found)
     for doubt in found.doubts:
-        complain(f"{doubt.channel}: {doubt.why}: {', '.join(doubt.candidates)}; {doubt.do}")
+        complain(f"{doubt.channel}: {doubt}")
     if not written:
         if not found.doubts:
             complain(f"{log}: no column is a channel; name them: --take CHANNEL=NAME")

@@ -8,7 +8,7 @@ from calib.documents.toml import nearest
 from calib.errors import ChannelMapError, LogError
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.log import Origin
-from calib.logs.source import Array, Column
+from calib.logs.source import Array, Column, address_of, called
 from calib.names import CHANNELS, TRUTH_UNITS
 from calib.units import UnknownUnit, si_of, unit_of
 
@@ -99,7 +99,7 @@ def _mapped(
     where: str,
 ) -> Assigned:
     source = entry.source.strip()
-    found = [i for i, column in enumerate(columns) if source in (column.name, column.full)]
+    found = called(source, columns)
     names = [column.name for column in columns]
     if not found:
         raise ChannelMapError(
@@ -113,7 +113,7 @@ def _mapped(
             f"{len(found)} columns are called {entry.source!r}",
             where=f"{where}: {name}",
             expected="one",
-            do=_by_full_name([columns[i] for i in found]) or "rename one of them",
+            do=_by_address(found, columns) or "rename one of them",
         )
     column = columns[found[0]]
     unit = _known_unit(entry.unit or column.unit, CHANNELS[name].si, f"{where}: {name}")
@@ -163,9 +163,11 @@ def _known_unit(unit: str | None, si: str, where: str) -> str:
     return unit
 
 
-def _by_full_name(columns: list[Column]) -> str:
-    full = [repr(column.full) for column in columns if column.full]
-    return f"name one of them in a channel map: {', '.join(full)}" if full else ""
+def _by_address(found: list[int], columns: tuple[Column, ...]) -> str:
+    """What to call one of several columns of a name; nothing if they cannot be told apart."""
+    names = [address_of(columns[i], columns) for i in found]
+    one = ", ".join(map(repr, names))
+    return f"name one of them in a channel map: {one}" if len(set(names)) == len(names) else ""
 
 
 def _refuse_twice(taken: list[Assigned], columns: tuple[Column, ...], where: str) -> None:
@@ -176,7 +178,7 @@ def _refuse_twice(taken: list[Assigned], columns: tuple[Column, ...], where: str
                 "the channel occurs twice",
                 where=f"{where}: {item.channel}",
                 expected="one column of that name",
-                do=_by_full_name([columns[i.index] for i in taken if i.channel == item.channel])
+                do=_by_address([i.index for i in taken if i.channel == item.channel], columns)
                 or "rename or delete one of them",
             )
         seen.add(item.channel)

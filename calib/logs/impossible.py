@@ -22,6 +22,7 @@ from calib.logs.gaps import BRIDGE, ChannelHole, fill_rows
 from calib.logs.source import Array
 from calib.logs.verify import ENDS
 from calib.names import CHANNELS, WHEELS
+from calib.statistics.intervals import QUARTILE
 from calib.units import from_si
 
 Mask = NDArray[np.bool_]
@@ -198,7 +199,7 @@ def _impossible_steps(step: Array, before: Array, after: Array, slack: float, p:
 
 def _noise(x: Array) -> float:
     """Standard deviation of a sample, from the median of the second differences."""
-    return float(np.median(np.abs(np.diff(x, 2)))) / 0.6745 / np.sqrt(6.0)
+    return float(np.median(np.abs(np.diff(x, 2))) / QUARTILE / np.sqrt(6.0))
 
 
 def _refuse_many(one: Marked, mask: Mask, time: Array, values: Array, where: str) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from calib.errors import LogError
 from calib.files.bounded import LOG
 from calib.logs.source import Array, Column, ColumnSource
+from calib.logs.text.clock import from_first, over_midnight
 from calib.logs.text.compressed import too_large
 from calib.logs.text.header import column_from_cell
 
@@ -28,8 +29,8 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
     A field without the metadata may have its unit in its name, as in CSV: ``p_mc [bar]``. Files
     from pandas need this, because pandas drops the metadata, or the units by column in
     ``frame.attrs["units"]``. The index ``timestamps`` of a file exported by asammdf is the time in
-    seconds; asammdf drops all other units, so they must be in a channel map. ``text_format`` is not
-    used.
+    seconds; asammdf drops all other units, so they must be in a channel map. A column of time
+    stamps, times of day or durations is in seconds from its first row. ``text_format`` is not used.
 
     Raises LogError for a file that is empty, cut off or not Parquet.
     """
@@ -88,6 +89,10 @@ def _object(metadata: dict[bytes, bytes] | None, key: bytes) -> dict[str, Any]:
 
 def _column(field: "pyarrow.Field", pandas: dict[str, Any]) -> Column:
     metadata = field.metadata or {}
+    if _clock_unit(field.type) is not None:
+        index = field.name == MDF_CLOCK and MDF_CLOCK in pandas.get("index_columns", [])
+        name = column_from_cell(field.name).name
+        return Column("time", "s", field.name) if index else Column(name, "s", field.name)
     for key in (UNIT_KEY, *OTHER_KEYS):
         if key in metadata:
             return Column(field.name, metadata[key].decode(errors="replace"))
@@ -98,10 +103,37 @@ def _column(field: "pyarrow.Field", pandas: dict[str, Any]) -> Column:
     return Column(field.name, str(unit)) if unit else column_from_cell(field.name)
 
 
+def _clock_unit(kind: "pyarrow.DataType") -> float | None:
+    """The unit of a time stamp, a time of day or a duration [s]; None for another type."""
+    import pyarrow.types as of
+
+    if of.is_timestamp(kind) or of.is_time(kind) or of.is_duration(kind):
+        return {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[kind.unit]
+    return None
+
+
+def _from_first(column: "pyarrow.ChunkedArray", unit: float, where: str) -> Array:
+    """Seconds from the first row, shape (n,); NaN for null."""
+    import pyarrow as pa
+
+    width = pa.int32() if column.type.bit_width == 32 else pa.int64()
+    counts = column.cast(width).cast(pa.int64())
+    known = counts.drop_null()
+    first = known[0].as_py() if len(known) else 0
+    nulls = counts.is_null().to_numpy()
+    time = (counts.fill_null(first).to_numpy() - first) * unit
+    time[nulls] = np.nan
+    if pa.types.is_time(column.type):
+        time = over_midnight(time)
+    return from_first(time, where)
+
+
 def _numbers(column: "pyarrow.ChunkedArray", where: str) -> Array:
     import pyarrow as pa
 
     try:
+        if (unit := _clock_unit(column.type)) is not None:
+            return _from_first(column, unit, where)
         values: Array = column.cast(pa.float64()).to_numpy().astype(np.float64, copy=False)
     except (pa.ArrowException, ValueError) as cause:
         raise LogError(

@@ -1,6 +1,5 @@
 """Formats with several sample rates, such as bus frames: how each file ending is opened."""
 
-import contextlib
 from collections.abc import Sequence
 
 from calib.errors import LogError
@@ -10,7 +9,7 @@ from calib.logs.bus.candump import open_candump
 from calib.logs.bus.compressed import Open, packed
 from calib.logs.bus.trc import open_trc
 from calib.logs.mdf.mdf import open_mdf
-from calib.logs.recording import Recording
+from calib.logs.recording import ChannelTrace, Recording
 from calib.logs.resample import Wanted, on_one_clock
 from calib.logs.source import Array, ColumnSource
 
@@ -34,14 +33,16 @@ RECORDINGS: dict[str, Open] = {
 def as_source(opened: Recording, where: str) -> ColumnSource:
     """All channels of a recording on one clock, like a table; closes the recording.
 
-    Used before the columns are assigned to channels. Reading a column without numbers raises
-    LogError.
+    Used before the columns are assigned to channels. Reading a column that the recording refuses
+    raises its LogError.
     """
     try:
-        traces = {}
+        traces, refused = dict[int, ChannelTrace](), dict[int, LogError]()
         for index in range(1, len(opened.columns)):
-            with contextlib.suppress(LogError):
+            try:
                 traces[index] = opened.read([index])[0]
+            except LogError as error:
+                refused[index] = error
     finally:
         opened.close()
     wanted = [Wanted(_name(opened, i), trace, trace.state) for i, trace in traces.items()]
@@ -50,8 +51,8 @@ def as_source(opened: Recording, where: str) -> ColumnSource:
 
     def read(indices: Sequence[int]) -> list[Array]:
         for index in indices:
-            if index not in arrays:
-                raise LogError("holds no numbers", where=f"{where}: {_name(opened, index)}")
+            if index in refused:
+                raise refused[index]
         return [arrays[index] for index in indices]
 
     rates = {i: resampled.rates[n] for i in traces if (n := _name(opened, i)) in resampled.rates}

@@ -14,12 +14,28 @@ class Column:
     """A column as the file names it. ``unit`` is None if the file has no unit for it.
 
     ``full`` distinguishes columns of the same ``name``: with group, message or bus, or the whole
-    header cell. A channel map may use either.
+    header cell.
     """
 
     name: str
     unit: str | None
     full: str = ""
+
+    @property
+    def addresses(self) -> tuple[str, ...]:
+        """What a channel map may call it: its name, also with the unit, or its full name."""
+        return (self.name, f"{self.name} [{self.unit}]", self.full or self.name)
+
+
+def called(address: str, columns: Sequence[Column]) -> list[int]:
+    """The indices of the columns with this address."""
+    return [i for i, column in enumerate(columns) if address in column.addresses]
+
+
+def address_of(column: Column, columns: Sequence[Column]) -> str:
+    """The first address that only this one of the columns has; its name if there is none."""
+    own = (one for one in column.addresses if len(called(one, columns)) == 1)
+    return next(own, column.name)
 
 
 @dataclass(frozen=True)

@@ -163,4 +163,4 @@ class _Seen:
 
 def _noise(x: Array) -> float:
     """Standard deviation of a block, from the median of the second differences."""
-    return float(np.median(np.abs(np.diff(x, 2)))) / QUARTILE / np.sqrt(6.0)
+    return float(np.median(np.abs(np.diff(x, 2))) / QUARTILE / np.sqrt(6.0))

@@ -1,5 +1,6 @@
 """Find the column of the time."""
 
+from collections.abc import Mapping as Named
 from collections.abc import Sequence
 
 import numpy as np
@@ -21,13 +22,14 @@ REPEATED = 0.01
 
 
 def find_clock(
-    series: list[Series], with_gaps: Sequence[Series] = ()
+    series: list[Series], with_gaps: Sequence[Series], refused: Named[str, str]
 ) -> tuple[Proposal | None, ColumnClock | None, list[Doubt]]:
     """Find the time column: not decreasing, named as a time, with a unit of time.
 
     A missing unit follows from the rate: of seconds, milliseconds and microseconds only one gives
     40 Hz to 1 kHz. Nothing is proposed if no column, or more than one, fits. The clock has the
-    rows that `rising` gives. Columns in ``with_gaps`` have no value in some rows.
+    rows that `rising` gives. Columns in ``with_gaps`` have no value in some rows; for the names in
+    ``refused`` there are no values at all, with the reason.
     """
     running = [s for s in series if s.si in ("s", None) and _runs(s)]
     named = [s for s in running if TIME & set(words(s.name))]
@@ -41,8 +43,13 @@ def find_clock(
             if TIME & set(words(s.name)):
                 why = f"{s.name} is named a time, but {_disorder(s.values)}"
                 return None, None, [_doubt([s], why, "correct the log, or export it again")]
+        for name, why in refused.items():
+            if TIME & set(words(name)):
+                do = "export the log again, with a time for each row"
+                return None, None, [Doubt("time", (name,), why, do)]
         candidates = [s for s in running if s.si == "s"] or running
         do = "choose one and give its unit: --take 'time=NAME [s]'"
+        do = do if candidates else "export the log again, with its time"
         return None, None, [_doubt(candidates, "no column is named a time", do)]
     return _proposal(fit[0])
 

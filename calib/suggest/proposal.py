@@ -27,6 +27,10 @@ class Doubt:
     why: str
     do: str
 
+    def __str__(self) -> str:
+        names = f": {', '.join(self.candidates)}" if self.candidates else ""
+        return f"{self.why}{names}; {self.do}"
+
 
 @dataclass(frozen=True)
 class Suggestion:

@@ -148,7 +148,7 @@ class _Work:
                 named = named[rising(named)]
                 self.clock = ColumnClock(named, step_of(named))
         elif "time" not in self.told:
-            found, self.clock, doubts = find_clock(self._free(), self.with_gaps)
+            found, self.clock, doubts = find_clock(self._free(), self.with_gaps, self.left)
             self.doubts += doubts
             if found:
                 self.proposals["time"] = found
@@ -255,12 +255,15 @@ class _Work:
         left = {s.name: self.left.get(s.name, "not a known channel") for s in self.series}
         left = {name: why for name, why in {**self.left, **left}.items() if name not in taken}
         missing = {
-            name: f"the column of that name is {left[name]}" if name in left else _why_missing(name)
+            name: f"the column of that name is {left[name]}" if name in left else self._why(name)
             for name in REQUIRED
             if name not in self.proposals and name not in doubted and not self._wheel_doubt(name)
         }
         ignore = tuple(n for n in left if n in CHANNELS and n not in self.proposals)
         return Suggestion(where, ordered, tuple(self.doubts), missing, left, ignore)
+
+    def _why(self, name: str) -> str:
+        return _why_missing(name) if self.clock else "not looked for, since the time is not known"
 
     def _wheel_doubt(self, name: str) -> bool:
         return name.startswith("omega") and any(d.channel.startswith("omega") for d in self.doubts)

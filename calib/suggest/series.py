@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from calib.errors import LogError
 from calib.logs.clock import step_of
 from calib.logs.gaps import ONLY, fill_rows
-from calib.logs.source import Column, ColumnSource
+from calib.logs.source import Column, ColumnSource, address_of
 from calib.names import CHANNELS
 from calib.units import UnknownUnit, is_unit, si_of, to_si
 
@@ -20,18 +20,14 @@ class Series:
     """A numeric column; ``si`` is the SI unit, None without a unit.
 
     ``values``, shape (n,), are in SI if the unit is known, else as written. ``rate`` is that of its
-    samples [Hz], None if they are the rows.
+    samples [Hz], None if they are the rows. ``name`` is the address that only this column has.
     """
 
+    name: str
     column: Column
     values: Array
     si: str | None
     rate: float | None = None
-
-    @property
-    def name(self) -> str:
-        """The name of the column."""
-        return self.column.name
 
     @property
     def moves(self) -> bool:
@@ -43,16 +39,17 @@ def read_series(source: ColumnSource) -> tuple[list[Series], list[Series], dict[
     """The columns with a number in every row, those with gaps, and for the others the reason."""
     found, with_gaps, left = list[Series](), list[Series](), dict[str, str]()
     for index, (column, values) in enumerate(zip(source.columns, _arrays(source), strict=True)):
+        name = address_of(column, source.columns)
         if isinstance(values, str):
-            left[column.name] = values
+            left[name] = values
         elif column.name.startswith("true_"):
-            left[column.name] = "truth of a simulation"
+            left[name] = "truth of a simulation"
         elif np.isnan(values).all():
-            left[column.name] = "empty"
+            left[name] = "empty"
         elif np.isinf(values).any():
-            left[column.name] = "has infinite values"
+            left[name] = "has infinite values"
         else:
-            item = replace(_series(column, values), rate=source.rates.get(index))
+            item = replace(_series(name, column, values), rate=source.rates.get(index))
             (with_gaps if np.isnan(values).any() else found).append(item)
     return found, with_gaps, left
 
@@ -89,10 +86,10 @@ def _one(source: ColumnSource, index: int) -> Array | str:
     try:
         return source.read([index])[0]
     except LogError as error:
-        return f"not numeric: {error.what}"
+        return error.what
 
 
-def _series(column: Column, values: Array) -> Series:
+def _series(name: str, column: Column, values: Array) -> Series:
     si = None
     if column.unit:
         own = CHANNELS.get(column.name)
@@ -100,6 +97,6 @@ def _series(column: Column, values: Array) -> Series:
             # For a canonical channel only its own units count: `Hz` on a wheel is an angular speed.
             si = own.si if own and is_unit(column.unit, own.si) else si_of(column.unit)
         except UnknownUnit:
-            return Series(column, values, "?")
+            return Series(name, column, values, "?")
         values = to_si(values, column.unit, si)
-    return Series(column, values, si)
+    return Series(name, column, values, si)

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from calib.errors import InputError
 from calib.logs.channel_map import Mapping
-from calib.logs.source import Column, ColumnSource
+from calib.logs.source import Column, ColumnSource, address_of, called
 from calib.logs.text.header import column_from_cell
 from calib.names import CHANNELS
 from calib.suggest.proposal import SURE, Proposal
@@ -29,26 +29,30 @@ def told_source(
         raise InputError(f"there is no channel {channel!r}", expected=", ".join(CHANNELS))
     if not cell:
         return None
-    column = _column_called(cell, source)
-    if column is None:
-        names = ", ".join(repr(c.name) for c in source.columns)
-        raise InputError(f"{where} has no column {cell!r}", expected=f"one of {names}")
-    given = column_from_cell(cell)
+    column = _column_called(cell, source, where)
+    address, given = address_of(column, source.columns), column_from_cell(cell)
     unit = given.unit if column.name != cell and given.unit != column.unit else None
-    mapping = rim_mapping(channel, column.name, unit or column.unit, radius)
+    mapping = rim_mapping(channel, address, unit or column.unit, radius)
     if mapping is not None and radius is not None:
         return Proposal(channel, mapping, SURE, ("given", rim_reason(radius)))
     _check_unit(unit or column.unit, channel, cell)
-    return Proposal(channel, Mapping(column.name, unit), SURE, ("given",))
+    return Proposal(channel, Mapping(address, unit), SURE, ("given",))
 
 
-def _column_called(cell: str, source: ColumnSource) -> Column | None:
-    """The column with this name or header cell, also if ``cell`` has another unit; or None."""
-    for name in (cell, column_from_cell(cell).name):
-        for column in source.columns:
-            if name in (column.name, column.full):
-                return column
-    return None
+def _column_called(cell: str, source: ColumnSource, where: str) -> Column:
+    """The column with this address, also if ``cell`` has another unit.
+
+    Raises InputError if there is none, or more than one.
+    """
+    columns = source.columns
+    found = called(cell, columns) or called(column_from_cell(cell).name, columns)
+    if len(found) == 1:
+        return columns[found[0]]
+    if found:
+        names = ", ".join(repr(address_of(columns[i], columns)) for i in found)
+        raise InputError(f"{where} has {len(found)} columns {cell!r}", expected=f"one of {names}")
+    names = ", ".join(repr(c.name) for c in columns)
+    raise InputError(f"{where} has no column {cell!r}", expected=f"one of {names}")
 
 
 def _check_unit(unit: str | None, channel: str, cell: str) -> None:

@@ -22,7 +22,10 @@ CORNERS = {
 }
 """Abbreviations of a wheel: English in both orders, German, and CarSim's side and axle."""
 
-TIME = {"time", "zeit", "zeitstempel", "t", "timestamp", "timestamps", "timestemp", "ts"}
+TIME = {
+    *("time", "zeit", "zeitstempel", "t", "timestamp", "timestamps", "timestemp", "ts"),
+    *("uhrzeit", "messzeit", "clock", "datetime", "interval"),
+}
 BRAKE = {"brake", "brk", "pbk", "brakes", "bremse", "brems", "bremsdruck", "bremskraft"}
 MASTER = {
     *("mc", "tmc", "master", "mastercylinder", "hz", "thz", "hbz", "hauptbremszylinder"),

@@ -109,8 +109,7 @@ def to_lines(found: Suggestion) -> Iterator[tuple[str, str]]:
             f"{mapping.source}{extra} ({proposal.sure}: {'; '.join(proposal.reasons)})",
         )
     for doubt in found.doubts:
-        names = ", ".join(doubt.candidates) or "none"
-        yield doubt.channel, f"uncertain: {doubt.why}; candidates: {names}; {doubt.do}"
+        yield doubt.channel, f"uncertain: {doubt}"
     for name, why in found.missing.items():
         yield name, f"missing: {why}"
     for name, why in found.left.items():

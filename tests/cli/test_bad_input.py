@@ -102,7 +102,6 @@ TEXTS = {
     "header only": (lambda t: t.splitlines()[0] + "\n", "no samples"),
     "truncated": (lambda t: t[: len(t) // 2], "cut off"),
     "blanks": (lambda t: t.replace(",", " "), "no separator"),
-    "comments above": (lambda t: "# Logger 5\n# a, b\n" + t, "the header stands in line 3"),
     "decimal commas": (lambda t: t.replace(".", ","), "no separator fits this table"),
     "two marks": (lambda t: t.replace(",", ";").replace(".", ",", 900), "mark is ambiguous"),
     "no pressure": (lambda t: without_column(t, "p_mc [bar]"), "channel p_mc missing"),

@@ -151,3 +151,45 @@ def test_the_text_format_is_kept(brake_cal, tmp_path):
     given.write_text('schema = 1\n[text]\nseparator = ";"\ndecimal = ","\n')
     assert brake_cal("map", "suggest", path, "--map", given, "--out", out).code == 1
     assert tomllib.loads(out.read_text())["text"] == {"separator": ";", "decimal": ","}
+
+
+def with_time(tmp_path, heads, cells):
+    """The Toyota's braking, its time under ``heads``, in the cells that ``cells`` makes of it."""
+    rows = [line.split(",") for line in (REAL / "toyota_brake.csv").read_text().splitlines()]
+    at = rows[0].index("time [s]")
+    rows[0][at] = heads
+    for row in rows[1:]:
+        row[at] = cells(float(row[at]))
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join([*(",".join(row) for row in rows), ""]))
+    return path
+
+
+def test_of_two_columns_of_one_name_the_unit_chooses(brake_cal, tmp_path):
+    log = with_time(tmp_path, "Time [s],Time [min]", lambda t: f"{t!r},{t / 60!r}")
+    out = tmp_path / "map.toml"
+    ran = brake_cal("map", "suggest", log, "--out", out)
+    assert (ran.code, out.exists()) == (3, False)
+    assert "Time [s], Time [min]" in ran.err
+    assert brake_cal("map", "suggest", log, "--take", "time=Time", "--out", out).code == 3
+    brake_cal("map", "suggest", log, "--take", "time=Time [s]", "--out", out)
+    assert tomllib.loads(out.read_text())["channels"]["time"]["source"] == "Time [s]"
+    assert brake_cal("log", "view", log, "--map", out).code == 0
+
+
+@pytest.mark.parametrize("take", [(), ("--take", "time=Uhrzeit [s]")])
+def test_a_map_that_cannot_be_read_with_is_not_written(brake_cal, tmp_path, take):
+    log = with_time(tmp_path, "Uhrzeit", lambda t: f"10:00:{int(t):02d}")
+    out = tmp_path / "map.toml"
+    ran = brake_cal("map", "suggest", log, *take, "--out", out)
+    assert (ran.code, out.exists()) == (3, False)
+    assert "Uhrzeit" in ran.err
+    assert "(sure" not in ran.err
+
+
+def test_a_clock_time_is_the_time(brake_cal, tmp_path):
+    log = with_time(tmp_path, "Uhrzeit", lambda t: f"10:{int(t) // 60:02d}:{t % 60:06.3f}")
+    out = tmp_path / "map.toml"
+    assert brake_cal("map", "suggest", log, "--out", out).code == 1  # it has no pressure
+    assert tomllib.loads(out.read_text())["channels"]["time"]["source"] == "Uhrzeit"
+    assert brake_cal("log", "view", log, "--map", out).code == 0

@@ -3,6 +3,7 @@
 All are read with cantools; the ending of the file names the format.
 """
 
+import codecs
 import hashlib
 import logging
 import re
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from calib.errors import ChannelMapError
 from calib.files.bounded import DBC, bytes_of
 from calib.logs.bus.bits import last_byte, number, raw
+from calib.logs.bus.by_message import Flawed, read_by_message
 from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.bus.frames import Frames, Key
 from calib.logs.bus.j1939 import CONNECTION, TRANSFER, group_of, source_of
@@ -27,14 +29,16 @@ from calib.logs.source import Array
 if TYPE_CHECKING:
     from cantools.database.can import Message, Signal
 
+    Described = Message | Flawed
+
 INVALID = re.compile(
     r"\bsna\b|invalid|error|fault|not.?avail|undefined|\binit|fehler|ung(ue|ü)ltig", re.IGNORECASE
 )
 """Names of raw values that mark an invalid measurement."""
 
 
-ENCODINGS = {"dbc": "cp1252", "arxml": "utf-8", "kcd": "utf-8", "sym": "cp1252"}
-"""Formats and their encoding; a file with another ending is read as a DBC."""
+FORMATS = ("dbc", "arxml", "kcd", "sym")
+"""A file with another ending is read as a DBC."""
 
 EVERY = ""
 """Stands for every bus, where buses are named."""
@@ -48,15 +52,15 @@ LONGEST = 64
 
 @dataclass(frozen=True)
 class Dbc:
-    """Messages of one or more files; ``notes`` name the files.
+    """Describeds of one or more files; ``notes`` name the files.
 
     ``messages`` by identifier on every bus, ``buses`` by bus and identifier; a bus of its own comes
     first. ``sources`` as in `calib.logs.bus.databases.Databases`.
     """
 
-    messages: "dict[Key, Message]"
+    messages: "dict[Key, Described]"
     notes: tuple[str, ...]
-    buses: "dict[str, dict[Key, Message]]" = field(default_factory=dict)
+    buses: "dict[str, dict[Key, Described]]" = field(default_factory=dict)
     sources: tuple[int, ...] | None = None
 
     def knows(self, bus: str, key: Key) -> bool:
@@ -73,7 +77,7 @@ class Dbc:
         """Whether J1939 frames of this source address are asked for."""
         return self.sources is not None and (not self.sources or source in self.sources)
 
-    def find(self, bus: str, key: Key) -> "Message | None":
+    def find(self, bus: str, key: Key) -> "Described | None":
         """The message that describes frames of an identifier on a bus, or None.
 
         With ``sources`` an extended identifier with one of these source addresses is found by its
@@ -84,7 +88,7 @@ class Dbc:
                 return messages[key]
         return self.of_group(bus, group_of(key[0])) if self._is_j1939(key) else None
 
-    def of_group(self, bus: str, group: int) -> "Message | None":
+    def of_group(self, bus: str, group: int) -> "Described | None":
         """The message of a parameter group on a bus, or None."""
         own = self._groups.get(bus, {}).get(group)
         return own or self._groups[EVERY].get(group)
@@ -95,8 +99,8 @@ class Dbc:
         return extended and self.listens_to(source_of(identifier))
 
     @cached_property
-    def _groups(self) -> "dict[str, dict[int, Message]]":
-        """Messages by bus and parameter group."""
+    def _groups(self) -> "dict[str, dict[int, Described]]":
+        """Describeds by bus and parameter group."""
         every = {EVERY: self.messages, **self.buses}
         return {bus: _by_group(messages) for bus, messages in every.items()}
 
@@ -107,9 +111,9 @@ class Dbc:
         return [message.name for messages in every for message in messages.values()]
 
 
-def _by_group(messages: "dict[Key, Message]") -> "dict[int, Message]":
-    """Messages with an extended identifier by parameter group; groups of several are left out."""
-    found: dict[int, list[Message]] = {}
+def _by_group(messages: "dict[Key, Described]") -> "dict[int, Described]":
+    """Describeds with an extended identifier by parameter group; groups of several are left out."""
+    found: dict[int, list[Described]] = {}
     for (identifier, extended), message in messages.items():
         if extended:
             found.setdefault(group_of(identifier), []).append(message)
@@ -151,10 +155,10 @@ def read_dbc(files: Sequence[DatabaseFile], extra: str, where: str) -> Dbc:
     """
     cantools: Any = need("cantools", extra, where)
     logging.getLogger("cantools").setLevel(logging.CRITICAL + 1)  # what it warns of is refused here
-    messages: dict[Key, Message] = {}
+    messages: dict[Key, Described] = {}
     notes = []
     for file in files:
-        content, found = _load(cantools, file.path)
+        content, found, flaws = _load(cantools, file.path)
         for message in _of_bus(found, file):
             key = (message.frame_id, message.is_extended_frame)
             if key in messages:
@@ -163,28 +167,59 @@ def read_dbc(files: Sequence[DatabaseFile], extra: str, where: str) -> Dbc:
         name = file.path.name + (f", bus {file.bus}" if file.bus else "")
         digest = hashlib.sha256(content).hexdigest()
         notes.append(f"frames decoded by {name} (SHA-256 {digest[:16]})")
+        notes += [f"{name}: {flaw}" for flaw in flaws]
     return Dbc(messages, tuple(notes))
 
 
-def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Message]]":
-    """The bytes of a file, and its messages. Raises ChannelMapError if it has none."""
-    kind = path.suffix[1:].lower() if path.suffix[1:].lower() in ENCODINGS else "dbc"
+def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]]":
+    """The bytes of a file, its messages, and its flaws. Raises ChannelMapError if it has none."""
+    kind = path.suffix[1:].lower() if path.suffix[1:].lower() in FORMATS else "dbc"
     name = kind.upper()
     content = bytes_of(path, DBC, ChannelMapError, f"a {name}")
-    text = content.decode(ENCODINGS[kind], errors="replace")
+    text = _text(content)
     if kind in ("dbc", "sym"):  # the others are XML, whose parser takes no more than their size
         _refuse_long_text(text, path)
     try:
-        database = cantools.database.load_string(text, database_format=kind, strict=True)
+        messages, flaws = _messages(cantools, text, kind, str(path))
     except Exception as cause:  # cantools raises many kinds, some of its parser's
         raise ChannelMapError(
             f"not a valid {name}: {cause}", where=path, expected=f"the format {name}"
         ) from cause
-    if not database.messages:
+    if not messages:
         raise ChannelMapError(
             "the file has no messages", where=path, expected="the messages of a bus"
         )
-    return content, database.messages
+    flawed = [message for message in messages if isinstance(message, Flawed)]
+    if len(flawed) == len(messages):
+        raise ChannelMapError(
+            f"not a valid {name}: none of its messages can be read; {flawed[0].name}: "
+            f"{flawed[0].why}",
+            where=path,
+            expected=f"the format {name}",
+        )
+    return content, messages, flaws
+
+
+def _messages(
+    cantools: Any, text: str, kind: str, where: str
+) -> "tuple[list[Described], list[str]]":
+    """The messages, and notes on what is wrong in the file."""
+    if kind == "dbc":
+        return read_by_message(cantools, text, where)
+    return cantools.database.load_string(text, database_format=kind, strict=True).messages, []
+
+
+def _text(content: bytes) -> str:
+    """The text of a file in UTF-8 or UTF-16 with a byte order mark, in UTF-8, or in Windows-1252.
+
+    Text in Windows-1252 with a sign past ASCII is hardly ever UTF-8 as well.
+    """
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return content.decode("utf-16", errors="replace")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")
 
 
 def _refuse_long_text(text: str, path: Path) -> None:
@@ -202,7 +237,7 @@ def _refuse_long_text(text: str, path: Path) -> None:
         )
 
 
-def _of_bus(messages: "list[Message]", file: DatabaseFile) -> "list[Message]":
+def _of_bus(messages: "list[Described]", file: DatabaseFile) -> "list[Described]":
     """The messages of the bus that is asked for. Raises ChannelMapError if the file lacks it."""
     if file.bus is None:
         return messages
@@ -218,7 +253,7 @@ def _of_bus(messages: "list[Message]", file: DatabaseFile) -> "list[Message]":
 
 
 def _described_twice(
-    one: "Message", other: "Message", own: "list[Message]", path: Path
+    one: "Described", other: "Described", own: "list[Described]", path: Path
 ) -> ChannelMapError:
     """The error for an identifier that two messages have; ``own`` are those of the file of one."""
     several = other in own and one.bus_name != other.bus_name

@@ -2,7 +2,7 @@
 
 from array import array
 from collections.abc import Callable, Hashable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -99,6 +99,51 @@ def frames_of(
     padded = b"".join(d.ljust(width, b"\0") for d in data)
     table = np.frombuffer(padded, np.uint8).reshape(len(data), width)
     return Frames(bus, key, time, table, length, order)
+
+
+AT_ONCE, MANY = 0.25, 0.4
+"""A double follows within this share of the spacing of a message; of a message that is recorded
+twice this share of the frames, about half of them, are doubles [1]."""
+
+
+def once(frames: list[Frames]) -> tuple[list[Frames], list[str]]:
+    """Messages of which each frame was recorded twice, without the second ones; and a note."""
+    doubled = [_doubles(item) for item in frames]
+    left = sum(int(np.count_nonzero(mask)) for mask in doubled)
+    if not left:
+        return frames, []
+    several = sum(bool(mask.any()) for mask in doubled)
+    total = sum(item.time.size for item in frames)
+    note = (
+        f"doubled frames: {left} of {total}, of {several} identifiers, have the bytes of the frame "
+        "before them and follow it at once; they were left out. Was one bus recorded twice, or a "
+        "frame both when sent and when received?"
+    )
+    return [_only(item, ~mask) for item, mask in zip(frames, doubled, strict=True)], [note]
+
+
+def _doubles(frames: Frames) -> NDArray[np.bool_]:
+    """Mask of the frames that are doubles, shape (n,); none if they are not `MANY`."""
+    at = np.lexsort((frames.order, frames.time))
+    time, data, length = frames.time[at], frames.data[at], frames.length[at]
+    none = np.zeros(time.size, bool)
+    if time.size < 4:
+        return none
+    same = (data[1:] == data[:-1]).all(axis=1) & (length[1:] == length[:-1])
+    found = same & (np.diff(time) < AT_ONCE * float(np.median(time[2:] - time[:-2])))
+    mask = none.copy()
+    mask[at[1:][found]] = True
+    return mask if np.count_nonzero(found) > MANY * time.size else none
+
+
+def _only(frames: Frames, kept: NDArray[np.bool_]) -> Frames:
+    return replace(
+        frames,
+        time=frames.time[kept],
+        data=frames.data[kept],
+        length=frames.length[kept],
+        order=frames.order[kept],
+    )
 
 
 def joined(frames: Iterable[Frames], same: Callable[[Frames], Hashable]) -> list[Frames]:

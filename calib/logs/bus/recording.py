@@ -2,14 +2,15 @@
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from calib.errors import LogError
+from calib.logs.bus.by_message import Flawed, FlawedSignal
 from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import LONGEST, Dbc, decode, read_databases
-from calib.logs.bus.frames import Frames, Gathered, joined
+from calib.logs.bus.frames import Frames, Gathered, joined, once
 from calib.logs.bus.j1939 import source_of
 from calib.logs.bus.transport import put_together
 from calib.logs.recording import ChannelTrace, Recording, named
@@ -19,6 +20,8 @@ from calib.logs.source import Column
 if TYPE_CHECKING:
     import can
     from cantools.database.can import Message, Signal
+
+    Place = tuple[Frames, Message | Flawed, Signal | FlawedSignal]
 
 
 def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
@@ -57,7 +60,8 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
     """
     time, wrapped = running(np.asarray(found.times), where)
     begin = float(time.min())
-    frames, carried = put_together(found.result(time - begin), dbc)
+    single, doubled = once(found.result(time - begin))
+    frames, carried = put_together(single, dbc)
     require_known(frames, found.buses, dbc, carried, where)
     more = [f"time counts from the first frame, which was written at {begin:.6f} s"]
     empty = sorted(set(dbc.buses) - set(found.buses))
@@ -68,7 +72,7 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
         )
     if found.errors:
         more.append(f"{found.errors} error frames were ignored")
-    return of_frames(frames, dbc, (*notes, *wrapped, *more, *carried))
+    return of_frames(frames, dbc, (*notes, *wrapped, *more, *doubled, *carried))
 
 
 def require_known(
@@ -98,9 +102,7 @@ def of_frames(frames: list[Frames], dbc: Dbc, notes: tuple[str, ...]) -> Recordi
     return Recording(named(columns), read, (*dbc.notes, *notes))
 
 
-def described(
-    frames: list[Frames], dbc: Dbc
-) -> "tuple[list[Column], list[tuple[Frames, Message, Signal]]]":
+def described(frames: list[Frames], dbc: Dbc) -> "tuple[list[Column], list[Place]]":
     """Every signal that is a number: its column, and its frames, message and signal.
 
     The full name begins with the bus if several buses have the message, and has the source address
@@ -134,9 +136,13 @@ def _origin(frames: Frames, dbc: Dbc) -> tuple[object, ...]:
     return (frames.bus, name, source_of(identifier)) if extended else (frames.bus, frames.key)
 
 
-def trace(frames: Frames, message: "Message", signal: "Signal") -> ChannelTrace:
-    """Decode one signal."""
-    decoded = decode(frames, message, signal)
+def trace(
+    frames: Frames, message: "Message | Flawed", signal: "Signal | FlawedSignal"
+) -> ChannelTrace:
+    """Decode one signal. Raises LogError if its message has a flaw in the DBC."""
+    if isinstance(message, Flawed):
+        raise message.error(signal.name)
+    decoded = decode(frames, message, cast("Signal", signal))
     clock = f"message {message.name} of bus {frames.bus}"
     if frames.key[0] != message.frame_id:
         clock += f" from address {source_of(frames.key[0]):#04x}"

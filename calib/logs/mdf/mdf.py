@@ -12,6 +12,7 @@ import numpy as np
 from calib.errors import LogError
 from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import Dbc
+from calib.logs.bus.frames import once
 from calib.logs.bus.recording import described, require_dbc, require_known, trace
 from calib.logs.bus.transport import put_together
 from calib.logs.extra import need
@@ -75,13 +76,14 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
     notes += more_notes
     known = require_dbc(dbc, "mdf", where) if buses and (dbc.all or not columns) else None
     frames = frames_in(mdf, buses, known.knows, where) if known else []
+    frames, doubled = once(frames)
     frames, carried = put_together(frames, known) if known else (frames, [])
     if known and not columns:
         require_known(frames, (), known, carried, where)
     if buses and not known:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
     database = known or Dbc({}, ())
-    notes += carried
+    notes += [*doubled, *carried]
     more, signals = described(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:

@@ -1,13 +1,16 @@
 """Separated text: the canonical ``name [unit]`` with commas, and the styles of other programs."""
 
 import csv
-from collections.abc import Sequence
+import re
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from calib.errors import LogError
 from calib.logs.source import Array, Column, ColumnSource
+from calib.logs.text.clock import clock_seconds, is_clock
 from calib.logs.text.compressed import gunzip
 from calib.logs.text.dialect import (
     EMPTY,
@@ -17,9 +20,15 @@ from calib.logs.text.dialect import (
     TextFormat,
     dialect_of,
     is_number,
+    sample_of,
 )
 from calib.logs.text.encoding import head_text, to_utf8
-from calib.logs.text.header import column_from_cell, is_unit_row, with_unit_row
+from calib.logs.text.header import column_from_cell, is_unit_row, with_more, with_unit_row
+from calib.logs.text.layout import layout_of
+
+FRAME_ID = {"id", "can id", "can_id", "canid", "identifier", "arbitration_id", "arbitration id"}
+FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "byte1"}
+"""Names of columns, in lower case: a table with one of each has frames in its rows."""
 
 
 def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> ColumnSource:
@@ -37,8 +46,13 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> Colum
     if data.startswith(b"\x1f\x8b"):
         data = gunzip(data, where)
     data = to_utf8(data, where, text_format.encoding)
+    text = data.rstrip(b"\0")  # a logger that lost its power leaves them
+    notes = [f"{len(data) - len(text)} zero bytes at the end were not read"] if text != data else []
+    if b"\n" not in text:
+        text = text.replace(b"\r", b"\n")
     try:
-        return _open(data, where, text_format)
+        source = _open(text, where, text_format)
+        return replace(source, notes=(*notes, *source.notes))
     except csv.Error as cause:
         raise LogError(
             f"not a text table: {cause}", where=where, expected="lines of cells"
@@ -46,68 +60,86 @@ def open_csv(data: bytes, where: str, text_format: TextFormat = LOOKED) -> Colum
 
 
 def _open(data: bytes, where: str, text_format: TextFormat) -> ColumnSource:
-    header, start, text_format = _header(data, where, text_format)
-    first, after = _line(data, start)
-    has_units = _looks_like_units(first, text_format)
-    start = after if has_units else start
-    if not data[start : start + 4096].strip() and not data[start:].strip():
+    text_format, begin = _spreadsheet(data, where, text_format)
+    layout = layout_of(data, begin, text_format)
+    start = layout.start
+    if _only_units(data, start, text_format):
         raise LogError("a header and no samples", where=where, expected="at least 50 rows")
-    names, note = head_text(header + b"\n" + first if has_units else header, where)
-    text, _, units = names.partition("\n")
-    dialect = dialect_of(text, data, start, text_format, where)
-    (cells,) = dialect.cells([text])
+    names, note = head_text(b"\n".join((layout.names, layout.units, layout.more)), where)
+    dialect = dialect_of(names.partition("\n")[0], data, start, text_format, where)
+    cells, units, more = (dialect.cells([line])[0] for line in names.split("\n"))
     columns = [column_from_cell(cell) for cell in cells]
-    if has_units:
-        columns = _with_units(columns, dialect, units, where)
-    notes = tuple(n for n in (note, last_row(data, start, len(columns), dialect, where)) if n)
+    _refuse_uneven(cells, units, more, where)
+    _refuse_frames(columns, where)
+    if units:
+        columns = with_unit_row(columns, units, where)
+    if more:
+        columns = [with_more(c, text) for c, text in zip(columns, more, strict=True)]
+    rows = dialect.cells(sample_of(data, start))
+    clocks = [i for i in range(len(columns)) if _is_clock([r[i] for r in rows if len(r) > i])]
+    for i in clocks:
+        columns[i] = Column(columns[i].name, "s", columns[i].full or cells[i])
+    above = f"{layout.above} lines above the header were not read" if layout.above else ""
+    counted = [f"{columns[i].name}: a clock, counted from its first row" for i in clocks]
+    end = last_row(data, start, len(columns), dialect, where)
+    notes = tuple(n for n in (note, above, *counted, end) if n)
 
     def read(indices: Sequence[int]) -> list[Array]:
-        return read_columns(data, start, tuple(columns), indices, dialect, where)
+        return read_columns(data, start, tuple(columns), indices, dialect, where, clocks)
 
     return ColumnSource(tuple(columns), read, notes)
 
 
-def _line(data: bytes, start: int) -> tuple[bytes, int]:
-    """The line that begins at ``start``, and the start of the next one. Copies only that line."""
-    end = data.find(b"\n", start)
-    end = len(data) if end < 0 else end
-    return data[start:end].rstrip(b"\r"), end + 1
+def _spreadsheet(data: bytes, where: str, text_format: TextFormat) -> tuple[TextFormat, int]:
+    """The text format, and where the text begins.
 
-
-def _header(data: bytes, where: str, text_format: TextFormat) -> tuple[bytes, int, TextFormat]:
-    """The first line, the start of the next one, and the text format.
-
-    A line ``sep=;`` before the header, as spreadsheets use it, gives the separator.
+    A line ``sep=;`` at the top, as spreadsheets use it, gives the separator.
     """
     if not data or data.isspace():
         raise LogError("the file is empty", where=where, expected="a header and samples")
-    head, start = _line(data, 0)
-    while not head:  # blank lines before it
-        head, start = _line(data, start)
-    if head[:4].lower() == b"sep=" and head[4:].decode(errors="replace") in SEPARATORS:
-        text_format = TextFormat(
-            text_format.separator or head[4:].decode(), text_format.decimal, text_format.encoding
-        )
-        head, start = _line(data, start)
-    return head, start, text_format
+    told = re.match(rb"\s*sep=([^\r\n]+)\r?\n", data, re.IGNORECASE)
+    separator = told[1].decode(errors="replace") if told else ""
+    if told is None or separator not in SEPARATORS:
+        return text_format, 0
+    return replace(text_format, separator=text_format.separator or separator), told.end()
 
 
-def _looks_like_units(first: bytes, text_format: TextFormat) -> bool:
-    """Whether a line is a second header row with units, for any possible separator."""
-    line = first.decode("latin-1")  # never fails, and numbers are the same in it
+def _only_units(data: bytes, start: int, text_format: TextFormat) -> bool:
+    """Whether no row follows, or a row of units only."""
+    rest = data[start : start + 65536].strip() or data[start:].strip()
+    if b"\n" in rest:
+        return False
+    line = rest.decode("latin-1")
     separators = [text_format.separator] if text_format.separator else list(SEPARATORS)
-    return any(is_unit_row(Dialect(s, ".").cells([line])[0]) for s in separators if s in line)
+    return not line or any(is_unit_row(Dialect(s, ".").cells([line])[0]) for s in separators)
 
 
-def _with_units(columns: list[Column], dialect: Dialect, line: str, where: str) -> list[Column]:
-    (cells,) = dialect.cells([line])
-    if len(cells) != len(columns):
+def _refuse_uneven(names: list[str], units: list[str], more: list[str], where: str) -> None:
+    for row in (units, more):
+        if row and len(row) != len(names):
+            raise LogError(
+                f"{len(names)} names, and {len(row)} cells in the header row below",
+                where=where,
+                expected="a cell, which may be empty, for each name",
+            )
+
+
+def _refuse_frames(columns: Sequence[Column], where: str) -> None:
+    """Raise LogError for a table of bus frames, as programs for a CAN bus save it."""
+    names = {column.name.lower() for column in columns}
+    if names & FRAME_ID and names & FRAME_LENGTH:
         raise LogError(
-            f"{len(cells)} units under {len(columns)} names",
+            "the rows are frames of a bus, not samples of channels",
             where=where,
-            expected="a unit, or an empty cell, for each name",
+            expected="a column for each channel",
+            do="save the frames as BLF, ASC, TRC or `candump -L`, and name a DBC in a channel map",
         )
-    return with_unit_row(columns, cells, where)
+
+
+def _is_clock(cells: Sequence[str]) -> bool:
+    """Whether more than half of the cells with a value are times of day."""
+    filled = [cell for cell in cells if cell not in EMPTY]
+    return 2 * sum(is_clock(cell) for cell in filled) > len(filled)
 
 
 def last_row(data: bytes, start: int, width: int, dialect: Dialect, where: str) -> str | None:
@@ -178,10 +210,12 @@ def read_columns(
     indices: Sequence[int],
     dialect: Dialect,
     where: str,
+    clocks: Collection[int] = (),
 ) -> list[Array]:
     """Read some columns as numbers. After a failure, a second, slow pass locates the bad cell.
 
-    ``data`` is the whole file (a slice would copy it); rows begin at ``start``.
+    ``data`` is the whole file (a slice would copy it); rows begin at ``start``; ``clocks`` are the
+    columns that hold times of day, which are read as seconds.
 
     Raises LogError with row, counted from 1, and column of that cell.
     """
@@ -189,16 +223,21 @@ def read_columns(
 
     rows = pa.py_buffer(data).slice(start)
     try:
-        table = _arrow_table(rows, len(columns), indices, dialect)
+        table = _arrow_table(rows, len(columns), indices, dialect, clocks)
     except pa.ArrowInvalid as cause:
-        raise _bad_row(data[start:], columns, indices, dialect, where, str(cause)) from cause
+        numbers = [i for i in indices if i not in clocks]
+        raise _bad_row(data[start:], columns, numbers, dialect, where, str(cause)) from cause
     return [
-        column.to_numpy().astype(np.float64, copy=False)
-        for column in table.columns  # null becomes NaN
+        clock_seconds(column.to_pylist(), EMPTY, f"{where}: {columns[i].name}")
+        if i in clocks
+        else column.to_numpy().astype(np.float64, copy=False)  # null becomes NaN
+        for i, column in zip(indices, table.columns, strict=True)
     ]
 
 
-def _arrow_table(rows: Any, width: int, indices: Sequence[int], dialect: Dialect) -> Any:
+def _arrow_table(
+    rows: Any, width: int, indices: Sequence[int], dialect: Dialect, clocks: Collection[int]
+) -> Any:
     import pyarrow as pa
     import pyarrow.csv as arrow_csv
 
@@ -210,7 +249,7 @@ def _arrow_table(rows: Any, width: int, indices: Sequence[int], dialect: Dialect
         parse_options=arrow_csv.ParseOptions(delimiter=dialect.separator),
         convert_options=arrow_csv.ConvertOptions(
             include_columns=wanted,
-            column_types=dict.fromkeys(wanted, pa.float64()),
+            column_types={str(i): pa.string() if i in clocks else pa.float64() for i in indices},
             null_values=list(EMPTY),
             decimal_point=dialect.decimal,
         ),

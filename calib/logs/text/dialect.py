@@ -95,8 +95,7 @@ def dialect_of(
     possible = [text_format.separator] if text_format.separator else list(SEPARATORS)
     separators = [s for s in possible if _fits(s, header, rows)]
     if len(separators) != 1:
-        below = None if separators else _header_below(data)
-        raise _undecided(separators, header, rows, where) if below is None else _late(below, where)
+        raise _undecided(separators, header, rows, where)
     (separator,) = separators
     if text_format.decimal is not None:
         return Dialect(separator, text_format.decimal)
@@ -115,10 +114,11 @@ def _fits(separator: str, header: str, rows: list[str]) -> bool:
     if 2 * len(whole) <= len(table):
         return False
     columns = list(zip(*whole, strict=True))
-    return sum(_numeric_column(column) for column in columns) >= 2
+    return sum(numeric_column(column) for column in columns) >= 2
 
 
-def _numeric_column(column: tuple[str, ...]) -> bool:
+def numeric_column(column: tuple[str, ...]) -> bool:
+    """Whether more than half of the cells with a value are numbers."""
     filled = [cell for cell in column if cell not in EMPTY]
     numbers = sum(is_number(c, ".") or is_number(c, ",") for c in filled)
     return 2 * numbers > len(filled)
@@ -142,38 +142,6 @@ def _decimal(separator: str, rows: list[str], data: bytes, start: int, where: st
         where=where,
         expected="one mark, and no separator of thousands",
         do='give it in a channel map (--map): [text] with decimal = "," or decimal = "."',
-    )
-
-
-TOP = 50
-"""Lines in which a header is looked for that is not the first one."""
-
-
-def _header_below(data: bytes) -> int | None:
-    """Number of the line that would be the header if the lines above it were not there."""
-    ends = [0]
-    for line in data[: 1 << 16].splitlines(keepends=True)[:TOP]:
-        ends.append(ends[-1] + len(line))
-    for number in range(2, len(ends)):
-        header = data[ends[number - 1] : ends[number]].decode(errors="replace")
-        rows = sample_of(data, ends[number])
-        for s in SEPARATORS:
-            if s in header and _fits(s, header, rows) and not _has_numbers(s, header):
-                return number
-    return None
-
-
-def _has_numbers(separator: str, header: str) -> bool:
-    (names,) = Dialect(separator, ".").cells([header])
-    return any(is_number(name, ".") or is_number(name, ",") for name in names)
-
-
-def _late(number: int, where: str) -> LogError:
-    return LogError(
-        f"the header stands in line {number}, below {number - 1} other lines",
-        where=where,
-        expected="the header in the first line",
-        do="delete the lines above it",
     )
 
 

@@ -2,12 +2,14 @@
 
 name [unit]    always a name and a unit
 name (unit)    if the text in brackets is a unit, or if the name is a canonical channel
+name|unit|...  always; lowest and highest value and rate may follow
 name_unit      if the ending can only be a unit, or if the name is a canonical channel and the
                ending a unit of it: ``time_s`` but not ``valve_s``
 """
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 from calib.errors import LogError
 from calib.logs.source import Column
@@ -43,7 +45,7 @@ def column_from_cell(cell: str) -> Column:
     Column(name='p_mc', unit=None, full='')
     """
     cell = cell.strip()
-    found = _split(cell, "[", "]")
+    found = _split(cell, "[", "]") or _barred(cell)
     if found is not None:
         return _column(*found, cell)
     found = _split(cell, "(", ")")
@@ -62,6 +64,12 @@ def _split(cell: str, opening: str, closing: str) -> tuple[str, str] | None:
     if not found or not unit.endswith(closing) or closing in unit[:-1]:
         return None
     return name.strip(), unit[:-1]
+
+
+def _barred(cell: str) -> tuple[str, str] | None:
+    """Name and unit of ``name|"unit"|0.0|100.0|50``, or None."""
+    name, bar, rest = cell.partition("|")
+    return (name.strip('" '), rest.partition("|")[0].strip('" ')) if bar else None
 
 
 def _column(name: str, unit: str, cell: str) -> Column:
@@ -132,3 +140,8 @@ def with_unit_row(columns: Sequence[Column], cells: Sequence[str], where: str) -
             )
         out.append(Column(column.name, column.unit or unit or None, column.full))
     return out
+
+
+def with_more(column: Column, more: str) -> Column:
+    """A column with what a further header row says of it in its full name."""
+    return replace(column, full=f"{column.full or column.name} {more}") if more else column

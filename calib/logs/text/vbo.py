@@ -17,6 +17,7 @@ import numpy as np
 
 from calib.errors import LogError
 from calib.logs.source import Array, Column, ColumnSource
+from calib.logs.text.clock import over_midnight
 from calib.logs.text.csv import last_row, read_columns
 from calib.logs.text.dialect import Dialect, TextFormat
 from calib.logs.text.encoding import head_text, to_utf8
@@ -32,8 +33,6 @@ STANDARD = (
 """Standard names: they have no line in [channel units]."""
 
 DIALECT = Dialect(" ", ".")
-DAY = 86400.0
-"""Length of a day [s]: the clock restarts at midnight."""
 
 _SECTION = re.compile(rb"^\[([^\]\r\n]+)\][^\r\n]*\r?$", re.MULTILINE)
 
@@ -190,5 +189,4 @@ def _seconds(written: Array, where: str) -> Array:
             expected="HHMMSS.ss",
         )
     time = np.round(3600.0 * hours + 60.0 * minutes + seconds, 6)
-    midnights = np.cumsum(np.concatenate([[0.0], np.diff(time) < -DAY / 2]))
-    return np.asarray(time + DAY * midnights)
+    return over_midnight(time)

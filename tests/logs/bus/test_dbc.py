@@ -4,11 +4,11 @@ import cantools
 import numpy as np
 import pytest
 
-from calib.errors import ChannelMapError
+from calib.errors import ChannelMapError, LogError
 from calib.logs.bus.databases import DatabaseFile
 from calib.logs.bus.dbc import decode, read_dbc
 from calib.logs.bus.frames import frames_of
-from calib.logs.bus.recording import described
+from calib.logs.bus.recording import described, trace
 from tests.support.databases import DATABASES
 from tests.support.recordings import DBC
 
@@ -105,6 +105,73 @@ def test_two_that_describe_one_frame(tmp_path):
         read_dbc([DatabaseFile(tmp_path / f"{n}.dbc") for n in "ab"], "can", "run.blf")
     with pytest.raises(ChannelMapError, match="no such file"):
         read_dbc([DatabaseFile(tmp_path / "c.dbc")], "can", "run.blf")
+
+
+OTHER = "BO_ 9 OTHER: 2 A\n"
+SIGNAL = ' SG_ B : 0|8@1+ (1,0) [0|0] "bar" A\n'
+
+
+@pytest.mark.parametrize(
+    "flaw",
+    [
+        OTHER + SIGNAL + ' SG_ C : 4|8@1+ (1,0) [0|0] "" A\n',
+        OTHER + ' SG_ B : 12|8@1+ (1,0) [0|0] "" A\n',
+        OTHER + ' SG_ B : 0|0@1+ (1,0) [0|0] "" A\n',
+        OTHER + ' SG_ 2B : 0|8@1+ (1,0) [0|0] "" A\n',
+        OTHER + ' SG_ B : 0|8@1+ (1,0) [0|0] "" A\nrubbish\n',
+        OTHER + ' SG_ B : 0|8@1+ (1,0) [0|0] "no end A\n',
+        "BO_ 9 4WD: 2 A\n" + SIGNAL,
+        OTHER + SIGNAL + "BO_ 9 AGAIN: 2 A\n" + SIGNAL,
+        OTHER + SIGNAL + 'VAL_ 9 B 0 "none ;\n',
+    ],
+)
+def test_a_flaw_costs_its_message(tmp_path, flaw):
+    """Signals that overlap, are too far back, empty; names and signs that cannot be; a twin."""
+    dbc = known(tmp_path, MUX + flaw)
+    assert decoded(dbc, "Speed", [bytes([0, 0, 0, 0, 254, 0, 0, 0])]).values[0] == 127.0
+    assert len(dbc.notes) == 2
+    columns, places = described([frames_of("0", (9, False), np.zeros(1), [bytes(2)])], dbc)
+    assert columns
+    with pytest.raises(LogError, match=r"4WD|OTHER"):
+        trace(*places[0])
+
+
+@pytest.mark.parametrize("lost", ['VAL_ 77 X 0 "a";', 'VAL_ 1 X 0 "a";', 'CM_ BO_ 1 "no end;'])
+def test_a_statement_on_nothing_costs_no_message(tmp_path, lost):
+    dbc = known(tmp_path, f"{lost}\n{MUX}{lost}\n")
+    assert decoded(dbc, "Deep", [bytes([0x60, 0, 0, 0, 0, 0, 0, 0])]).values.size == 1
+
+
+def test_the_line_of_a_flaw_is_that_of_the_file(tmp_path):
+    text = MUX + 'CM_ BO_ 1 "two\nlines";\nBO_ 9 4WD: 2 A\n'
+    line = text[: text.index("4WD")].count("\n") + 1
+    assert f"line {line}," in known(tmp_path, text).notes[1]
+
+
+def test_an_identifier_past_11_bits_is_of_29(tmp_path):
+    text = MUX.replace(" 1 ", " 419360256 ")
+    (key,) = known(tmp_path, text).messages
+    assert key == (419360256, True)
+    (message,) = known(tmp_path, text).messages.values()
+    assert message.get_signal_by_name("Speed").choices
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+def test_the_encodings_of_a_dbc(tmp_path, encoding):
+    path = tmp_path / "a.dbc"
+    path.write_bytes(MUX.replace("km/h", "m/s²").encode(encoding))
+    dbc = read_dbc([DatabaseFile(path)], "can", "run.blf")
+    assert dbc.messages[1, False].get_signal_by_name("Speed").unit == "m/s²"
+
+
+def test_names_of_more_than_32_characters(tmp_path):
+    long = "S" * 40
+    text = (
+        MUX.replace("SG_ Speed", f"SG_ {long[:32]}").replace(" Speed ", f" {long[:32]} ")
+        + 'BA_DEF_ SG_ "SystemSignalLongSymbol" STRING ;\n'
+        + f'BA_ "SystemSignalLongSymbol" SG_ 1 {long[:32]} "{long}";\n'
+    )
+    assert known(tmp_path, text).messages[1, False].get_signal_by_name(long).unit == "km/h"
 
 
 @pytest.mark.parametrize("kind", [*DATABASES, "KCD"])

@@ -1,0 +1,212 @@
+"""A DBC message by message: a flaw in one of them costs only that one.
+
+BO_ 256 WHL: 8 ESP           one message and its signals
+ SG_ WhlFL : 0|16@1+ ...
+VAL_ 256 WhlFL 65535 "SNA";  what else is told of them: `TOLD`, and their `LONG_NAMES`
+
+Every message is read with its own statements and nothing else. Comments and other statements do not
+change what is decoded, and are not read.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from calib.errors import LogError
+
+if TYPE_CHECKING:
+    from cantools.database.can import Message
+
+TOLD = ("VAL_", "SIG_VALTYPE_", "SG_MUL_VAL_")
+"""Statements on a signal of a message that change what is decoded."""
+LONG_NAMES = ("SystemSignalLongSymbol", "SystemMessageLongSymbol")
+"""Attributes with the names that are longer than 32 characters."""
+MOST = 10_000
+"""Largest number of messages: each takes about a millisecond."""
+SHOWN = 5
+"""Number of names that a note lists."""
+BUS_NAME = "DBName"
+"""The attribute with the name of the bus."""
+NO_MESSAGE = "VECTOR__INDEPENDENT_SIG_MSG"
+"""Holds the signals that belong to no message."""
+LONG = 1 << 31
+"""Marks an identifier of 29 bits."""
+
+_COMMENT = re.compile(r'^[ \t]*CM_ [^"\n]*"(?:\\.|[^"\\])*"\s*;', re.MULTILINE | re.DOTALL)
+_BEGIN = re.compile(r'^[ \t]*(?=(?:[A-Z_]+_|VERSION)[ \t:"])', re.MULTILINE)
+_MESSAGE = re.compile(r"BO_\s+(\d+)\s+([^\s:]+)\s*:")
+_SIGNAL = re.compile(r'SG_\s+([^\s:]+)[^"\n]*(?:"([^"\n]*)")?')
+_OF_SIGNAL = re.compile(rf"(?:{'|'.join(TOLD)})\s+(\d+)\s+(\S+?)\s*[\s:;]")
+_OF_NAME = re.compile(rf'BA_\s+"(?:{"|".join(LONG_NAMES)})"\s+(?:SG_|BO_)\s+(\d+)')
+_COMMON = re.compile(rf'BA_(?:DEF_|DEF_DEF_)?\s.*"(?:{"|".join((BUS_NAME, *LONG_NAMES))})"')
+
+
+@dataclass(frozen=True)
+class FlawedSignal:
+    """A signal of a message that cannot be read: what can be told of it."""
+
+    name: str
+    unit: str
+    length: int = 1
+
+
+@dataclass(frozen=True)
+class Flawed:
+    """A message that cannot be read, and ``why``; its names as those of a message of cantools."""
+
+    name: str
+    frame_id: int
+    is_extended_frame: bool
+    why: str
+    signals: tuple[FlawedSignal, ...]
+    where: str
+    bus_name: str | None = None
+
+    def error(self, signal: str) -> LogError:
+        """The error for a channel that comes from one of its signals."""
+        return LogError(
+            f"{signal} is a signal of message {self.name}, which cannot be read: {self.why}",
+            where=self.where,
+            expected="a message without a flaw for each channel",
+            do=f"correct message {self.name} in the DBC; or, where the channel is not needed, name "
+            "its column under `ignore` in the channel map",
+        )
+
+
+@dataclass
+class _Part:
+    """A message: its statements, the number of its first line, and what it is called."""
+
+    line: int
+    number: int
+    name: str
+    text: str
+    signals: dict[str, str]
+
+    @property
+    def unmarked(self) -> bool:
+        """Whether the identifier has more than 11 bits and at most 29, and is not marked so."""
+        return 0x7FF < self.number < 1 << 29
+
+    @property
+    def marked(self) -> str:
+        """The statements, with `LONG` in each identifier of 29 bits."""
+        if not self.unmarked:
+            return self.text
+        begin = rf'^(\s*[A-Z_]+_\s+(?:"\w+"\s+\w+_\s+)?){self.number}\b'
+        return re.sub(begin, rf"\g<1>{self.number | LONG}", self.text, flags=re.MULTILINE)
+
+
+def read_by_message(
+    cantools: Any, text: str, where: str
+) -> "tuple[list[Message | Flawed], list[str]]":
+    """The messages of a DBC in its order, and notes on what is wrong in it.
+
+    ``text`` is the whole file, ``where`` its path, for messages. Raises ValueError for more than
+    `MOST` messages.
+    """
+    common, parts, unused = _parts(text)
+    if len(parts) > MOST:
+        raise ValueError(f"it has {len(parts)} messages, at most {MOST} are read")
+    messages = _once([_read(cantools, part, common, where) for part in parts], where)
+    unmarked = [part.name for part in parts if part.unmarked]
+    flawed = [f"{m.name} ({m.why})" for m in messages if isinstance(m, Flawed)]
+    notes = [
+        _told("message(s) that cannot be read", flawed),
+        _told("statement(s) on what the file does not have", unused),
+        _told("identifier(s) past 11 bits, not marked as of 29 bits but read so", unmarked),
+    ]
+    return messages, [note for note in notes if note]
+
+
+def _once(messages: "list[Message | Flawed]", where: str) -> "list[Message | Flawed]":
+    """One message for each identifier: flawed, if several have it."""
+    found: dict[tuple[int, bool], Message | Flawed] = {}
+    for message in messages:
+        key = (message.frame_id, message.is_extended_frame)
+        found[key] = _twice(found[key], message, where) if key in found else message
+    return list(found.values())
+
+
+def _twice(one: "Message | Flawed", other: "Message | Flawed", where: str) -> Flawed:
+    signals = (*one.signals, *other.signals)
+    return Flawed(
+        f"{one.name} and {other.name}",
+        one.frame_id,
+        one.is_extended_frame,
+        f"both have the identifier {one.frame_id:#x}",
+        tuple(FlawedSignal(signal.name, signal.unit or "") for signal in signals),
+        where,
+    )
+
+
+def _told(what: str, names: list[str]) -> str:
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return f"{len(names)} {what}: {', '.join(names[:SHOWN])}{more}" if names else ""
+
+
+def _read(cantools: Any, part: _Part, common: str, where: str) -> "Message | Flawed":
+    try:
+        found = cantools.database.load_string(part.marked + common, "dbc", strict=True).messages
+        if len(found) == 1:
+            return found[0]  # type: ignore[no-any-return]
+        why = "it is not one message"
+    except Exception as cause:  # cantools raises many kinds, some of its parser's
+        why = _in_file(str(cause) or type(cause).__name__, part)
+    signals = tuple(FlawedSignal(name, unit) for name, unit in part.signals.items())
+    return Flawed(part.name, part.number & ~LONG, part.number > 0x7FF, why, signals, where)
+
+
+def _in_file(why: str, part: _Part) -> str:
+    """The words of cantools, with the number of the line in the whole file."""
+    bare = re.sub(r'^DBC: "(.*?)\.?"$', r"\1", why, flags=re.DOTALL)
+    bare = bare.removesuffix(f" in message {part.name}")
+    return re.sub(r"(?<=at line )\d+", lambda found: str(int(found[0]) + part.line - 1), bare)
+
+
+def _parts(text: str) -> tuple[str, list[_Part], list[str]]:
+    """What is told of all messages, the messages, and the statements that belong to none."""
+    parts: list[_Part] = []
+    later: list[tuple[int, str | None, str]] = []
+    common, before = "", ""
+    for line, statement in _statements(_COMMENT.sub(lambda c: "\n" * c[0].count("\n"), text)):
+        if message := _MESSAGE.match(statement):
+            parts.append(_Part(line, int(message[1]), message[2], statement, {}))
+        elif (signal := _SIGNAL.match(statement)) and before in ("BO_", "SG_") and parts:
+            parts[-1].text += statement
+            parts[-1].signals[signal[1]] = signal[2] or ""
+        elif told := _OF_SIGNAL.match(statement):
+            later.append((int(told[1]), told[2], statement))
+        elif named := _OF_NAME.match(statement):
+            later.append((int(named[1]), None, statement))
+        elif _COMMON.match(statement):
+            common += statement
+        before = statement.split(maxsplit=1)[0]
+    unused = _give(parts, later)
+    return common, [part for part in parts if part.name != NO_MESSAGE], unused
+
+
+def _give(parts: list[_Part], later: list[tuple[int, str | None, str]]) -> list[str]:
+    """Add to each message what is told of it later; the statements on signals that it lacks."""
+    by_number: dict[int, list[_Part]] = {}
+    for part in parts:
+        by_number.setdefault(part.number, []).append(part)
+    unused = []
+    for number, signal, statement in later:
+        owners = [p for p in by_number.get(number, ()) if signal is None or signal in p.signals]
+        for owner in owners:
+            owner.text += statement
+        if not owners:
+            unused.append(" ".join(statement.split()[:3]))
+    return unused
+
+
+def _statements(text: str) -> Iterator[tuple[int, str]]:
+    """Each statement, with the number of its first line."""
+    begins = [found.end() for found in _BEGIN.finditer(text)]
+    line, last = 1, 0
+    for begin, end in zip(begins, [*begins[1:], len(text)], strict=True):
+        line += text.count("\n", last, begin)
+        last = begin
+        yield line, text[begin:end]

@@ -1,0 +1,90 @@
+"""The header of a text table below lines of other kinds, and what tells its columns apart."""
+
+import numpy as np
+import pytest
+
+from calib.errors import LogError
+from calib.logs.assign import assign
+from calib.logs.channel_map import ChannelMap, Mapping
+from calib.logs.source import Column
+from calib.logs.text.csv import open_csv
+
+NAMES, UNITS = "Time,Brake,v", "s,bar,km/h"
+ROWS = "".join(f"{i / 100:.2f},{i / 10:.1f},{90 - i / 8:.3f}\n" for i in range(60))
+ABOVE = {
+    "key and value": '"Format","A File"\n"Sample Rate","100","Hz",,\n"Beacons","1.5","3.2"\n\n',
+    "comments": "# logger 5, 100 Hz\n# a, b, c, d\n",
+    "a title": "This file is made by X ( http://x ).\nNote,\n\n",
+    "as wide as the table": "Format,3,\nCreated,14/03/2026,10:00\n\n",
+    "nothing": "",
+}
+HEADERS = {
+    "units": f"{NAMES}\n{UNITS}\n",
+    "blanks": f"{NAMES}\n{UNITS}\n\n\n",
+    "a blank between": f"{NAMES}\n\n{UNITS}\n\n",
+    "quotes": '"Time","Brake","v"\n"s","bar","km/h"\n',
+    "sources": f"{NAMES}\n{UNITS}\n,bus 1,gps\n",
+    "one row": "Time [s],Brake [bar],v [km/h]\n",
+    "bars": '"Time"|"s"|0|0|1,"Brake"|"bar"|0|200|100,"v"|"km/h"|0|300|25\n',
+}
+
+
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+@pytest.mark.parametrize("header", HEADERS)
+@pytest.mark.parametrize("above", ABOVE)
+def test_the_header_is_what_stands_over_the_numbers(above, header, line_end):
+    text = (ABOVE[above] + HEADERS[header] + ROWS).replace("\n", line_end)
+    source = open_csv(text.encode(), "run.csv")
+    found = [(c.name, c.unit) for c in source.columns]
+    assert found == [("Time", "s"), ("Brake", "bar"), ("v", "km/h")]
+    time, brake, _ = source.read(range(3))
+    np.testing.assert_allclose(time, np.arange(60) / 100)
+    np.testing.assert_allclose(brake, np.arange(60) / 10)
+
+
+def test_a_row_below_the_units_tells_columns_of_one_name_apart():
+    text = "time,v,v\ns,m/s,m/s\n,gps,calc\n" + ROWS
+    columns = open_csv(text.encode(), "run.csv").columns
+    assert columns[1:] == (Column("v", "m/s", "v gps"), Column("v", "m/s", "v calc"))
+    channel_map = ChannelMap("map", {"v": Mapping("v calc")})
+    taken, _ = assign(columns, channel_map, ("time",), "run.csv")
+    assert {item.channel: item.index for item in taken} == {"time": 0, "v": 2}
+
+
+def test_the_unit_tells_columns_of_one_name_apart():
+    columns = (Column("Time", "s"), Column("Time", "min"))
+    for unit, index in (("s", 0), ("min", 1)):
+        channel_map = ChannelMap("map", {"time": Mapping(f"Time [{unit}]")})
+        ((item,), _) = assign(columns, channel_map, ("time",), "run.csv")
+        assert item.index == index
+    with pytest.raises(LogError, match=r"'Time \[s\]', 'Time \[min\]'"):
+        assign(columns, ChannelMap("map", {"time": Mapping("Time")}), ("time",), "run.csv")
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_a_separator_at_the_end_of_each_row(header):
+    rows = ROWS.replace("\n", ",\n")
+    source = open_csv((HEADERS[header] + rows).encode(), "run.csv")
+    assert [c.name for c in source.columns[:3]] == ["Time", "Brake", "v"]
+    assert source.read([0])[0].size == 60
+
+
+def test_zero_bytes_at_the_end_and_old_line_ends():
+    text = (HEADERS["units"] + ROWS).encode()
+    source = open_csv(text + bytes(100), "run.csv")
+    assert "100 zero bytes" in source.notes[0]
+    for data in (text + bytes(100), text.replace(b"\n", b"\r")):
+        assert open_csv(data, "run.csv").read([0])[0].size == 60
+    with pytest.raises(LogError, match="cut off"):
+        open_csv(text[:-3] + bytes(100), "run.csv")
+
+
+def test_a_table_of_bus_frames_is_no_log():
+    rows = "".join(f"{10 * i},0000013B,false,Rx,0,2,{i % 90:02d},00\n" for i in range(60))
+    with pytest.raises(LogError, match="frames of a bus"):
+        open_csv(("Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2\n" + rows).encode(), "run.csv")
+
+
+def test_lines_above_without_a_header_are_no_table():
+    with pytest.raises(LogError):
+        open_csv(("# logger 5\n" + ROWS).encode(), "run.csv").read([0])
