@@ -67,6 +67,11 @@ def pumped(t: float) -> float:
     return min(t / 0.3, 1.0) * (1.0 + 0.25 * np.sin(2.0 * np.pi * 1.2 * t))
 
 
+def waved(t: float) -> float:
+    """A foot that is not quite calm."""
+    return min(t / 0.3, 1.0) * (1.0 + 0.08 * np.sin(2.0 * np.pi * t))
+
+
 PLANT_STOPS: dict[str, tuple[Callable[[float], float], float, float, bool]] = {
     "30 bar in 0.10 s": (lambda t: min(t / 0.10, 1.0), 0.02, 0.0, True),
     "30 bar in 0.15 s": (lambda t: min(t / 0.15, 1.0), 0.02, 0.0, True),
@@ -74,6 +79,7 @@ PLANT_STOPS: dict[str, tuple[Callable[[float], float], float, float, bool]] = {
     "30 bar in 0.30 s": (lambda t: min(t / 0.30, 1.0), 0.02, 0.0, True),
     "pumped, brakes 0.02 s late": (pumped, 0.02, 0.0, True),
     "pumped, brakes 0.06 s late": (pumped, 0.06, 0.0, True),
+    "waved, brakes 0.19 s late": (waved, 0.19, 0.0, True),
     "slow rise, brakes 0.19 s late": (lambda t: t / 4.0, 0.19, 0.0, True),
     "motor of 40 N m": (lambda t: min(t / 0.25, 1.0), 0.02, 40.0, False),
     "motor of 80 N m": (lambda t: min(t / 0.25, 1.0), 0.02, 80.0, False),
@@ -155,7 +161,8 @@ def plant_stop(name: str, rate: float, seed: int) -> Log:
         motor_share=handed_over,
     )
     how = {"duration": 11.0, "stop_speed": 1.5, "rate": rate}
-    return without(run(car, levels, pressure, 27.0, seed, **how), "T_drive_f", "T_drive_r")
+    log = run(car, levels, pressure, 27.0, seed, **how)
+    return replace(without(log, "T_drive_f", "T_drive_r"), truth={})
 
 
 def parted(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -263,9 +270,10 @@ def tried(job: tuple[Subject, int, int, int]) -> Found:
     """One subject at so many rates, cut and jittered."""
     subject, rates, jitters, seed = job
     of_plant = subject.source.startswith("plant")
-    log = (
-        plant_stop(subject.name, 200.0, seed) if of_plant else sample(subject.source, subject.name)
-    )
+    if of_plant:
+        log = plant_stop(subject.name, 200.0, seed)
+    else:
+        log = replace(sample(subject.source, subject.name), truth={})
     at = np.round(np.geomspace(LOWEST, HIGHEST, rates))
     make = plant_stop if of_plant else lambda name, rate, seed: resampled(log, rate, seed)
     spoiled = [cut(log, 1, 0), cut(log, 0, 1), *(jittered(log, seed + k) for k in range(jitters))]
