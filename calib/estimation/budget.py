@@ -2,7 +2,7 @@
 
     ln mu = ln level + lever ratio             independent, as the interval has them
     variance = absolute^2 + (lever sigma)^2    `calib.estimation.pads`
-               + motor + load                  `calib.validation.motor`, `.load`
+               + motor + load + late           `calib.validation.motor`, `.load`, `.delay`
 
 ``lever`` is the share of the other axle in the brake force. Level and ratio are each weighed
 between "as on the ramp" and "free" (`calib.statistics.mixture_posterior`). With the weight w of the
@@ -68,11 +68,11 @@ def _at(
     front, rear = brake_forces(e.plan.nominal, p_f, p_r, e.split.log_pad_ratio[block])
     lever = float((rear if front_axle else front) / (front + rear))
     level, ratio = _level(e.plan, basis.level, i), _ratio(e, steps, block)
-    motor, load = (
+    motor, load, late = (
         0.0 if added is None else float(added[0 if front_axle else 1][i])
-        for added in (e.motor, e.load)
+        for added in (e.motor, e.load, e.late)
     )
-    further = {"motor": motor, "mass": load}
+    further = {"motor": motor, "mass": load, "delay": late}
     return axle_budget(float(mu[i]), (1.0, level), (lever**2, ratio), (1.0, further))
 
 

@@ -105,7 +105,8 @@ class Estimate:
     ``accelerometer`` its scale and offset, by block; ``factor_f``, ``factor_r`` what known effects
     did to the pad friction, which is given without them [1]; ``notes`` name the baselines left out;
     ``basis`` what an uncertainty budget is made from; ``motor`` variance of the logarithm of the
-    pad friction, front and rear, that a motor adds to it, (n,) each [1]; ``load`` that of a load.
+    pad friction, front and rear, that a motor adds to it, (n,) each [1]; ``load`` that of a load,
+    ``late`` that of brakes that follow late.
     """
 
     plan: Plan
@@ -136,6 +137,7 @@ class Estimate:
     basis: Basis | None = None
     motor: tuple[Array, Array] | None = None
     load: tuple[Array, Array] | None = None
+    late: tuple[Array, Array] | None = None
 
     def __repr__(self) -> str:
         count = f"Estimate: {self.time.size} samples, {np.count_nonzero(self.valid)} valid"

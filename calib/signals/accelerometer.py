@@ -238,25 +238,25 @@ def _against_speed(
     white, walk = density_v**2 / h, (G * density_z) ** 2 * h
     columns, usable = compared
     average, sigma = second_differences(white, walk, (G * h * wander) ** 2 * h)
-    y, c, e, lag = lfilter([1.0], average, columns) / sigma
-    pairs = {
-        (i, j): _so_far(u * w)
-        for i, u in enumerate((c, e, lag))
-        for j, w in enumerate((c, e, lag))
-        if j >= i
-    }
-    right = [_so_far(u * y) for u in (c, e, lag)]
-    # the lag's share is taken out with its prior
-    own = pairs[2, 2][at] + 1.0 / p.lag**2
-    for i in range(2):
-        vector[:, i] = right[i][at] - pairs[i, 2][at] * right[2][at] / own
-        for j in range(i, 2):
-            value = pairs[i, j][at] - pairs[i, 2][at] * pairs[j, 2][at] / own
-            precision[:, i, j] = precision[:, j, i] = value
-    along = np.column_stack([pairs[i, 2][at] for i in range(2)])
+    start = np.zeros_like(columns[:1])
+    start[0, :2] = -1.0, 1.0  # the noise of the first v, which all others are compared with
+    y, *known = lfilter([1.0], average, np.concatenate([columns, start])) / sigma
+    n = len(known)
+    pair, side = np.empty((n, n, at.size)), np.empty((n, at.size))
+    for i, u in enumerate(known):
+        side[i] = _so_far(u * y)[at]
+        for j in range(i, n):
+            pair[i, j] = pair[j, i] = _so_far(u * known[j])[at]
     likelihood = -_so_far(0.5 * y**2 + usable * np.log(sigma))[at]
-    likelihood += 0.5 * (right[2][at] ** 2 / own - np.log(own))
-    return AgainstSpeed(precision, vector, likelihood, own, right[2][at], along)
+    # the shares of the start and of the lag are taken out with their priors
+    for last, variance in ((3, white), (2, p.lag**2)):
+        own, along, right = pair[last, last] + 1.0 / variance, pair[:last, last], side[last]
+        likelihood += 0.5 * (right**2 / own - np.log(own))
+        pair = pair[:last, :last] - along[:, None] * along[None, :] / own
+        side = side[:last] - along * right / own
+    precision[:, :2, :2], vector[:, :2] = np.moveaxis(pair, -1, 0), side.T
+    along = along.T
+    return AgainstSpeed(precision, vector, likelihood, own, right, along)
 
 
 def _so_far(x: Array) -> Array:

@@ -8,9 +8,9 @@ happens is `force` below zero. A motor hands over to the brakes before the car s
 raises the pressure for it, a force goes with the speed: `fading` above zero. It shows a motor that
 follows the pedal, too, which is no force without pressure. Pads that fade are in the trend, a bias
 of the accelerometer or an unknown resistance in the rest. The delay is a shift of the pressure or a
-first-order lag, whichever fits better. Uses the whole run, so it is no part of a causal estimate.
-Wrong where the brake force is limited, by ABS or on the rear axle: it looks like force without
-pressure.
+first-order lag, whichever fits better; how far the answer is drawn out besides is open. Uses the
+whole run, so it is no part of a causal estimate. Wrong where the brake force is limited, by ABS or
+on the rear axle: it looks like force without pressure.
 """
 
 from collections.abc import Mapping
@@ -44,6 +44,10 @@ REFINED = 2
 USUAL, SPREAD = 0.02, 0.06
 """Delay of brakes and filters as usual, and its standard deviation [s]: on a slow ramp a delay and
 a force are nearly one, and only what is usual tells them apart."""
+WIDTH = 0.25
+"""Standard deviation of half the variance of the time by which the brakes come late, over the
+square of the delay [1]: a first-order lag has 1/2 more than a shift. In a fast rise an answer that
+is drawn out looks like a force."""
 FORCE = 0.05
 """Standard deviation of the force over the usual brake force before the run [1]."""
 GROUP = 0.2
@@ -142,14 +146,16 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
     kind, delay = KINDS[best >= tried.size - LAGS.size], float(tried[best])
     for _ in range(REFINED):
         n, applied = (_delayed(time, x, kind, delay) for x in (nominal, braked))
-        slope = (first_order(time, n, step) - n) / step  # by the delay
-        A = np.column_stack([n, n * age, applied, one, -slow, slope])[inside]
+        slope = -np.gradient(n, step)  # by the delay
+        width = -np.gradient(slope, step)  # by half its variance
+        A = np.column_stack([n, n * age, applied, one, -slow, slope, width])[inside]
         free = np.linalg.lstsq(A, y, rcond=None)[0]
         level = float(free[0])
         if not (level > 0.0 and usual > 0.0):
             return None
         variance = _variance(y - A @ free)
-        spread = {2: FORCE * usual, 4: FADING * usual, 5: level * SPREAD}
+        smeared = WIDTH * (delay**2 + USUAL**2)
+        spread = {2: FORCE * usual, 4: FADING * usual, 5: level * SPREAD, 6: level * smeared}
         solution, sigma = _with_usual(A, y, variance, spread, USUAL - delay)
         rest = y - A @ solution
         delay += float(solution[5]) / level
@@ -196,10 +202,10 @@ def _step(time: Array, braked: Array, nominal: Array, rest: Array) -> ForceStep:
 def _with_usual(
     A: Array, y: Array, variance: float, spread: Mapping[int, float], later: float
 ) -> tuple[Array, Array]:
-    """Least squares with what is usual; solution and sigma, (6,).
+    """Least squares with what is usual; solution and sigma, (7,).
 
-    ``spread`` standard deviation around zero of the factors of single columns; the last one is the
-    delay, which is usually ``later`` [s].
+    ``spread`` standard deviation around zero of the factors of single columns; that of the delay is
+    usually ``later`` [s].
     """
     precision = A.T @ A / variance
     side = A.T @ y / variance

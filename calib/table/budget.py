@@ -10,6 +10,7 @@
     cars           how cars of one model differ: in a table that is the mean of several
     ramp           what an older table left open and does not split
     motor          one that may have braked along and is not logged: of a stop
+    delay          brakes that follow late, while the pressure moves: of a stop
     noise          sensors, road, what no tyre curve follows
 
 Not counted: the centre of gravity, areas and radii of the brakes, which are taken as the vehicle
@@ -41,6 +42,7 @@ ADVICE = {
     "ramp": "fit the table again: this one does not say what its pads rest on",
     "motor": "state motor_odds = 0 in the vehicle file of a car without a motor, log T_drive_f and "
     "T_drive_r, or brake hard and down to a standstill, which shows a motor",
+    "delay": "hold the pressure, and record all channels on one clock",
     "noise": "brake longer, with finer wheel speeds",
 }
 """What shrinks each part: an entry in the vehicle file, or a drive."""

@@ -40,17 +40,6 @@ class ValidationSettings:
     """Share of the braked samples with a wheel at its limit past which nothing is weighed: the
     filter knows no wheel that locks."""
 
-    # followed.py
-    followed_largest: float = 2.2
-    """Error over the half width of an interval past which that is no longer trusted. A foot that
-    holds its pressure stays below 1. One that pumps comes to 2 to 6, and from about 2.5 on the
-    intervals of the front pads hold the truth in less than 80 % of the samples."""
-    followed_smoothed: float = 0.1
-    """Time over which the pressure's change is averaged [s]: longer than the noise of a sensor,
-    shorter than a foot."""
-    followed_remembered: float = 0.5
-    """Time for which the level remembers what moved [s], `calib.estimation.pad_level`."""
-
     # load.py
     pads_repeat: float = 0.02
     """Standard deviation of pads of one temperature from run to run [1],
@@ -78,10 +67,6 @@ class ValidationSettings:
     # validate.py
     named: float = 0.1
     """Share of the braked samples from which a reason for not being valid is named."""
-    foreign: float = 0.1
-    """Force without pressure over the usual brake force [1] past which no sample is valid: it would
-    stand in the pads of one axle, and a fifth of their friction is no estimate. On a ramp it stands
-    in the table."""
 
 
 SETTINGS = ValidationSettings()

@@ -22,7 +22,6 @@ from calib.estimation.plan import as_used
 from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
 from calib.messages.warning import to_dict as warning_dict
-from calib.names import G
 from calib.physics.mass import MassUsed, mass_used
 from calib.physics.vehicle import NOT_OF_THE_CAR, Vehicle
 from calib.plausibility.speed import NO_SPEED, wrong_speed
@@ -31,7 +30,7 @@ from calib.store.version import Stored
 from calib.table.budget import AxleBudget, summary
 from calib.table.table import Table
 from calib.validation.axles import axles_warnings, crossed_warnings, crossed_wheels, judge_axles
-from calib.validation.followed import followed
+from calib.validation.delay import with_delay
 from calib.validation.limits import DEFAULTS, FAILED, PASSED, Judgement, Limit, judge
 from calib.validation.load import with_load
 from calib.validation.metrics import baseline_errors, score, truth_of
@@ -227,8 +226,8 @@ def validate_one(
         *saturated(log.name, seen),
         *crossed_warnings(log.name, crossed),
     )
-    result = with_motor(log, result, _of_ramps(table))
-    result = followed(with_load(result, stated=mass is not None))
+    result = with_delay(with_motor(log, result, _of_ramps(table)))
+    result = with_load(result, stated=mass is not None)
     if other is not None and other.log_odds > SETTINGS.axles_sure:
         result = without_answer(result, "the wheel speeds fit with front and rear exchanged")
     if crossed is not None and crossed.sure:
@@ -236,10 +235,6 @@ def validate_one(
         result = without_answer(result, f"the wheel speeds fit with {front} and {rear} exchanged")
     if (wrong := wrong_speed(warnings)) is not None:
         result = without_answer(result, NO_SPEED[wrong.code])
-    if _foreign(warnings, result.z[result.braked]):
-        result = without_answer(result, "something brakes that the pressure does not explain")
-    if _foreign(_of_ramps(table), table.paper.z):
-        result = without_answer(result, "on the ramp something braked beside the pressure")
     figures = score(log, car, result)
     compared = baselines and bool(result.valid.any())
     truth = truth_of(log, car, result) if compared else None
@@ -254,16 +249,6 @@ def validate_one(
         mass=mass_used(table.vehicle, mass),
         warnings=warnings,
     )
-
-
-def _foreign(warnings: Iterable[PlausibilityWarning], z: NDArray[np.float64]) -> bool:
-    """Whether more than `foreign` brakes beside the pressure; ``z`` while braking [1] (n,)."""
-    usual = G * float(np.median(z)) if z.size else 0.0
-    most = {
-        "unexplained_braking_force": SETTINGS.foreign,
-        "unexplained_drag": SETTINGS.foreign * usual,
-    }
-    return any(w.measured > most.get(w.code, math.inf) for w in warnings)
 
 
 def _of_ramps(table: Table) -> list[PlausibilityWarning]:

@@ -8,6 +8,7 @@ from calib.physics.effects.effects import Effects, EmpiricalTerm
 from calib.physics.vehicle_file import read_vehicle
 from calib.plots.result import read_result
 from calib.plots.trace import from_result
+from calib.validation.delay import with_delay
 from calib.validation.results import write_result
 from calib.validation.validate import validate
 from tests.plots.conftest import SEDAN, traced
@@ -17,7 +18,7 @@ WEIGHT = 1744.0 * 9.80665
 
 
 def test_a_trace_is_the_estimate(sedan, transition, trace):
-    found = estimate(sedan, transition)
+    found = with_delay(estimate(sedan, transition))
     assert np.array_equal(trace.front.pad, found.front.pad_friction, equal_nan=True)
     assert np.array_equal(trace.rear.upper, found.rear.upper, equal_nan=True)
     assert np.array_equal(trace.rear.torque, 2.0 * found.rear.torque, equal_nan=True)

@@ -157,7 +157,7 @@ def test_a_strong_motor_that_is_not_logged_leaves_nothing_valid(fitted):
     assert found.measured == pytest.approx(force / usual, rel=0.35)
     assert not result.passed
     assert result.figures["valid_share"] == 0.0
-    assert "something brakes that the pressure does not explain" in result.refused
+    assert result.limiting[0].largest == "motor"
     (told,) = validate(fitted, [noisy(run, 1)])  # with T_drive
     assert told.figures["valid_share"] > 0.7
     assert not [one for one in told.warnings if one.code == "unexplained_braking_force"]
