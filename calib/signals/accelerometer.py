@@ -21,13 +21,16 @@ grade that does, and is taken for one.
 
 from dataclasses import dataclass, fields
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.names import G
+from calib.physics.braking import BITE
 from calib.signals.blocks import Blocks
-from calib.signals.speed_delay import EVEN
+from calib.signals.filters import centred_mean
+from calib.signals.speed_delay import CHANGING, EVEN, ODDS_ROAD
 from calib.statistics.hypotheses import Mixture, weigh_hypotheses
 from calib.statistics.moving_average import second_differences
 
@@ -48,8 +51,8 @@ class AccelerometerPriors:
     one walks that changes; a crest of 6 km radius changes it by 0.005 a second at 30 m/s, a bridge
     or a ramp by 0.02. ``odds_wander``: how often, on roads that are chosen for such runs.
     ``other_scale`` sigma of c where a unit, a clock or a filter is wrong: knots taken for m/s are
-    49 % off, a clock of 110 Hz taken for 100 is 10 % off. ``odds_other``: in one log of a hundred;
-    a scale that is sharp is then another cause from 7.5 % on, where three sigma of a sensor are 6.
+    49 % off, a clock of 110 Hz taken for 100 is 10 % off. ``odds_other``: one log in 3000;
+    a scale that is sharp is then another cause from 9 % on, 4.6 sigma of a sensor.
     ``lag`` [s]: how far v and a_x may be out of step.
     """
 
@@ -64,10 +67,10 @@ class AccelerometerPriors:
     odds_grade: float = 0.3
     odds_drag: float = 0.15
     still_wander: float = EVEN
-    wander: float = 0.015
-    odds_wander: float = 0.03
+    wander: float = CHANGING
+    odds_wander: float = float(ODDS_ROAD[1])
     other_scale: float = 0.3
-    odds_other: float = 0.01
+    odds_other: float = 3e-4
     lag: float = 0.02
 
 
@@ -138,28 +141,54 @@ def accelerometer(
     """
     p = priors or AccelerometerPriors()
     at = np.arange(0, b.end.size, STEP)
-    compared = _compared(b, b.z if smooth is None else smooth)
-    speeds = [
-        _against_speed(b, compared, density_z, density_v, p, at, walk)
-        for walk in (p.still_wander, p.wander)
-    ]
-    d, variance_d = _on_lead_in(b, unexplained, sigma, density_z, at)
-    # what is measured: (c, e, d); e = bias + grade, d = bias + drag
-    precision, vector = (
-        np.stack([getattr(s, name) for s in speeds], 1) for name in ("precision", "vector")
-    )
-    precision[..., 2, 2] += 1.0 / variance_d[:, None]
-    vector[..., 2] += (d / variance_d)[:, None]
-    evidence = precision, vector, np.stack([s.likelihood for s in speeds], 1)
+    read = Reading(b, unexplained, sigma, density_z, density_v)
+    speeds, evidence = _evidence(read, b.z if smooth is None else smooth, p, at)
     weighed = _weighed(evidence, p)
-    other = _other_scale(evidence, weighed, p)
     wanders = weighed.weights[:, 1::2].sum(axis=1)
     lags = [s.lag_of(weighed) for s in speeds]
     lag, variance_lag = ((1.0 - wanders) * x + wanders * y for x, y in zip(*lags, strict=True))
     variance_lag += (1.0 - wanders) * wanders * (lags[1][0] - lags[0][0]) ** 2
     disagrees = _disagreement(b, weighed.mean[:, 0], at)
-    rows = np.column_stack([*_columns(weighed), lag, variance_lag, wanders, other, disagrees])
+    other = 0.0
+    braked = np.any(np.maximum(b.p_f, b.p_r) > BITE)  # rolling, z is noise for the most part
+    if braked and abs(weighed.mean[-1, 0]) > 2.0 * p.scale:
+        other = _other_scale(read, p, at[-1:])
+    others = np.full(at.size, other)
+    rows = np.column_stack([*_columns(weighed), lag, variance_lag, wanders, others, disagrees])
     return _held(rows, at, b.end.size)
+
+
+class Reading(NamedTuple):
+    """What is judged; as `accelerometer` takes it."""
+
+    b: Blocks
+    unexplained: Array
+    sigma: Array
+    density_z: float
+    density_v: float
+
+
+Evidence = tuple[Array, Array, Array]
+"""Of a steady grade and of one that walks: precision (m, 2, 3, 3), vector (m, 2, 3) of (c, e, d),
+logarithm of the likelihood where they are zero (m, 2)."""
+
+
+def _evidence(
+    read: Reading, smooth: Array, p: AccelerometerPriors, at: NDArray[np.int64]
+) -> tuple[list["AgainstSpeed"], Evidence]:
+    """What v and the lead-in say at ``at`` (m,); e = bias + grade, d = bias + drag."""
+    compared = _compared(read.b, smooth)
+    speeds = [
+        _against_speed(read.b, compared, read.density_z, read.density_v, p, at, walk)
+        for walk in (p.still_wander, p.wander)
+    ]
+    d, variance_d = _on_lead_in(read.b, read.unexplained, read.sigma, read.density_z, at)
+    precision, vector = (
+        np.stack([getattr(s, name) for s in speeds], 1) for name in ("precision", "vector")
+    )
+    precision[..., 2, 2] += 1.0 / variance_d[:, None]
+    vector[..., 2] += (d / variance_d)[:, None]
+    return speeds, (precision, vector, np.stack([s.likelihood for s in speeds], 1))
 
 
 @dataclass(frozen=True)
@@ -281,26 +310,24 @@ SENSED = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1
 """From the causes (c, bias, grade, drag) to what is measured: (c, bias + grade, bias + drag)."""
 
 
-Evidence = tuple[Array, Array, Array]
-"""Of a steady grade and of one that walks: precision (m, 2, 3, 3), vector (m, 2, 3) of (c, e, d),
-logarithm of the likelihood where they are zero (m, 2)."""
-
-
 def _weighed(evidence: Evidence, p: AccelerometerPriors) -> Mixture:
     """Mixture over the sixteen cases of (c, bias, grade, drag), at m blocks; they go by turns."""
     return _mixture(evidence, np.array(list(product((False, True), repeat=4))), p.scale, p)
 
 
-def _other_scale(evidence: Evidence, sensor: Mixture, p: AccelerometerPriors) -> Array:
-    """The scale (m,) where it is likelier that of no sensor, else 0.
+def _other_scale(read: Reading, p: AccelerometerPriors, last: NDArray[np.int64]) -> float:
+    """The scale over all of the run where it is likelier that of no sensor, else 0.
 
     Without a grade that walks, which explains what such a scale does. It takes no part in what is
-    corrected: a run with such a scale is not used.
+    corrected: a run with such a scale is not used. By means of z over `SECOND`: the noise of a_x is
+    in the integral and in what a scale makes of it alike, and looks like a scale of 1.
     """
+    slow = centred_mean(read.b.z, max(1, round(SECOND / read.b.length)))
+    _, evidence = _evidence(read, slow, p, last)
     steady = np.array([(*case, False) for case in product((False, True), repeat=3)])
     other = _mixture(evidence, steady, p.other_scale, p)
-    likelier = other.evidence + np.log(p.odds_other) > sensor.evidence
-    return np.where(likelier, other.mean[:, 0], 0.0)
+    likelier = other.evidence + np.log(p.odds_other) > _weighed(evidence, p).evidence
+    return float(other.mean[0, 0]) if likelier[0] else 0.0
 
 
 def _mixture(

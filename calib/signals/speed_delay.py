@@ -14,7 +14,7 @@ It stops being true where the wheel speeds are as late as v, and for a_x that is
 than v is late.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,18 @@ what another scale does."""
 EVEN = 0.0002
 """How far the grade of any road walks in a second [g/s^0.5]: tracks are even to 1 mm in 2 m."""
 
+CHANGING = 0.015
+"""The same of a road whose slope changes on the way, over a crest or a bridge."""
+
+ODDS_ROAD = np.array([0.97, 0.03])
+"""How often the slope stays, and changes, on roads that are chosen for such runs."""
+
+BRAKES = 1.5
+"""Least deceleration [m/s^2] that shows a delay: a rolling car hardly changes its speed."""
+
+LIKELY, SURE = 0.3, 0.95
+"""Chance of a late v from which on it is not taken as it is, and from which on it is corrected."""
+
 STEP = 0.01
 """Step of the delays that are tried [s]; parabolas go between them."""
 
@@ -57,37 +69,45 @@ error of 0.1 m/s, a tenth of the slip."""
 
 @dataclass(frozen=True)
 class SpeedDelay:
-    """Time by which v comes late [s], its ``sigma``, and whether it is ``late`` at all."""
+    """Time by which v comes late [s], its ``sigma``, and the ``chance`` that it is late at all."""
 
     value: float
     sigma: float
-    late: bool
+    chance: float
+
+    @property
+    def late(self) -> bool:
+        """Whether v may not be taken as it is."""
+        return self.chance > LIKELY
 
     @property
     def sharp(self) -> bool:
         """Whether v may be put in time."""
-        return self.sigma < SHARP
+        return self.sigma < SHARP and self.chance > SURE
 
 
-IN_TIME = SpeedDelay(0.0, USUAL, late=False)
+IN_TIME = SpeedDelay(0.0, USUAL, chance=0.0)
 
 
 def speed_delay(time: Array, v: Array, a_x: Array, step: float) -> SpeedDelay:
     """How late ``v`` [m/s] is against ``a_x`` [m/s^2]; ``time`` [s], all (n,), ``step`` [s]."""
-    seen = _Seen.of(time, v, a_x, step)
-    if seen is None or abs(seen.first()) < 2.0 * USUAL:
+    even = _Seen.of(time, v, a_x, step)
+    if even is None or abs(even.first()) < 2.0 * USUAL:
         return IN_TIME
     tried = np.arange(-5.0 * USUAL, LATEST + 0.5 * STEP, STEP)
-    likelihood = np.array([seen.likelihood(delay) for delay in tried])
-    least = -2.0 * likelihood.max() / max(np.count_nonzero(seen.usable), 1)
-    likelihood = (likelihood - likelihood.max()) / max(least, 1.0)  # noise that no median shows
+    roads = even, even.on_road(CHANGING)
+    misfit = np.array([[road.misfit(delay) for delay in tried] for road in roads])
+    noisier = max(misfit.min() / max(np.count_nonzero(even.usable), 1), 1.0)  # than medians show
+    likelihood = -0.5 * misfit / noisier - np.array([[road.log_size] for road in roads])
+    likelihood = np.logaddexp(*(likelihood - likelihood.max() + np.log(ODDS_ROAD)[:, None]))
     usual = np.exp(likelihood - 0.5 * (tried / USUAL) ** 2) / (USUAL * np.sqrt(2.0 * np.pi))
     late = np.exp(likelihood) * (tried > 0.0) / LATEST
-    if ODDS * late.sum() <= usual.sum():
+    chance = float(ODDS * late.sum() / (usual.sum() + ODDS * late.sum()))
+    if chance < LIKELY:
         return IN_TIME
     value = float(late @ tried / late.sum())
-    variance = float(late @ (tried - value) ** 2 / late.sum())
-    return SpeedDelay(value, float(np.sqrt(variance + STEP**2 / 12.0)), late=True)
+    variance = float(late @ (tried - value) ** 2 / late.sum()) + STEP**2 / 12.0
+    return SpeedDelay(value, float(np.sqrt(variance)), chance)
 
 
 def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
@@ -102,6 +122,7 @@ def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
 class _Seen:
     """What is compared: v (k,) by blocks of ``size`` samples, and the integral at the log's rate.
 
+    Blocks of ``length`` [s] with ``noise`` variance of v and of a step of the integral [m^2/s^2];
     ``average``, ``sigma`` make its second differences white; ``begins`` (k - 2, 2) spans what the
     unknown v and slope at the start make of them.
     """
@@ -111,28 +132,38 @@ class _Seen:
     v: Array
     usable: NDArray[np.bool_]
     size: int
+    length: float
+    noise: tuple[float, float]
     average: Array
     sigma: float
     begins: Array
 
     @classmethod
     def of(cls, time: Array, v: Array, a_x: Array, step: float) -> "_Seen | None":
-        from scipy.signal import lfilter
-
+        """By means of `BLOCK`, on an even road; None for a log that is too short or brakes too little."""
         size = max(1, round(BLOCK / step))
         means, slowing = block_mean(v, size), block_mean(a_x, size)
-        if means.size < 20:
+        if means.size < 20 or np.min(slowing) > -BRAKES:
             return None
         h = size * step
         white, walk = (max(_noise(x) ** 2, 1e-12) for x in (means, h * slowing))
-        wander = (G * h * EVEN) ** 2 * h
-        average, sigma = second_differences(white, walk, wander)
         usable = (means > 2.0) & (np.abs(slowing) < 1.5 * G)
         usable &= h * np.arange(means.size) >= LATEST
         usable = usable[2:] & usable[1:-1] & usable[:-2]
-        first = np.eye(usable.size, 2, -int(np.argmax(usable)))
+        none = np.zeros((usable.size, 2))
+        gained = integral(time, a_x)
+        seen = cls(time, gained, means, usable, size, h, (white, walk), np.ones(1), 1.0, none)
+        return seen.on_road(EVEN)
+
+    def on_road(self, walks: float) -> "_Seen":
+        """The same where the slope ``walks`` [g/s^0.5]."""
+        from scipy.signal import lfilter
+
+        turned = (G * self.length * walks) ** 2 * self.length
+        average, sigma = second_differences(*self.noise, turned)
+        first = np.eye(self.usable.size, 2, -int(np.argmax(self.usable)))
         begins = np.linalg.qr(lfilter([1.0], average, first, axis=0))[0]
-        return cls(time, integral(time, a_x), means, usable, size, average, sigma, begins)
+        return replace(self, average=average, sigma=sigma, begins=begins)
 
     def first(self) -> float:
         """The delay by the slope at no delay: enough to see whether there may be one [s]."""
@@ -142,11 +173,15 @@ class _Seen:
         precision = A.T @ A + np.diag([SCALE**-2, LATEST**-2])
         return float(np.linalg.solve(precision, A.T @ y)[1])
 
-    def likelihood(self, delay: float) -> float:
-        """Logarithm of the likelihood of a ``delay`` [s], with any scale, up to a constant."""
+    @property
+    def log_size(self) -> float:
+        """Logarithm of the noise of all that is compared."""
+        return float(np.count_nonzero(self.usable) * np.log(self.sigma))
+
+    def misfit(self, delay: float) -> float:
+        """What is left at a ``delay`` [s] with the best scale, over the noise, squared."""
         y, x = self._white(delay)
-        own = float(x @ x) + SCALE**-2
-        return float(-0.5 * (y @ y - (x @ y) ** 2 / own) - 0.5 * np.log(own))
+        return float(y @ y - (x @ y) ** 2 / (float(x @ x) + SCALE**-2))
 
     def _white(self, delay: float) -> tuple[Array, Array]:
         """What v differs by, and what a scale makes of it, as white noise of sigma 1, (k - 2,)."""

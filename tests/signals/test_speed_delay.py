@@ -13,7 +13,7 @@ from tests.support.plant import as_log, drive
 from tests.support.reference_car import CAR, REAL, noisy, ramp, stop
 
 RUNS = {
-    "ramp": noisy(ramp(REAL), 1),
+    "ramp": noisy(ramp(REAL, slope=10e5), 1),
     "stop": noisy(stop(REAL), 2),
     "stop on a slope": noisy(stop(replace(REAL, grade=0.12)), 3),
 }
@@ -60,6 +60,16 @@ def test_a_late_speed_is_put_in_time(name, delay):
 def test_what_is_no_delay_is_left_alone(name, change):
     log = RUNS[name]
     assert not delay_of(changed(log, **change(log))).late
+
+
+def test_what_is_not_sharp_is_not_used():
+    """A slow ramp bends v at the bite by so little that a slope which changes may do it, too."""
+    slow = late(noisy(ramp(REAL), 1), 0.2)
+    found = delay_of(slow)
+    assert found.late
+    assert not found.sharp
+    assert abs(found.value - 0.2) < 2.0 * found.sigma
+    assert signals(slow, CAR).v is None
 
 
 def test_a_run_without_braking_shows_no_delay():
