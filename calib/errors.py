@@ -13,10 +13,11 @@
     │   └── KeyFileError      a key file, its password, or what keys need
     ├── BatchError            exit code 2: the folder or the workers of a batch
     ├── RevisionError         exit code 2: tables that cannot be merged, a value that cannot be set
-    └── StoreError            exit code 4: the table store, or a table in it
-        ├── TableNotFound     no table of that name or version: exit code 2
-        ├── DamagedTable      the content does not match its digest
-        └── SignatureRefused  a signature that does not hold, is of another key or is malformed
+    ├── StoreError            exit code 4: the table store, or a table in it
+    │   ├── TableNotFound     no table of that name or version: exit code 2
+    │   ├── DamagedTable      the content does not match its digest
+    │   └── SignatureRefused  a signature that does not hold, is of another key or is malformed
+    └── AnswerError           exit code 5: the answer could not be written, the disk is full
 
 The command line catches only the root. A message says what was wrong, which value was given, what
 was expected and where to look. Several errors of one file are one message of several lines.
@@ -155,3 +156,9 @@ class DamagedTable(StoreError):
 
 class SignatureRefused(StoreError):
     """A signature does not hold, is of another key or is malformed."""
+
+
+class AnswerError(BrakeCalError):
+    """The answer could not be written: the disk is full, or the stream is closed."""
+
+    exit_code = 5

@@ -24,6 +24,7 @@ CODES = {
     "TableNotFound": 2,
     "DamagedTable": 4,
     "SignatureRefused": 4,
+    "AnswerError": 5,
 }
 
 
