@@ -79,6 +79,11 @@ class CheckLimits:
     """Coasting that gives the zero of eta and the drag [s]."""
     wheel_radius: tuple[float, float] = (0.12, 0.9)
     """Range of a_x over the deceleration of the wheels [m] that a wheel can have."""
+    tyre_radius: tuple[float, float] = (0.24, 0.42)
+    """Rolling radius [m] of the tyres of road cars, as a vehicle file may have it."""
+    radii_agree: float = 1.3
+    """Largest ratio of the radii that ``v`` and a_x make with the wheels [1]: slip and the scale of
+    a_x are a tenth of it, mph and km/h 1.6 apart."""
     never_free: float = 1e5
     """Pressure that a released pedal does not leave [Pa]."""
     softest: float = 20e5

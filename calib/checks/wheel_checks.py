@@ -56,6 +56,7 @@ class Axles:
     ----------
     front_rear : eta - 1 on the unbraked part [1]: positive if the rear radius is the smaller.
     left_right_f, left_right_r : right over left wheel speed - 1, unbraked [1].
+    radius : ``v`` over the wheel speed while rolling unbraked, the median [m]; None without ``v``.
     slope : change of ``-a_x`` with the wheels' deceleration [m]: the rolling radius if all is
         correct; negative for a wrong sign. None if it cannot be determined.
     eta_braked : eta over its unbraked value - 1, mean while braking with 0.2 to 0.5 g [1].
@@ -66,6 +67,7 @@ class Axles:
     front_rear: IntervalEstimate | None
     left_right_f: IntervalEstimate | None
     left_right_r: IntervalEstimate | None
+    radius: float | None
     slope: float | None
     eta_braked: IntervalEstimate | None
     eta_most: IntervalEstimate | None
@@ -86,6 +88,7 @@ def axles_of(log: Log, driving: DrivingRecord) -> Axles:
         front_rear=zero,
         left_right_f=mismatch(fl, fr, free, driving.step),
         left_right_r=mismatch(rl, rr, free, driving.step),
+        radius=_rolling_radius(log, driving),
         slope=_against_wheels(driving, _all_roll(log, driving)),
         eta_braked=braked if zero is not None else None,
         eta_most=_most(front, rear, free, braking & (driving.wheel_z > 0.1), driving.step),
@@ -110,6 +113,15 @@ def _most(
     share = 1.0 / rolling.size + 1.0 / thirds[at].size
     spread = float(np.std(rolling, ddof=1) * np.sqrt(share))
     return IntervalEstimate(changes[at], float(stdtrit(rolling.size - 1, 0.975)) * spread)
+
+
+def _rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
+    """Median of ``v`` over the wheel speed [m], that of the middle wheels, while nothing brakes."""
+    wheel = np.median([log[f"omega_{w}"] for w in WHEELS], axis=0)
+    rolls = ~driving.braked & (wheel * NOMINAL_RADIUS > MOVING)
+    if "v" not in log or rolls.sum() < LIMITS.noise_fewest:
+        return None
+    return float(np.median(log["v"][rolls] / wheel[rolls]))
 
 
 def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
