@@ -33,6 +33,11 @@ class CheckLimits:
     or a little more, so it is an eighth of it; E of a usual car is a fifth or more
     (`tests/studies/crossed_wheels.py`)."""
 
+    # channels.py of plausibility
+    wheels_held: float = 0.03
+    """Time for which wheel speeds keep a value [s] from which it is named: the slowest log that is
+    read has 40 Hz."""
+
     # gates.py
     radius_tolerance: float = 0.03
     """Largest deviation of v/(R omega) from 1 without braking: tyre wear and pressure cause 2 %."""
@@ -71,6 +76,9 @@ class CheckLimits:
     """Braking of a ramp that is needed [s]."""
     ramp_rise: float = 1.0
     """Time for which its pressure must rise [s]."""
+    wheels_held_fit: float = 0.06
+    """Longest time for which wheel speeds may keep a value in a ramp [s]: half of it is as late as
+    the brakes are to build up, and there is no curve of slip over force then."""
     one_axle_z: float = 0.12
     """The same of a ramp with one axle only: 0.3 of a rear axle's load."""
     braking: float = 1.0

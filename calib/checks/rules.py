@@ -174,6 +174,12 @@ def _not_for_fit(seen: Observation) -> Iterator[str]:
         yield from _no_ramp(max(seen.events, key=lambda e: e.rise_z), _least_span(seen))
         ramp = max(seen.events, key=lambda e: e.braking)
     yield from _disturbed(seen, ramp)
+    if seen.wheels_held > LIMITS.wheels_held_fit:
+        yield (
+            f"the wheel speeds keep a value for {seen.wheels_held:.2f} s, and may for "
+            f"{LIMITS.wheels_held_fit:g} s: log them as often as the bus sends them, at 100 Hz or "
+            "more"
+        )
     yield from _blurred_eta(seen)
 
 

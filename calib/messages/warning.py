@@ -17,6 +17,7 @@ UNITS = {
     "pressure_zero": "bar",
     "same_signal": "1",
     "v_held": "s",
+    "wheels_held": "s",
     "v_of_wheels": "1",
     "lost_pulses": "1",
     "rolling_radius_f": "m",
