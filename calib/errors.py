@@ -9,6 +9,7 @@
     │   ├── ModelError        a model file
     │   ├── SettingsError     the settings of a project
     │   ├── ExchangeError     a calibration file (DCM, CDF) or its validation summary
+    │   ├── NotFiniteError    a number that was computed of the files is not finite
     │   ├── ProgramError      a linked program (ELF) or the map file of its linker
     │   └── KeyFileError      a key file, its password, or what keys need
     ├── BatchError            exit code 2: the folder or the workers of a batch
@@ -25,7 +26,7 @@ was expected and where to look. Several errors of one file are one message of se
 
 import re
 
-from calib.messages.printable import one_line, printable
+from calib.printable import one_line, printable
 
 
 class BrakeCalError(Exception):
@@ -116,6 +117,20 @@ class SettingsError(InputError):
 
 class ExchangeError(InputError):
     """A calibration file (DCM, CDF) or a validation summary cannot be used."""
+
+
+class NotFiniteError(InputError):
+    """A number that was computed of the files is not finite: nothing is concluded from it."""
+
+
+def not_finite(quantity: str, where: object) -> NotFiniteError:
+    """The error for a ``quantity`` of a log or a vehicle that came out as no number."""
+    return NotFiniteError(
+        f"{quantity} comes out as no finite number, so nothing is concluded from it",
+        where=where,
+        expected="logs and a vehicle file of one car",
+        do="look at each log with `brake-cal check` and at the file with `brake-cal vehicle check`",
+    )
 
 
 class ProgramError(InputError):

@@ -16,6 +16,7 @@ CODES = {
     "ModelError": 3,
     "SettingsError": 3,
     "ExchangeError": 3,
+    "NotFiniteError": 3,
     "ProgramError": 3,
     "KeyFileError": 3,
     "BatchError": 2,
