@@ -40,12 +40,16 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
 
 
 def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
-    """``b/a - 1`` of means over `wheel_block` where ``mask`` holds [1]; empty if that is short."""
+    """``b/a - 1`` of means over `wheel_block` where ``mask`` holds [1]; empty if that is short.
+
+    Without those in which the first wheel does not turn.
+    """
     n = max(1, round(LIMITS.wheel_block / step))
     if mask.sum() < n:
         return np.empty(0)
     before, after = (block_mean(x[mask], n) for x in (a, b))
-    return after / before - 1.0
+    turns = before > 0.0
+    return after[turns] / before[turns] - 1.0
 
 
 @dataclass(frozen=True)
@@ -198,7 +202,8 @@ def _slips(log: Log, driving: DrivingRecord) -> dict[str, Array]:
     free = driving.unbraked
     if "v" in log and free.any():
         v = centred_mean(log["v"], width)
-        scale = {w: float(np.median(v[free] / omega[w][free])) for w in WHEELS}
+        turning = {w: np.maximum(omega[w][free], 1e-6) for w in WHEELS}
+        scale = {w: float(np.median(v[free] / turning[w])) for w in WHEELS}
     else:
         v = np.max(list(omega.values()), axis=0)
         scale = dict.fromkeys(WHEELS, 1.0)
