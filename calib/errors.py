@@ -9,14 +9,16 @@
     │   ├── ModelError        a model file
     │   ├── SettingsError     the settings of a project
     │   ├── ExchangeError     a calibration file (DCM, CDF) or its validation summary
+    │   ├── NotFiniteError    a number that was computed of the files is not finite
     │   ├── ProgramError      a linked program (ELF) or the map file of its linker
     │   └── KeyFileError      a key file, its password, or what keys need
     ├── BatchError            exit code 2: the folder or the workers of a batch
     ├── RevisionError         exit code 2: tables that cannot be merged, a value that cannot be set
-    └── StoreError            exit code 4: the table store, or a table in it
-        ├── TableNotFound     no table of that name or version: exit code 2
-        ├── DamagedTable      the content does not match its digest
-        └── SignatureRefused  a signature that does not hold, is of another key or is malformed
+    ├── StoreError            exit code 4: the table store, or a table in it
+    │   ├── TableNotFound     no table of that name or version: exit code 2
+    │   ├── DamagedTable      the content does not match its digest
+    │   └── SignatureRefused  a signature that does not hold, is of another key or is malformed
+    └── AnswerError           exit code 5: the answer could not be written, the disk is full
 
 The command line catches only the root. A message says what was wrong, which value was given, what
 was expected and where to look. Several errors of one file are one message of several lines.
@@ -24,7 +26,7 @@ was expected and where to look. Several errors of one file are one message of se
 
 import re
 
-from calib.messages.printable import one_line, printable
+from calib.printable import one_line, printable
 
 
 class BrakeCalError(Exception):
@@ -117,6 +119,20 @@ class ExchangeError(InputError):
     """A calibration file (DCM, CDF) or a validation summary cannot be used."""
 
 
+class NotFiniteError(InputError):
+    """A number that was computed of the files is not finite: nothing is concluded from it."""
+
+
+def not_finite(quantity: str, where: object) -> NotFiniteError:
+    """The error for a ``quantity`` of a log or a vehicle that came out as no number."""
+    return NotFiniteError(
+        f"{quantity} comes out as no finite number, so nothing is concluded from it",
+        where=where,
+        expected="logs and a vehicle file of one car",
+        do="look at each log with `brake-cal check` and at the file with `brake-cal vehicle check`",
+    )
+
+
 class ProgramError(InputError):
     """A linked program or its map file is unreadable, or does not hold the exported table."""
 
@@ -155,3 +171,9 @@ class DamagedTable(StoreError):
 
 class SignatureRefused(StoreError):
     """A signature does not hold, is of another key or is malformed."""
+
+
+class AnswerError(BrakeCalError):
+    """The answer could not be written: the disk is full, or the stream is closed."""
+
+    exit_code = 5

@@ -97,8 +97,8 @@ def _write(found: "Summary", results: Path, out: Path) -> None:
     """Draw all files first, then write them."""
     from calib.files.publish import publish, workshop
     from calib.files.write import write_whole
-    from calib.messages.printable import printable
     from calib.plots.fleet import picture_name
+    from calib.printable import printable
     from calib.reports.fleet import document, report_html
 
     drawings = _pictures(found)

@@ -1,7 +1,5 @@
 """A group of commands: its help by subject, and -q and -v for each of its commands."""
 
-import os
-import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,9 +8,6 @@ from typer.core import TyperGroup
 
 from cli.loudness import loudness_options
 from cli.options import example
-
-PIPE_CLOSED = 141
-"""Exit code of a program that SIGPIPE ended, as in a shell."""
 
 SUBJECTS = {
     "brake-cal": {
@@ -34,7 +29,7 @@ SUBJECTS = {
 
 
 class Group(TyperGroup):
-    """Commands under their `SUBJECTS`; it ends without a message when nobody reads its output."""
+    """Commands under their `SUBJECTS`."""
 
     def __init__(self, **attributes: Any) -> None:
         super().__init__(**attributes)
@@ -73,17 +68,6 @@ class Group(TyperGroup):
             if within:
                 ctx.fail(f"No such command {typed!r}. Did you mean {' or '.join(within)}?")
         return super().resolve_command(ctx, args)
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command, and flush its output while an error can still be handled."""
-        try:
-            result = super().invoke(ctx)
-            sys.stdout.flush()
-        except BrokenPipeError:
-            # The interpreter flushes once more at exit; this discards it.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            raise typer.Exit(PIPE_CLOSED) from None
-        return result
 
 
 def command_group(text: str, *examples: str) -> typer.Typer:

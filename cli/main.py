@@ -41,6 +41,7 @@ from cli.failure import document_of, usage_document
 from cli.group import Group
 from cli.loudness import begin, this_run
 from cli.options import example
+from cli.streams import delivered
 
 UsageError: Any = typer.BadParameter.__base__
 """What typer raises for a wrong command line; it exports only the one for a wrong value."""
@@ -95,7 +96,11 @@ def options(
         ),
     ] = False,
 ) -> None:
-    """Calibrate and validate a brake-torque estimator from one ramped braking run."""
+    """Calibrate and validate a brake-torque estimator from one ramped braking run.
+
+    Exit codes: 0 done or passed; 1 it ran, and the result fails its limits; 2 usage; 3 bad input; 4
+    the store or a table is damaged or refused; 5 the answer could not be written.
+    """
 
 
 def main() -> None:
@@ -104,16 +109,21 @@ def main() -> None:
         # arrays are small here: threads of the linear algebra take more time than they save
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     begin()
+    sys.exit(delivered(_run))
+
+
+def _run() -> int:
+    """Exit code of what was asked on the command line, by a person or by a shell at the Tab key."""
     started = time.monotonic()
     if os.environ.get(VARIABLE) == "complete_bash":
-        sys.exit(answer(lambda: app(prog_name="brake-cal")))
-    code = _run(sys.argv[1:])
+        return answer(lambda: app(prog_name="brake-cal"))
+    code = _code(sys.argv[1:])
     if this_run().verbose:
         say(f"took {time.monotonic() - started:.1f} s, exit code {code}")
-    sys.exit(code)
+    return code
 
 
-def _run(words: Sequence[str]) -> int:
+def _code(words: Sequence[str]) -> int:
     """Exit code of a command line; an interrupt gives 130."""
     try:
         return app(prog_name="brake-cal", standalone_mode=False) or 0

@@ -5,6 +5,7 @@ is made with its parents; one that exists is replaced if it is empty or this pro
 anything else only with --force. No output ever replaces an input.
 """
 
+import errno
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -12,9 +13,12 @@ from pathlib import Path
 
 import typer
 
+from calib.errors import AnswerError
 from cli.console import say
 
 OUT = "--out"
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""What a disk says that takes no more; nothing is wrong with the command line."""
 PAGES = (".html", ".htm")
 """Endings of a page."""
 
@@ -180,16 +184,15 @@ def stems_of(logs: Iterable[Path], param_hint: str, called: str = "logs") -> lis
 def writing(out: Path | None, option: str = OUT) -> Iterator[None]:
     """Make the folder that ``out`` is in; turn an OSError into a usage error that names ``out``.
 
-    A folder that was made here and stays empty is removed. A BrokenPipeError, from a closed reader
-    of stdout, is passed on.
+    A folder that was made here and stays empty is removed. Raises AnswerError for a full disk.
     """
     made: list[Path] = []
     try:
         made = [] if out is None else _made(out.absolute().parent)
         yield
-    except BrokenPipeError:
-        raise
     except OSError as error:
+        if error.errno in FULL:
+            raise AnswerError(f"cannot be written ({error.strerror})", where=out) from error
         raise _unwritable(out, error, option) from error
     finally:
         with suppress(OSError):

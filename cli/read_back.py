@@ -14,6 +14,7 @@ from cli.project import STORE
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
+    from calib.exports.read import Difference
     from calib.exports.returned import Returned
     from calib.store.version import Stored
 
@@ -28,23 +29,24 @@ def import_table(
     """Compare a DCM or CDF file with the table that it names.
 
     Nothing is stored: such a file holds the curves of a table, not their origin. Exit code 3 if it
-    is cut off or damaged, 4 if it does not agree with its checksum or its digest.
+    is cut off, damaged or names no table, 4 if it does not agree with the table. Another tool may
+    have saved it: labels are compared, and numbers that were rounded agree.
     """
-    from calib.exports.read import differences, parent, read_back, refuse
+    from calib.exports.read import difference, parent, read_back, refuse
 
     found = read_back(file)
     stored = parent(found, calib.Store(store))
-    wrong = differences(found, stored)
+    told = difference(found, stored)
     if json:
-        emit_json(_found(found, stored, wrong))
+        emit_json(_found(found, stored, told))
     else:
         _print_found(found)
-        emit(_verdict(found, stored, wrong))
-    if wrong:
-        raise refuse(file, wrong)
+        emit(_verdict(found, stored, told))
+    if told.wrong:
+        raise refuse(file, told.wrong)
 
 
-def _found(found: "Returned", stored: "Stored | None", wrong: list[str]) -> dict[str, object]:
+def _found(found: "Returned", stored: "Stored | None", told: "Difference") -> dict[str, object]:
     return {
         "schema": 1,
         "format": found.format,
@@ -55,13 +57,15 @@ def _found(found: "Returned", stored: "Stored | None", wrong: list[str]) -> dict
         "units": found.units,
         "in_store": stored is not None,
         "unchanged": found.unchanged,
-        "differences": wrong,
+        "rounded": told.rounded,
+        "differences": told.wrong,
     }
 
 
 def _print_found(found: "Returned") -> None:
-    width = max(map(len, found.facts))
-    emit("\n".join(f"{key:<{width}}  {value}" for key, value in found.facts.items()))
+    facts = {"table": found.table} | found.facts
+    width = max(map(len, facts))
+    emit("\n".join(f"{key:<{width}}  {value}" for key, value in facts.items()))
     emit(_objects(found))
 
 
@@ -76,9 +80,11 @@ def _objects(found: "Returned") -> "Grid":
     return table
 
 
-def _verdict(found: "Returned", stored: "Stored | None", wrong: list[str]) -> str:
-    if wrong:
-        return "\n".join(f"differs: {what}" for what in wrong)
+def _verdict(found: "Returned", stored: "Stored | None", told: "Difference") -> str:
+    if told.wrong:
+        return "\n".join(f"differs: {what}" for what in told.wrong)
     if stored is None:
-        return f"unchanged since it was written; {found.facts['table']} is not in this store"
-    return f"agrees with {stored.id} to the last bit"
+        return f"unchanged since it was written; {found.table} is not in this store"
+    return f"agrees with {stored.id} " + (
+        f"as rounded {told.rounded}" if told.rounded else "to the last bit"
+    )

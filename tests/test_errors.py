@@ -16,6 +16,7 @@ CODES = {
     "ModelError": 3,
     "SettingsError": 3,
     "ExchangeError": 3,
+    "NotFiniteError": 3,
     "ProgramError": 3,
     "KeyFileError": 3,
     "BatchError": 2,
@@ -24,6 +25,7 @@ CODES = {
     "TableNotFound": 2,
     "DamagedTable": 4,
     "SignatureRefused": 4,
+    "AnswerError": 5,
 }
 
 

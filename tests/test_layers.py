@@ -11,8 +11,9 @@ import pytest
 CALIB = Path(__file__).parents[1] / "calib"
 
 ROOMS = """
-    messages
+    printable
     errors names units processes program
+    messages
     files
     documents
     signing

@@ -1,5 +1,8 @@
 """Channels that are copies of others, by their noise: two sensors have noise of their own."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,6 +11,7 @@ from calib.checks.sensors import resolution_of
 from calib.logs.clock import GAP
 from calib.logs.log import Log
 from calib.names import WHEELS
+from calib.signals.held import period_of
 from calib.statistics.least_squares import explained_square
 
 Array = NDArray[np.float64]
@@ -15,10 +19,23 @@ Array = NDArray[np.float64]
 
 def made_of_wheels(log: Log) -> bool:
     """Whether ``v`` is a wheel speed times a radius, or a mean of several of them."""
+    log = as_sent(log, ("v", *(f"omega_{w}" for w in WHEELS)))
     if not is_noise(log, "v"):
         return False
     wheels = np.array([rough(log, f"omega_{w}") for w in WHEELS])
     return float(explained_square(wheels, rough(log, "v"))) > LIMITS.copy_correlation**2
+
+
+def as_sent(log: Log, channels: Sequence[str]) -> Log:
+    """The log at the samples at which the first of ``channels`` changes, where all are held.
+
+    Values that are kept over several samples all rest and step together, which says nothing of
+    where they come from.
+    """
+    if min(period_of(log[name]) for name in channels) < 1.5:
+        return log
+    came = np.flatnonzero(np.diff(log[channels[0]])) + 1
+    return replace(log, channels={name: x[came] for name, x in log.channels.items()})
 
 
 def alike(log: Log, one: str, other: str) -> float:

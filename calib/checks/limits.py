@@ -29,6 +29,11 @@ class CheckLimits:
     or a little more, so it is an eighth of it; E of a usual car is a fifth or more
     (`tests/studies/crossed_wheels.py`)."""
 
+    # channels.py of plausibility
+    wheels_held: float = 0.03
+    """Time for which wheel speeds keep a value [s] from which it is named: the slowest log that is
+    read has 40 Hz."""
+
     # gates.py
     radius_tolerance: float = 0.03
     """Largest deviation of v/(R omega) from 1 without braking: tyre wear and pressure cause 2 %."""
@@ -67,6 +72,9 @@ class CheckLimits:
     """Braking of a ramp that is needed [s]."""
     ramp_rise: float = 1.0
     """Time for which its pressure must rise [s]."""
+    wheels_held_fit: float = 0.06
+    """Longest time for which wheel speeds may keep a value in a ramp [s]: half of it is as late as
+    the brakes are to build up, and there is no curve of slip over force then."""
     one_axle_z: float = 0.12
     """The same of a ramp with one axle only: 0.3 of a rear axle's load."""
     braking: float = 1.0
@@ -75,6 +83,11 @@ class CheckLimits:
     """Coasting that gives the zero of eta and the drag [s]."""
     wheel_radius: tuple[float, float] = (0.12, 0.9)
     """Range of a_x over the deceleration of the wheels [m] that a wheel can have."""
+    tyre_radius: tuple[float, float] = (0.24, 0.42)
+    """Rolling radius [m] of the tyres of road cars, as a vehicle file may have it."""
+    radii_agree: float = 1.3
+    """Largest ratio of the radii that ``v`` and a_x make with the wheels [1]: slip and the scale of
+    a_x are a tenth of it, mph and km/h 1.6 apart."""
     never_free: float = 1e5
     """Pressure that a released pedal does not leave [Pa]."""
     softest: float = 20e5

@@ -13,6 +13,7 @@ from calib.checks.sensors import Sensor, sensors_of
 from calib.checks.wheel_checks import Axles, Slipping, axles_of, slipping
 from calib.logs.log import Log
 from calib.names import CHANNELS, WHEELS
+from calib.signals.axle_signals import wheels_held
 from calib.signals.driving_record import STEADY, BrakeEvent, brake_events, driving_record
 from calib.signals.one_axle import Axle, braked_alone_in
 
@@ -38,6 +39,7 @@ class Observation:
     alone : the axle that brakes alone by its pressures, "f" or "r"; None for both.
     explained : share of the deceleration's variance that the pressure explains [1]; None where it
         cannot be told.
+    wheels_held : mean time for which a wheel speed keeps a value while the car slows [s].
     v_of_wheels : whether ``v`` is made of the wheel speeds.
     axles, slipping, wheels : None where ``a_x`` or a wheel speed is missing; so are the times
         above. ``wheels`` also without rolling or braking.
@@ -56,6 +58,7 @@ class Observation:
     z: float = 0.0
     alone: Axle | None = None
     explained: float | None = None
+    wheels_held: float = 0.0
     v_of_wheels: bool = False
     axles: Axles | None = None
     slipping: Slipping | None = None
@@ -95,6 +98,7 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
         z=float(driving.z[driving.moving].max()) if driving.moving.any() else 0.0,
         alone=braked_alone_in(log),
         explained=explained(log, driving) if "p_mc" in log else None,
+        wheels_held=wheels_held(log),
         v_of_wheels="v" in log and made_of_wheels(log),
         axles=axles_of(log, driving),
         slipping=slipping(log, driving, events),

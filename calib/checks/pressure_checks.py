@@ -61,6 +61,8 @@ def explained(log: Log, driving: DrivingRecord) -> float | None:
     front, rear = (axle_pressure(log, axle) for axle in AXLES)
     unlike = (front,) if np.array_equal(front, rear) else (front, rear)
     pressures = [centred_mean(p, width) for p in unlike]
+    if not np.ptp(y) > 0.0:  # an a_x that hangs has no course to explain
+        return None
     return float(np.max(_fitted(log.time, pressures, time, y))) / float(y @ y)
 
 

@@ -1,17 +1,26 @@
 """Rules for the use of a log; each reason says what to drive or correct."""
 
+import math
 from collections.abc import Iterator
+from itertools import permutations
 
 from calib.checks.crossed_wheels import CORRECT, crossed_side
 from calib.checks.limits import LIMITS
 from calib.checks.observation import Observation
 from calib.checks.sensors import Sensor
-from calib.signals.driving_record import BITE_Z, BrakeEvent
+from calib.signals.driving_record import BITE_Z, NOMINAL_RADIUS, BrakeEvent
 
 PURPOSES = ("fit", "validate", "coast", "diagnose")
 """What a log may serve for; "coast": a fit, in addition to its ramps."""
 
 GREATEST = {"v": 110.0, "omega": 400.0}  # [SI] above the values of any road car
+
+SPEEDS = {"m/s": 1.0, "km/h": 1.0 / 3.6, "mph": 0.44704}
+"""Units of speed that are taken for each other [m/s]."""
+
+UNIT_KNOWN = 0.16
+"""Largest distance (logarithm) from the factor between two units at which they are named; half of
+that between the closest two, 1.61 and 2.24, where the radius of the tyre is only about known."""
 
 
 def problems(seen: Observation, purpose: str) -> list[str]:
@@ -61,6 +70,7 @@ def _unusable(seen: Observation) -> Iterator[str]:
                 "repair the sensor, or correct its unit in the channel map"
             )
     yield from _wrong_a_x(seen)
+    yield from _wrong_v(seen)
     yield from _wrong_pressure(seen)
     yield from _foreign_pressure(seen)
     crossed = crossed_side(seen.wheels, seen.alone)
@@ -92,6 +102,35 @@ def _wrong_a_x(seen: Observation) -> Iterator[str]:
             f"a_x and the wheel speeds fit together as if the wheels had a radius of "
             f"{abs(slope):.3g} m: check the unit of both (g or m/s^2, rad/s or rpm)"
         )
+
+
+def _wrong_v(seen: Observation) -> Iterator[str]:
+    """A ``v`` in another unit than it says: it makes wheels that no car has, or that a_x denies."""
+    if seen.axles is None or seen.axles.radius is None:
+        return
+    radius, by_a_x = seen.axles.radius, seen.axles.slope or 0.0
+    known = _between(by_a_x, LIMITS.tyre_radius)
+    agree = not known or _between(radius / by_a_x, (1.0 / LIMITS.radii_agree, LIMITS.radii_agree))
+    if agree and _between(radius, LIMITS.tyre_radius):
+        return
+    low, high = LIMITS.tyre_radius
+    against = f", and a_x one of {by_a_x:.3g} m" if known else ""
+    yield (
+        f"v and the wheel speeds make a rolling radius of {radius:.3g} m{against}; tyres have "
+        f"{low:g} to {high:g} m: {_right_unit(radius / (by_a_x if known else NOMINAL_RADIUS))}"
+    )
+
+
+def _right_unit(factor: float) -> str:
+    """What to do about a ``v`` that is ``factor`` times too large [1]."""
+    for unit, read_as in permutations(SPEEDS, 2):
+        if factor > 0.0 and abs(math.log(factor * SPEEDS[unit] / SPEEDS[read_as])) < UNIT_KNOWN:
+            return f"v is in {unit} and was read as {read_as}; correct its unit"
+    return "check the units of v and of the wheel speeds (rad/s or rpm)"
+
+
+def _between(x: float, ends: tuple[float, float]) -> bool:
+    return ends[0] <= x <= ends[1]
 
 
 def _wrong_pressure(seen: Observation) -> Iterator[str]:
@@ -135,6 +174,12 @@ def _not_for_fit(seen: Observation) -> Iterator[str]:
         yield from _no_ramp(max(seen.events, key=lambda e: e.rise_z), _least_span(seen))
         ramp = max(seen.events, key=lambda e: e.braking)
     yield from _disturbed(seen, ramp)
+    if seen.wheels_held > LIMITS.wheels_held_fit:
+        yield (
+            f"the wheel speeds keep a value for {seen.wheels_held:.2f} s, and may for "
+            f"{LIMITS.wheels_held_fit:g} s: log them as often as the bus sends them, at 100 Hz or "
+            "more"
+        )
     yield from _blurred_eta(seen)
 
 

@@ -10,7 +10,6 @@ from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
 
 NONE = (0.0, 0.0)
-MORE = math.inf
 
 
 def warnings_of(name: str, seen: Observation) -> tuple[PlausibilityWarning, ...]:
@@ -33,7 +32,7 @@ def _clock(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     clock = seen.clock
     if clock.rate < LIMITS.slow_rate:
         yield PlausibilityWarning(
-            "clock_rate", log, clock.rate, (LIMITS.slow_rate, MORE),
+            "clock_rate", log, clock.rate, (LIMITS.slow_rate, None),
             ("the rate of the logger",),
             "log with 200 Hz: it shows the build-up of the brake",
         )  # fmt: skip
@@ -61,7 +60,7 @@ def clock_gaps(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
 def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
     if seen.events and LIMITS.lead_in_validate <= seen.lead_in < LIMITS.lead_in_good:
         yield PlausibilityWarning(
-            "lead_in", log, seen.lead_in, (LIMITS.lead_in_good, MORE),
+            "lead_in", log, seen.lead_in, (LIMITS.lead_in_good, None),
             ("the log starts shortly before the braking",), "roll for 1 s: it zeroes eta better",
         )  # fmt: skip
     if seen.lead_in_driven:
@@ -114,7 +113,7 @@ def swapped_axles(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
         return
     more, less, sign = ("rear", "front", -1.0) if seen.alone == "r" else ("front", "rear", 1.0)
     if sign * eta.value < -max(LIMITS.zero, eta.half):
-        expected = (-LIMITS.zero, MORE) if sign > 0.0 else (-MORE, LIMITS.zero)
+        expected = (-LIMITS.zero, None) if sign > 0.0 else (None, LIMITS.zero)
         yield PlausibilityWarning(
             "axles_swapped", log, eta.value, expected,
             causes_of_reversed_slip(less),

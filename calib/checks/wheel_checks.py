@@ -40,12 +40,16 @@ def mismatch(a: Array, b: Array, mask: Mask, step: float) -> IntervalEstimate | 
 
 
 def _ratios(a: Array, b: Array, mask: Mask, step: float) -> Array:
-    """``b/a - 1`` of means over `wheel_block` where ``mask`` holds [1]; empty if that is short."""
+    """``b/a - 1`` of means over `wheel_block` where ``mask`` holds [1]; empty if that is short.
+
+    Without those in which the first wheel does not turn.
+    """
     n = max(1, round(LIMITS.wheel_block / step))
     if mask.sum() < n:
         return np.empty(0)
     before, after = (block_mean(x[mask], n) for x in (a, b))
-    return after / before - 1.0
+    turns = before > 0.0
+    return after[turns] / before[turns] - 1.0
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,7 @@ class Axles:
     ----------
     front_rear : eta - 1 on the unbraked part [1]: positive if the rear radius is the smaller.
     left_right_f, left_right_r : right over left wheel speed - 1, unbraked [1].
+    radius : ``v`` over the wheel speed while rolling unbraked, the median [m]; None without ``v``.
     slope : change of ``-a_x`` with the wheels' deceleration [m]: the rolling radius if all is
         correct; negative for a wrong sign. None if it cannot be determined.
     eta_braked : eta over its unbraked value - 1, mean while braking with 0.2 to 0.5 g [1].
@@ -66,6 +71,7 @@ class Axles:
     front_rear: IntervalEstimate | None
     left_right_f: IntervalEstimate | None
     left_right_r: IntervalEstimate | None
+    radius: float | None
     slope: float | None
     eta_braked: IntervalEstimate | None
     eta_most: IntervalEstimate | None
@@ -86,6 +92,7 @@ def axles_of(log: Log, driving: DrivingRecord) -> Axles:
         front_rear=zero,
         left_right_f=mismatch(fl, fr, free, driving.step),
         left_right_r=mismatch(rl, rr, free, driving.step),
+        radius=_rolling_radius(log, driving),
         slope=_against_wheels(driving, _all_roll(log, driving)),
         eta_braked=braked if zero is not None else None,
         eta_most=_most(front, rear, free, braking & (driving.wheel_z > 0.1), driving.step),
@@ -110,6 +117,15 @@ def _most(
     share = 1.0 / rolling.size + 1.0 / thirds[at].size
     spread = float(np.std(rolling, ddof=1) * np.sqrt(share))
     return IntervalEstimate(changes[at], float(stdtrit(rolling.size - 1, 0.975)) * spread)
+
+
+def _rolling_radius(log: Log, driving: DrivingRecord) -> float | None:
+    """Median of ``v`` over the wheel speed [m], that of the middle wheels, while nothing brakes."""
+    wheel = np.median([log[f"omega_{w}"] for w in WHEELS], axis=0)
+    rolls = ~driving.braked & (wheel * NOMINAL_RADIUS > MOVING)
+    if "v" not in log or rolls.sum() < LIMITS.noise_fewest:
+        return None
+    return float(np.median(log["v"][rolls] / wheel[rolls]))
 
 
 def _against_wheels(driving: DrivingRecord, rolling: Mask) -> float | None:
@@ -186,7 +202,8 @@ def _slips(log: Log, driving: DrivingRecord) -> dict[str, Array]:
     free = driving.unbraked
     if "v" in log and free.any():
         v = centred_mean(log["v"], width)
-        scale = {w: float(np.median(v[free] / omega[w][free])) for w in WHEELS}
+        turning = {w: np.maximum(omega[w][free], 1e-6) for w in WHEELS}
+        scale = {w: float(np.median(v[free] / turning[w])) for w in WHEELS}
     else:
         v = np.max(list(omega.values()), axis=0)
         scale = dict.fromkeys(WHEELS, 1.0)

@@ -59,13 +59,15 @@ def difference(table: Table, z: Array, eta: Array, level: Array) -> LookupReadin
 def tyre(table: Table, z: Array, eta: Array, level: Array) -> LookupReading:
     """F_f, F_r from the common tyre curve: D such that the slips give eta, by Newton's method.
 
-    Inside while neither axle passes the greatest force of the curve nor drives, and the steps have
-    settled: they may not on a curve that turns over.
+    Inside while neither axle passes the greatest force of the curve, drives or lifts off, and the
+    steps have settled: they may not on a curve that turns over.
     """
     vehicle = table.vehicle
     tyres = tyres_of(parameters_of(table.posterior))
     curve, apart = tyres.tyre, float(np.exp(0.5 * tyres.log_ratio))
-    load_f, load_r = axle_loads(vehicle, z)
+    loads = axle_loads(vehicle, z)
+    on_road = np.minimum(*loads) > 0.0
+    load_f, load_r = (np.where(on_road, load, 0.5 * vehicle.weight) for load in loads)
     half, rest_f, rest_r = 0.5 * vehicle.weight, *vehicle.static_loads
     gain_f, gain_r = apart * curve.gain(load_f / half), curve.gain(load_r / half) / apart
     # what the radii do to the wheel speeds as they are loaded and relieved
@@ -83,7 +85,7 @@ def tyre(table: Table, z: Array, eta: Array, level: Array) -> LookupReading:
         D = D - step
     F_f, F_r = split(vehicle, z, D, level)
     top = float(table.tyre.force[-1])
-    inside = (F_f <= top) & (F_r <= top) & (np.minimum(F_f, F_r) > DRIVEN)
+    inside = on_road & (F_f <= top) & (F_r <= top) & (np.minimum(F_f, F_r) > DRIVEN)
     return LookupReading(F_f, F_r, inside & (np.abs(step) < SETTLED))
 
 

@@ -86,7 +86,9 @@ def _take(path: Path, i: int, line: str, block: DcmBlock) -> None:
     word, _, rest = line.partition(" ")
     if word in ARRAYS.get(block.kind, ()):
         try:
-            block.numbers.setdefault(word, []).extend(float(v) for v in rest.split())
+            block.numbers.setdefault(word, []).extend(
+                float(v.replace(",", ".")) for v in rest.split()
+            )
         except ValueError as error:
             raise _bad(path, i, str(error), f"numbers after {word}") from error
     elif word not in TEXTS:

@@ -1,5 +1,7 @@
 """A DCM or CDF file read back, and compared with the table that it names."""
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from calib.errors import DamagedTable, ExchangeError, TableNotFound
@@ -7,17 +9,21 @@ from calib.exports.build import build
 from calib.exports.cdfx_reader import read_cdfx
 from calib.exports.dataset import Content
 from calib.exports.dcm_reader import read_dcm
+from calib.exports.labels import prefix
 from calib.exports.returned import Returned
+from calib.exports.rounding import Pair, best_rounding
 from calib.files.bounded import CALIBRATION, bytes_of
+from calib.store.folders import names_in
 from calib.store.store import Store
 from calib.store.version import Stored
+
+EDITED = "the numbers do not agree with its checksum"
 
 
 def read_back(path: Path) -> Returned:
     """The content of a DCM or CDF file; its first character tells which of them it is.
 
-    Raises ExchangeError when it cannot be read, is cut off or damaged, or is no export of this
-    program.
+    Raises ExchangeError when it cannot be read, is cut off or damaged, or names no table.
     """
     data = bytes_of(path, CALIBRATION, ExchangeError, "DCM or CDF")
     if data.lstrip(b"\xef\xbb\xbf \r\n\t").startswith(b"<"):
@@ -33,57 +39,101 @@ def read_back(path: Path) -> Returned:
 def parent(found: Returned, store: Store) -> Stored | None:
     """The version that the file names, None where the store does not have it.
 
-    Raises DamagedTable where that version is damaged.
+    Without a head the labels name it: they begin with the name of the table, as `prefix` has it.
+    Raises DamagedTable where that version is damaged, ExchangeError where the names of several
+    tables begin labels alike.
     """
+    name, _, version = found.table.partition("@")
+    if "table" not in found.facts:
+        alike = [one for one in names_in(store.folder) if prefix(one) == name]
+        if len(alike) > 1:
+            raise ExchangeError(
+                f"its labels begin with {name}_, as those of {' and '.join(alike)} do",
+                where=store.folder,
+                do="export the table again, and keep the head of the file",
+            )
+        name = alike[0] if alike else name
     try:
-        return store.load(found.facts["table"])
+        return store.load(f"{name}@{version}")
     except TableNotFound:
         return None
 
 
-def differences(found: Returned, stored: Stored | None) -> list[str]:
-    """Contradictions in a file: to its checksum, and to the table of the store if there is one.
+@dataclass(frozen=True)
+class Difference:
+    """What is wrong in a file, in words, and how its numbers were ``rounded``, "" if not at all."""
 
-    A file on fewer breakpoints agrees when each of its rows equals a row of the table to the last
-    bit.
+    wrong: list[str]
+    rounded: str = ""
+
+
+def difference(found: Returned, stored: Stored | None) -> Difference:
+    """Contradictions in a file: to the table of the store, or to its own checksum without one.
+
+    Numbers that a tool has rounded agree, see `calib.exports.rounding`. A file on fewer breakpoints
+    agrees when each of its rows is a row of the table. Raises ExchangeError where there is neither.
     """
-    wrong = [] if found.unchanged else ["the numbers do not agree with its checksum"]
+    edited = [EDITED] if found.unchanged is False else []
     if stored is None:
-        return wrong
-    if found.facts["digest"] != stored.digest:
-        wrong.append(
-            f"claims digest {found.facts['digest'][:12]}, {stored.id} has {stored.digest[:12]}"
-        )
-    return wrong + _gaps(found.content, build(stored).content())
+        if found.unchanged is None:
+            raise ExchangeError(
+                f"{found.table} is not in this store, and the file has no checksum to hold it to",
+                do="give the store of that table with --store",
+            )
+        rounds = f"so does a tool that rounds them: give the store of {found.table} with --store"
+        return Difference([f"{EDITED}; {rounds}"] if edited else [])
+    content = build(stored).content()
+    rounded, changed = best_rounding(list(_pairs(found.content, content)))
+    wrong = [f"{one.where}: {one.found!r}, the table has {one.true!r}" for one in changed]
+    wrong = [*([] if rounded else edited), *wrong, *_gaps(found, content)]
+    claimed = found.facts.get("digest", stored.digest)
+    if claimed != stored.digest:
+        wrong.insert(0, f"claims digest {claimed[:12]}, {stored.id} has {stored.digest[:12]}")
+    return Difference(wrong, rounded)
 
 
-def _gaps(found: Content, whole: Content) -> list[str]:
-    gaps = [f"{name}: only in the file" for name in _labels(found) - _labels(whole)]
-    gaps += [f"{name}: only in the table" for name in _labels(whole) - _labels(found)]
-    gaps += [
-        f"{name}: {found.scalars[name]!r}, the table has {whole.scalars[name]!r}"
-        for name in found.scalars.keys() & whole.scalars.keys()
-        if found.scalars[name].hex() != whole.scalars[name].hex()
-    ]
-    for name in found.axes.keys() & whole.axes.keys():
-        foreign = sorted(set(found.axes[name]) - set(whole.axes[name]))
-        gaps += [f"{name}: {x!r} is no row of the table" for x in foreign[:1]]
-    for name in found.curves.keys() & whole.curves.keys():
-        gaps += _curve_gap(name, found.curves[name], whole.curves[name])
+def _pairs(found: Content, whole: Content) -> Iterator[Pair]:
+    """Every number of the labels that both have, with that of the nearest row of the table."""
+    for name in sorted(found.scalars.keys() & whole.scalars.keys()):
+        yield Pair(name, found.scalars[name], whole.scalars[name])
+    for name in sorted(found.axes.keys() & whole.axes.keys()):
+        yield from _rows(name, found.axes[name], whole.axes[name])
+    for name in sorted(found.curves.keys() & whole.curves.keys()):
+        (x, y), (rows, values) = found.curves[name], whole.curves[name]
+        yield from _rows(f"{name}, axis", x, rows)
+        table = dict(zip(rows, values, strict=True))
+        for at, value, row in zip(x, y, _nearest(x, rows), strict=True):
+            yield Pair(f"{name} at {at!r}", value, table[row])
+
+
+def _rows(name: str, found: Sequence[float], rows: Sequence[float]) -> Iterator[Pair]:
+    for x, row in zip(found, _nearest(found, rows), strict=True):
+        yield Pair(name, x, row)
+
+
+def _nearest(found: Sequence[float], rows: Sequence[float]) -> Sequence[float]:
+    """The row of the table that each point is; rounded points of eta may be alike."""
+    if len(found) == len(rows):
+        return rows
+    return [min(rows, key=lambda row: abs(row - x)) for x in found]
+
+
+def _gaps(found: Returned, whole: Content) -> list[str]:
+    """Labels that one of both lacks, and curves that end before the table does.
+
+    A tool may save other objects of an ECU along; labels of this table begin with its name.
+    """
+    ours = {name for name in _labels(found.content) if name.startswith(f"{found.prefix}_")}
+    gaps = [f"{name}: only in the file" for name in ours - _labels(whole)]
+    gaps += [f"{name}: only in the table" for name in _labels(whole) - ours]
+    for name in found.content.curves.keys() & whole.curves.keys():
+        x, rows = found.content.curves[name][0], whole.curves[name][0]
+        row = _nearest(x, rows)
+        if (row[0], row[-1]) != (rows[0], rows[-1]):
+            gaps.append(f"{name}: does not reach both ends of the table")
+        elif len(set(row)) != len(row):
+            gaps.append(f"{name}: two of its points are one row of the table")
     return sorted(gaps)
-
-
-def _curve_gap(
-    name: str, found: tuple[tuple[float, ...], ...], whole: tuple[tuple[float, ...], ...]
-) -> list[str]:
-    """The first row that is not in the table, or a missing end of the axis; None if it agrees."""
-    table = dict(zip(*whole, strict=True))
-    for x, y in zip(*found, strict=True):
-        if x not in table or table[x].hex() != y.hex():
-            has = f"the table has {table[x]!r}" if x in table else "no row of the table"
-            return [f"{name}: {y!r} at {x!r}, {has}"]
-    ends = (found[0][0], found[0][-1]) == (whole[0][0], whole[0][-1])
-    return [] if ends else [f"{name}: does not reach both ends of the table"]
 
 
 def _labels(content: Content) -> set[str]:

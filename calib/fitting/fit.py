@@ -32,7 +32,9 @@ from calib.physics.mass import mass_used, weighed
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.pads import calibration_warnings, require_possible_pads
 from calib.plausibility.speed import require_measured_speed
+from calib.plausibility.vehicle_file import require_file_of_run
 from calib.signals.noise import worst_noise
+from calib.table.invariants import require_finite
 from calib.table.table import Table
 
 
@@ -49,8 +51,9 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
         vehicle as it is: what was weighed once need not be the load of the next run.
 
     Raises LogError when no log is a ramp that will do, with the reason and what to drive instead,
-    and for a pad friction that no pad has;
-    ModelError when an effect cannot be taken out of a log.
+    and for a pad friction that no pad has; VehicleError for a file that the logs contradict;
+    ModelError when an effect cannot be taken out of a log; NotFiniteError, with the name of the
+    quantity, rather than a table that holds a number which is not finite.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"
@@ -94,8 +97,9 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
         )
     level = level_parts(car, found, runs, known)
     pads = calibration(car, found, level)
+    require_file_of_run(car, pads, warnings)
     require_possible_pads(car, pads, sources)
-    return Table(
+    table = Table(
         name=vehicle.name,
         vehicle=vehicle,
         difference=curves.difference_curve(car, found, runs, z_end),
@@ -120,3 +124,5 @@ def fit(vehicle: Vehicle, logs: list[Log], mass: float | None = None) -> Table:
         ),
         budget=table_budget(car, found, level, pads),
     )
+    require_finite(table)
+    return table

@@ -23,7 +23,7 @@ from calib.fleet.pool import Executor, Rows
 from calib.fleet.results import write_results
 from calib.fleet.row import Row
 from calib.fleet.work import WorkItem
-from calib.messages.printable import printable
+from calib.printable import printable
 
 CHUNK = {Command.FIT: 2, Command.VALIDATE: 8, Command.CHECK: 8, Command.DIAGNOSE: 1}
 """Most logs in a chunk: so many that the transfer is negligible compared to 10 ms for each log."""

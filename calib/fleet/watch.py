@@ -24,7 +24,7 @@ from calib.fleet.results import NAME as RESULTS
 from calib.fleet.results import write_results
 from calib.fleet.row import Row
 from calib.fleet.run import Sweep
-from calib.messages.printable import printable
+from calib.printable import printable
 
 RETRY = 60.0
 """Time after which a log that could not be read, or killed its worker, is tried again [s]."""

@@ -15,8 +15,8 @@ from calib.fleet.row import Cell, Row, number
 from calib.logs.log import Log
 from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
 from calib.logs.tables import ending_of
-from calib.messages.printable import printable
 from calib.messages.warning import PlausibilityWarning
+from calib.printable import printable
 from calib.program import PROGRAM, VERSION
 
 VEHICLE = "vehicle.toml"

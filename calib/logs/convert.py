@@ -15,7 +15,7 @@ from calib.logs.extra import need
 from calib.logs.text.header import column_from_cell
 from calib.logs.whole import TIME, WholeColumn, WholeLog
 from calib.logs.write import parquet_bytes
-from calib.messages.printable import one_line
+from calib.printable import one_line
 
 
 def to_csv(log: WholeLog) -> bytes:

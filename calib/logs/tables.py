@@ -8,7 +8,7 @@ from calib.logs.source import ColumnSource
 from calib.logs.text.csv import open_csv
 from calib.logs.text.dialect import TextFormat
 from calib.logs.text.vbo import open_vbo
-from calib.messages.printable import printable
+from calib.printable import printable
 
 TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {
     ".csv": open_csv,

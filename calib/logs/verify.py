@@ -123,9 +123,9 @@ def _empty(name: str, rows: int, where: str) -> LogError:
 def _holes(name: str, values: Array, bad: NDArray[np.intp], time: Array, where: str) -> LogError:
     first = int(bad[0])
     kind = "no value" if np.isnan(values[first]) else "an infinite value"
+    when = f" at {time[first]:.3f} s" if np.isfinite(time[first]) else ""
     return LogError(
-        f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1} "
-        f"at {time[first]:.3f} s",
+        f"{kind} in {bad.size} of {values.size} rows, first in row {first + 1}{when}",
         where=f"{where}: {name}",
         expected="a finite value in every row",
         do=f"export all channels on one clock, or cut the log before the gap: a gap is bridged "

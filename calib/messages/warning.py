@@ -4,6 +4,8 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from calib.errors import not_finite
+
 UNITS = {
     "a_x_scale": "1",
     "v_scale": "1",
@@ -20,6 +22,7 @@ UNITS = {
     "same_signal": "1",
     "v_held": "s",
     "v_late": "s",
+    "wheels_held": "s",
     "v_of_wheels": "1",
     "lost_pulses": "1",
     "rolling_radius_f": "m",
@@ -89,16 +92,23 @@ class PlausibilityWarning:
     """One warning.
 
     ``code`` of `UNITS`, or the metric whose limit is not held; ``log`` its name, or that of the
-    table; ``measured`` and ``expected`` (low, high; infinite where there is no bound) in the unit
-    of the code; ``causes`` the most likely first; ``do`` what to do.
+    table; ``measured`` and ``expected`` (low, high; None where there is no bound) in the unit of
+    the code; ``causes`` the most likely first; ``do`` what to do.
+
+    Raises NotFiniteError for a number that is not finite: it would speak against something else.
     """
 
     code: str
     log: str
     measured: float
-    expected: tuple[float, float]
+    expected: tuple[float | None, float | None]
     causes: tuple[str, ...]
     do: str
+
+    def __post_init__(self) -> None:
+        for number in (self.measured, *self.expected):
+            if number is not None and not math.isfinite(number):
+                raise not_finite(self.code, self.log)
 
     def __str__(self) -> str:
         return f"{self.log}: {self.text}"
@@ -121,14 +131,13 @@ class PlausibilityWarning:
     def bounds(self) -> str:
         """The expected range in words."""
         low, high = self.expected
-        if low == high:
-            return f"{low:.3g}"
-        if math.isinf(low) or math.isinf(high):
-            return f"at most {high:.3g}" if math.isinf(low) else f"at least {low:.3g}"
+        if low is None:
+            return f"at most {high:.3g}"
+        if high is None or low == high:
+            return f"{low:.3g}" if low == high else f"at least {low:.3g}"
         return f"{low:.3g} to {high:.3g}"
 
 
 def to_dict(warning: PlausibilityWarning) -> dict[str, Any]:
     """A warning as JSON types; a bound that is not there is null."""
-    ends = [end if math.isfinite(end) else None for end in warning.expected]
-    return {**asdict(warning), "expected": ends, "causes": list(warning.causes)}
+    return {**asdict(warning), "expected": [*warning.expected], "causes": [*warning.causes]}

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.checks.copies import alike, is_noise, rough
+from calib.checks.copies import alike, as_sent, is_noise, rough
 from calib.checks.limits import LIMITS
 from calib.checks.warnings import impossible_samples
 from calib.logs.log import Log
@@ -14,7 +14,7 @@ from calib.messages.warning import PlausibilityWarning
 from calib.names import WHEELS
 from calib.physics.vehicle import Vehicle
 from calib.plausibility.limits import PLAUSIBLE
-from calib.signals.axle_signals import HELD, Signals, held_time, rolling_radii
+from calib.signals.axle_signals import HELD, Signals, held_time, rolling_radii, wheels_held
 from calib.signals.speed_delay import USUAL, SpeedDelay
 
 Array = NDArray[np.float64]
@@ -27,19 +27,21 @@ def channel_warnings(log: Log, vehicle: Vehicle, s: Signals) -> Iterator[Plausib
     """Samples that no car drives, one signal twice, wheels that are not those of the file."""
     yield from impossible_samples(log)
     yield from _twice(log)
+    yield from _held(log, s.v is not None or s.delay.late)
     if s.delay.late:
         yield _late(log.name, s.delay)
-    elif s.v is None and "v" in log:
-        yield _held(log)
     yield from _radii(log.name, vehicle, s)
 
 
 def _twice(log: Log) -> Iterator[PlausibilityWarning]:
-    noise = {name: rough(log, name) for name in COMPARED if name in log}
-    for (one, x), (other, y) in combinations(noise.items(), 2):
-        if abs(float(x @ y)) <= LIMITS.copy_correlation or not is_noise(log, one):
+    for pair in combinations([name for name in COMPARED if name in log], 2):
+        one, other = pair
+        sent = as_sent(log, pair)
+        if abs(float(rough(sent, one) @ rough(sent, other))) <= LIMITS.copy_correlation:
             continue
-        if (same := alike(log, one, other)) > LIMITS.copy_correlation:
+        if not is_noise(sent, one):
+            continue
+        if (same := alike(sent, one, other)) > LIMITS.copy_correlation:
             yield PlausibilityWarning(
                 "same_signal",
                 log.name,
@@ -50,16 +52,27 @@ def _twice(log: Log) -> Iterator[PlausibilityWarning]:
             )
 
 
-def _held(log: Log) -> PlausibilityWarning:
-    """What is said of a v that the signals left out."""
-    return PlausibilityWarning(
-        "v_held",
-        log.name,
-        held_time(log),
-        (0.0, HELD),
-        ("a receiver of satellites, or a slow bus, whose v is held in between", "a coarse v"),
-        "v is not used; log a v of 20 Hz or more",
-    )
+def _held(log: Log, v_used: bool) -> Iterator[PlausibilityWarning]:
+    """Channels that keep a value for too long: a v that the signals left out, and wheel speeds."""
+    if "v" in log and not v_used:
+        yield PlausibilityWarning(
+            "v_held",
+            log.name,
+            held_time(log),
+            (0.0, HELD),
+            ("a receiver of satellites, or a slow bus, whose v is held in between", "a coarse v"),
+            "v is not used; log a v of 20 Hz or more",
+        )
+    longest = wheels_held(log)
+    if longest > LIMITS.wheels_held:
+        yield PlausibilityWarning(
+            "wheels_held",
+            log.name,
+            longest,
+            (0.0, LIMITS.wheels_held),
+            ("a slow bus, whose wheel speeds are held in between", "coarse wheel speeds"),
+            "log the wheel speeds at 100 Hz or more",
+        )
 
 
 def _late(log: str, delay: SpeedDelay) -> PlausibilityWarning:

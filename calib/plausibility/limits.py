@@ -72,6 +72,13 @@ class PlausibilityLimits:
     pad_ratio: float = 0.09
     """Departure of the pads' ratio from the file's (logarithm) from which it is named, if its
     interval says so too."""
+    ratio_possible: float = 0.26
+    """Departure of the pads' ratio from the file's (logarithm) past which, with its interval, the
+    file is not that of the car: pads of two grades differ by 30 %."""
+    pads_scatter: float = 0.1
+    """Scatter of the pads of one grade [1]."""
+    ratio_drawn: float = 0.25
+    """Share of its departure by which a fit may draw the ratio to that of the file [1]."""
     stiffness: tuple[float, float] = (8.0, 60.0)
     """Slip stiffness of tyres over their load [1]: winter tyres on a wet road have 10, sports tyres
     on a dry one 40."""

@@ -68,7 +68,7 @@ def _made_of_wheels(log: str, vehicle: Vehicle, s: Signals) -> Iterator[Plausibi
                 V_OF_WHEELS,
                 log,
                 share,
-                (1.0, np.inf),
+                (1.0, None),
                 (f"v is computed from {source}", "a channel map that takes a wheel speed as v"),
                 "log a v that no wheel speed has a part in, or leave v out of the log",
             )

@@ -1,6 +1,5 @@
 """Rows of judged metrics for a page: plain name, value, bar, limits, verdict; the worst first."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -70,8 +69,7 @@ def warned(w: PlausibilityWarning) -> tuple[str, ...]:
     known = METRICS.get(w.code)
     name, amount, expected = w.code.replace("_", " "), w.amount, w.bounds
     if known is not None:
-        ends = [end if math.isfinite(end) else None for end in w.expected]
-        name, amount, expected = known.name, known.with_unit(w.measured), known.bounds(*ends)
+        name, amount, expected = known.name, known.with_unit(w.measured), known.bounds(*w.expected)
     return f"{w.log}: {name}", f"{amount}; expected {expected}", ", or ".join(w.causes), w.do
 
 

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from calib.errors import LogError
 from calib.logs.log import Log
+from calib.names import WHEELS
 from calib.physics.braking import BITE, MOVING
 from calib.physics.forces import deceleration
 from calib.physics.vehicle import Vehicle
-from calib.signals.driving_record import SETTLE, STEADY
+from calib.signals.driving_record import NOMINAL_RADIUS, SETTLE, STEADY
 from calib.signals.filters import centred_mean, trailing_mean
 from calib.signals.speed_delay import IN_TIME, SpeedDelay, in_time, speed_delay
 from calib.signals.tone_ring import without_runout
@@ -124,17 +125,26 @@ SLOWING = 1.0
 """Deceleration [m/s^2] at which a v that is as fine as the wheel speeds changes."""
 
 
-def held_time(log: Log) -> float:
-    """Mean time [s] for which v keeps a value while the car slows; 0 without v or braking."""
-    if "v" not in log or "a_x" not in log:
+def held_time(log: Log, channel: str = "v", moving: float = MOVING) -> float:
+    """Mean time [s] for which a channel keeps a value while the car slows, and it is past `moving`.
+
+    0 without the channel or such a braking.
+    """
+    if channel not in log or "a_x" not in log:
         return 0.0
-    v, slowing = log["v"], log["a_x"] < -SLOWING
-    slowing &= v > MOVING
+    x, slowing = log[channel], log["a_x"] < -SLOWING
+    slowing &= x > moving
     count = int(slowing.sum())
     if count * log.sample_time < 0.5:
         return 0.0
-    changes = int(np.count_nonzero(np.diff(v)[slowing[1:]]))
+    changes = int(np.count_nonzero(np.diff(x)[slowing[1:]]))
     return count * log.sample_time / max(changes, 1)
+
+
+def wheels_held(log: Log) -> float:
+    """Mean time [s] for which a wheel speed keeps a value while the car slows; their median."""
+    times = [held_time(log, f"omega_{w}", MOVING / NOMINAL_RADIUS) for w in WHEELS]
+    return float(np.median(times))
 
 
 def axle_pressure(log: Log, axle: str) -> Array:

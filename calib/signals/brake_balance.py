@@ -42,7 +42,7 @@ def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
 
 
 def _began(s: Signals) -> Mask:
-    """From the end of the lead-in on."""
+    """From the end of the lead-in on; throughout without one."""
     began = np.ones(s.time.size, bool)
-    began[: int(np.flatnonzero(s.lead_in)[-1]) + 1] = False
+    began[: int(np.max(np.flatnonzero(s.lead_in), initial=-1)) + 1] = False
     return began

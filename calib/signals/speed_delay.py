@@ -140,7 +140,7 @@ class _Seen:
 
     @classmethod
     def of(cls, time: Array, v: Array, a_x: Array, step: float) -> "_Seen | None":
-        """By means of `BLOCK`, on an even road; None for a log that is too short or brakes too little."""
+        """By means of `BLOCK`, on an even road; None where it is short or brakes too little."""
         size = max(1, round(BLOCK / step))
         means, slowing = block_mean(v, size), block_mean(a_x, size)
         if means.size < 20 or np.min(slowing) > -BRAKES:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from calib.errors import BrakeCalError
 from calib.files.bounded import KEY, read_bounded
-from calib.messages.printable import printable
+from calib.printable import printable
 
 UNTRUSTED = "untrusted comment: "
 TRUSTED = "trusted comment: "

@@ -18,7 +18,7 @@ from typing import Any
 
 from calib.files.bounded import VALIDATION, read_bounded
 from calib.files.write import write_whole
-from calib.messages.printable import printable
+from calib.printable import printable
 from calib.station.folder import DOCUMENT, REFUSED
 
 INDEX, LIVE, KNOWN = "index.html", "live.html", ".index.json"

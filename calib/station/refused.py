@@ -12,7 +12,7 @@ from typing import Any
 from calib.errors import BrakeCalError
 from calib.files.publish import publish, workshop
 from calib.files.write import write_whole
-from calib.messages.printable import printable
+from calib.printable import printable
 from calib.program import PROGRAM
 from calib.station.folder import REFUSED
 from calib.station.identity import Identity

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from calib.errors import ExchangeError
 from calib.files.bounded import VALIDATION, read_bounded
-from calib.messages.printable import printable
+from calib.printable import printable
 
 if TYPE_CHECKING:
     from calib.store.summary_file import SummaryFile

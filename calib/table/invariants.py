@@ -11,6 +11,7 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.errors import not_finite
 from calib.files.digest import canonical_json
 from calib.physics.forces import axle_loads
 from calib.table.table import BY_HAND, EXTRAPOLATED, INTERPOLATED, MEASURED, Table
@@ -50,6 +51,13 @@ def _shapes(table: Table) -> Iterator[str]:
             yield f"{curve}: columns of different shapes {sorted(shapes)}"
         elif next(iter(shapes))[0] < 2:
             yield f"{curve}: fewer than two rows"
+
+
+def require_finite(table: Table) -> None:
+    """Raise NotFiniteError, with the name of the quantity, for a number that is not finite."""
+    name = next((flaw.partition(":")[0] for flaw in _finite(table)), None)
+    if name is not None:
+        raise not_finite(name, table.name)
 
 
 def _finite(table: Table) -> Iterator[str]:

@@ -14,7 +14,6 @@ pressure, deceleration and speed over the whole stop, and whether the pads are t
 (`calib.estimation.exchanged`).
 """
 
-import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -112,7 +111,7 @@ def axles_warnings(log: str, e: Estimate, other: Exchanged | None) -> Iterator[P
         "axles_exchanged",
         log,
         other.log_odds,
-        (-math.inf, SETTINGS.axles_doubt),
+        (None, SETTINGS.axles_doubt),
         (
             SWAPPED,
             "pads or tyres of one axle that changed since the ramp, such as weak front pads",

@@ -30,13 +30,11 @@ def limit_warnings(log: str, judged: tuple[Judgement, ...]) -> Iterator[Plausibi
     """A warning for each metric that passes and lies outside the range without warning."""
     for one in judged:
         if one.warned and one.value is not None:
-            low = -math.inf if one.warn_low is None else one.warn_low
-            high = math.inf if one.warn_high is None else one.warn_high
             yield PlausibilityWarning(
                 one.figure,
                 log,
                 one.value,
-                (low, high),
+                (one.warn_low, one.warn_high),
                 (f"a stop, a sensor or pads that are not as usual: {METRICS[one.figure]}",),
                 "look at this stop with `brake-cal check` and `brake-cal plot`",
             )

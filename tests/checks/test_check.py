@@ -284,3 +284,27 @@ def test_a_log_that_lacks_something_is_of_no_use(channel):
     findings = check(changed(made_run(), **{channel: None}))
     assert not findings.usable
     assert all(f"{channel} is missing" in verdict.reasons[0] for verdict in findings.verdicts)
+
+
+READ_AS = {"km/h as m/s": 3.6, "mph as m/s": 2.237, "km/h as mph": 1.609, "mph as km/h": 0.6214,
+           "m/s as km/h": 0.2778, "m/s as mph": 0.447}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", READ_AS)
+def test_a_speed_in_another_unit_is_named(mistake):
+    """A wheel of 0.27 m, with which km/h read as mph makes a radius that other tyres have."""
+    log = made_run()
+    small = {f"omega_{w}": log[f"omega_{w}"] * 0.32 / 0.27 for w in ("fl", "fr", "rl", "rr")}
+    log = changed(log, **small, v=log["v"])
+    assert usable(log) == FIT
+    log = changed(log, v=READ_AS[mistake] * log["v"])
+    assert usable(log) == []
+    unit, read_as = mistake.split(" as ")
+    assert f"v is in {unit} and was read as {read_as}" in reasons(log)
+
+
+def test_wheel_speeds_that_are_held_for_too_long():
+    log = made_run(rate=100.0)
+    held = {f"omega_{w}": np.repeat(log[f"omega_{w}"][::10], 10)[: log.time.size]
+            for w in ("fl", "fr", "rl", "rr")}  # fmt: skip
+    assert "0.10 s" in reasons(changed(log, **held))

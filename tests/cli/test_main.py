@@ -1,4 +1,3 @@
-import subprocess
 import sys
 from pathlib import Path
 
@@ -9,7 +8,6 @@ from calib import __version__
 from calib.errors import BrakeCalError, InputError, StoreError
 from calib.store.store import Store
 from cli.main import app
-from tests.support.tables import made_table
 
 ROOT = Path(__file__).parents[2]
 
@@ -22,15 +20,6 @@ def commands(group, path=()):
 
 
 COMMANDS = dict(commands(typer.main.get_command(app)))
-
-
-def started(*arguments):
-    return subprocess.Popen(
-        [sys.executable, "-m", "cli.main", *map(str, arguments)],
-        cwd=ROOT,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
 
 
 def test_version(brake_cal):
@@ -103,12 +92,3 @@ def test_an_interrupt_ends_with_130(brake_cal, monkeypatch):
 
     monkeypatch.setattr(Store, "list", interrupt)
     assert brake_cal("tables", "list").code == 130
-
-
-def test_a_reader_that_goes_away_is_met_with_silence(tmp_path):
-    Store(tmp_path).save(made_table())
-    process = started("tables", "show", "sedan", "--store", tmp_path, "--json")
-    process.stdout.close()
-    with process.stderr as stderr:
-        assert stderr.read() == b""
-    assert process.wait(timeout=30) == 141

@@ -5,6 +5,7 @@ import math
 
 import pytest
 
+from calib.errors import NotFiniteError
 from calib.messages.warning import UNITS, PlausibilityWarning, to_dict
 
 
@@ -23,8 +24,8 @@ def test_it_is_a_sentence_with_the_unit():
     ("expected", "words", "ends"),
     [
         ((0.0, 1.0), "0 to 1", [0.0, 1.0]),
-        ((0.0, math.inf), "at least 0", [0.0, None]),
-        ((-math.inf, 1.0), "at most 1", [None, 1.0]),
+        ((0.0, None), "at least 0", [0.0, None]),
+        ((None, 1.0), "at most 1", [None, 1.0]),
         ((0.0, 0.0), "0", [0.0, 0.0]),
     ],
 )
@@ -38,3 +39,11 @@ def test_a_bound_that_is_not_there_is_null(expected, words, ends):
 
 def test_a_metric_has_no_unit():
     assert "interval_f is -2, expected" in str(made("interval_f"))
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf])
+def test_a_number_that_is_not_finite_is_an_error_with_its_name(wrong):
+    for numbers in ((wrong, (0.0, 1.0)), (0.0, (0.0, wrong))):
+        with pytest.raises(NotFiniteError, match=r"^ramp: pad_ratio ") as refused:
+            PlausibilityWarning("pad_ratio", "ramp", *numbers, (), "")
+        assert refused.value.exit_code == 3

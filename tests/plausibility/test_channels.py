@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calib.checks.copies import made_of_wheels
 from calib.plausibility.channels import channel_warnings
 from calib.signals.axle_signals import signals
 from tests.support.reference_car import CAR, REAL, noisy, stop
@@ -83,3 +84,38 @@ def test_a_speed_that_is_held_is_named_and_not_used(clean, every, held):
     run = changed(log, v=stale)
     assert ("v_held" in [code for code, _ in found(run)]) == held
     assert (signals(run, CAR).v is None) == held
+
+
+def held(log, hertz, *channels):
+    """Channels that a bus sends at a rate of its own, as a faster logger keeps them."""
+    sent = {}
+    for shift, name in enumerate(channels):
+        ticks = np.arange(log.time[0] - 0.003 * shift, log.time[-1], 1.0 / hertz)
+        at = np.searchsorted(ticks, log.time, side="right") - 1
+        first = np.clip(np.searchsorted(log.time, ticks), 0, log.time.size - 1)
+        sent[name] = log[name][first[np.clip(at, 0, None)]]
+    return changed(log, **sent)
+
+
+WHEEL_SPEEDS = ("omega_fl", "omega_fr", "omega_rl", "omega_rr")
+
+
+@pytest.mark.parametrize(("hertz", "code"), [(20.0, ["wheels_held"]), (50.0, [])])
+def test_wheel_speeds_that_are_held_are_no_copies(clean, hertz, code):
+    log = held(noisy(clean, 3), hertz, *WHEEL_SPEEDS)
+    assert [one.code for one in channel_warnings(log, CAR, signals(log, CAR))] == code
+    assert not made_of_wheels(held(log, hertz, "v"))
+
+
+def test_a_copy_that_is_held_is_still_one(clean):
+    log = noisy(clean, 3)
+    log = held(changed(log, omega_rr=log["omega_rl"]), 20.0, "omega_fl", "omega_fr")
+    ticks = held(log, 20.0, "omega_rl")["omega_rl"]
+    codes = [code for code, _ in found(changed(log, omega_rl=ticks, omega_rr=ticks))]
+    assert sorted(codes) == ["same_signal", "wheels_held"]
+
+
+def test_how_long_wheel_speeds_are_held_is_measured(clean):
+    log = held(noisy(clean, 3), 20.0, *WHEEL_SPEEDS)
+    (one,) = channel_warnings(log, CAR, signals(log, CAR))
+    assert one.measured == pytest.approx(0.05, rel=0.1)

@@ -18,6 +18,7 @@ from calib.errors import LogError
 from calib.logs.log import Log
 from calib.messages.warning import PlausibilityWarning
 from calib.physics.vehicle import Vehicle
+from calib.plausibility.limits import PLAUSIBLE
 from calib.plausibility.wheel_signals import LOST_PULSES
 from calib.signals.axle_signals import signals
 
@@ -76,6 +77,6 @@ def require_whole_wheel_speeds(warnings: Iterable[PlausibilityWarning]) -> None:
             raise LogError(
                 f"{warning.causes[0]}, in {100.0 * warning.measured:.1f} % of the samples",
                 where=warning.log,
-                expected=f"at most {100.0 * warning.expected[1]:g} %",
+                expected=f"at most {100.0 * PLAUSIBLE.pulses:g} %",
                 do=warning.do,
             )

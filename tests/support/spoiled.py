@@ -1,0 +1,155 @@
+"""Logs that are spoiled at random, and what the program says of them.
+
+What must hold of each: no exception but a BrakeCalError, and no number that is not finite in a
+result, a document, a warning or a message.
+"""
+
+import io
+import json
+import re
+import tempfile
+import traceback
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calib.checks.check import check, to_dict
+from calib.errors import BrakeCalError, NotFiniteError
+from calib.fitting.fit import fit
+from calib.logs.log import Log
+from calib.logs.read import read_log
+from calib.names import CHANNELS
+from calib.table.table import Table
+from calib.units import from_si
+from calib.validation.validate import validate
+from cli.console import json_text
+from tests.support.reference_car import CAR
+
+Array = NDArray[np.float64]
+Spoil = Callable[[np.random.Generator, Array], Array]
+
+NOT_A_NUMBER = re.compile(r"(?<![A-Za-z_])(nan|inf|NaN|Infinity)(?![A-Za-z_])")
+
+
+def _some(rng: np.random.Generator, x: Array) -> NDArray[np.bool_]:
+    """A sample, a short part, a long part or single samples of a channel (n,)."""
+    at, kind = int(rng.integers(x.size)), rng.integers(4)
+    if kind == 3:
+        return rng.random(x.size) < 10.0 ** rng.uniform(-3.0, -0.3)
+    length = (1, int(rng.integers(2, 30)), int(rng.integers(30, x.size + 31)))[kind]
+    mask = np.zeros(x.size, bool)
+    mask[at : at + length] = True
+    return mask
+
+
+def _put(values: tuple[float, ...]) -> Spoil:
+    return lambda rng, x: np.where(_some(rng, x), rng.choice(values), x)
+
+
+SPOILS: dict[str, Spoil] = {
+    "nan": _put((np.nan,)),
+    "inf": _put((np.inf, -np.inf)),
+    "zeros": _put((0.0,)),
+    "type end": _put((65535.0, 655.35, 327.675, -32768.0, 255.0, 3.4e38)),
+    "held": lambda rng, x: x[np.minimum(np.arange(x.size) // int(rng.integers(2, 60)), x.size - 1)],
+    "constant": lambda rng, x: np.full_like(x, rng.choice([0.0, x[0], x.max()])),
+    "step": lambda rng, x: np.where(np.arange(x.size) > rng.integers(x.size), x + x.max(), x),
+    "scaled": lambda rng, x: x * rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-3.0, 3.0),
+    "shifted": lambda rng, x: x + rng.normal() * np.ptp(x),
+    "late": lambda rng, x: np.roll(x, int(rng.integers(-200, 200))),
+    "noise": lambda rng, x: x + rng.normal(size=x.size) * np.ptp(x) * 10.0 ** rng.uniform(-4, 0),
+    "coarse": lambda rng, x: np.round(x / max(np.ptp(x), 1e-9) * 5.0) * np.ptp(x) / 5.0,
+}
+
+
+def spoiled(log: Log, rng: np.random.Generator) -> tuple[str, str]:
+    """What was done, and the log as CSV with one to three channels spoiled, rows cut or columns
+    swapped."""
+    columns = {
+        name: from_si(x, CHANNELS[name].unit, CHANNELS[name].si) for name, x in log.channels.items()
+    }
+    with np.errstate(all="ignore"):  # spoils of spoils
+        return _spoiled(columns, rng)
+
+
+def _spoiled(columns: dict[str, Array], rng: np.random.Generator) -> tuple[str, str]:
+    done = []
+    for _ in range(int(rng.integers(1, 4))):
+        kind = str(rng.choice([*SPOILS, "swapped", "cut"]))
+        name = str(rng.choice([n for n in columns if n != "time" or rng.random() < 0.3]))
+        done.append(f"{name} {kind}")
+        if kind == "swapped":
+            other = str(rng.choice([*columns]))
+            columns[name], columns[other] = columns[other], columns[name]
+        elif kind == "cut":
+            first, last = sorted(rng.integers(0, columns[name].size + 1, 2))
+            columns = {n: x[first:last] if last - first > 5 else x for n, x in columns.items()}
+        else:
+            columns[name] = SPOILS[kind](rng, columns[name])
+    text = io.StringIO()
+    head = ",".join(f"{name} [{CHANNELS[name].unit}]" for name in columns)
+    np.savetxt(text, np.column_stack([*columns.values()]), "%.9g", ",", header=head, comments="")
+    return ", ".join(done), text.getvalue()
+
+
+def findings(text: str, table: Table, ramp: bool) -> list[str]:
+    """What is wrong in how the program takes a log: check, then fit or validate."""
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        path = Path(folder) / "spoiled.csv"
+        path.write_text(text)
+        try:
+            log = read_log(path, require=())
+        except BrakeCalError as error:
+            return _wrong(str(error))
+        except Exception as error:
+            return [_place(error)]
+        return [
+            *_of(lambda: _checked(log)),
+            *_of((lambda: _fitted(path)) if ramp else (lambda: _validated(table, path))),
+        ]
+
+
+def _of(work: Callable[[], list[str]]) -> list[str]:
+    try:
+        return [flaw for told in work() for flaw in _wrong(told)]
+    except NotFiniteError as error:
+        return [f"not finite: {error.what}"]
+    except BrakeCalError as error:
+        return _wrong(str(error))
+    except Exception as error:
+        return [_place(error)]
+
+
+def _checked(log: Log) -> list[str]:
+    found = check(log)
+    return [repr(found), json_text(to_dict(found)), *map(str, found.warnings)]
+
+
+def _fitted(path: Path) -> list[str]:
+    table = fit(CAR, [read_log(path)])
+    return [
+        repr(table),
+        json.dumps(table.content()[0]),
+        *map(str, table.warnings),
+        *table.remarks,
+    ]
+
+
+def _validated(table: Table, path: Path) -> list[str]:
+    (result,) = validate(table, [read_log(path)])
+    return [repr(result), json.dumps(result.figures), *map(str, result.warnings)]
+
+
+def _wrong(text: str) -> list[str]:
+    found = NOT_A_NUMBER.search(text)
+    return [] if found is None else [f"...{text[max(0, found.start() - 60) : found.end() + 30]!r}"]
+
+
+def _place(error: Exception) -> str:
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if "/calib/" in f.filename]
+    last = frames[-1] if frames else traceback.extract_tb(error.__traceback__)[-1]
+    return f"{type(error).__name__}: {error} at {last.filename}:{last.lineno}"
