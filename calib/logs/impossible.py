@@ -142,7 +142,7 @@ def without_impossible(channels: Mapping[str, Array], where: str) -> Drivable:
 
 def _impossible(time: Array, x: Array, possible: Possible) -> Mask:
     """Mask (n,) of the samples of a channel that no car drives."""
-    mask = np.abs(x) > possible.end
+    mask = np.isfinite(x) & (np.abs(x) > possible.end)
     if np.count_nonzero(mask) > FEW * x.size:  # the unit: `calib.checks` says so
         return np.zeros(x.size, np.bool_)
     known = np.flatnonzero(np.isfinite(x) & ~mask)
