@@ -21,7 +21,7 @@ from calib.logs.resample import Wanted, on_one_clock
 from calib.logs.source import ColumnSource
 from calib.logs.tables import TABLES, ending_of, stem_of
 from calib.logs.text.dialect import LOOKED
-from calib.logs.verify import check_clock, complete_channels, without_open_ends
+from calib.logs.verify import check_clock, complete_channels, refuse_absurd, without_open_ends
 from calib.names import CHANNELS
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
@@ -178,6 +178,7 @@ def _needed(require: tuple[str, ...]) -> tuple[str, ...]:
 
 def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
     """Check the channels from a file, and make the `Log`."""
+    refuse_absurd(taken.values, str(path))
     possible = without_impossible(taken.values, str(path))
     cut, cut_notes = without_open_ends(possible.channels)
     values, notes = complete_channels(cut, require, str(path))

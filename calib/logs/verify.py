@@ -1,5 +1,7 @@
 """Check that a log is valid: complete values, increasing time, enough samples."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -75,12 +77,10 @@ def complete_channels(
     Returns
     -------
     The complete channels, and a note on each dropped one. Raises LogError for an empty channel that
-    is in ``require``, for missing values in a channel that every log must have, and for values so
-    large that the file must be damaged.
+    is in ``require``, and for missing values in a channel that every log must have.
     """
     kept, notes = {}, []
     for name, values in channels.items():
-        _refuse_absurd(name, values, where)
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size == 0:
             kept[name] = values
@@ -98,17 +98,19 @@ def complete_channels(
     return kept, tuple(notes)
 
 
-def _refuse_absurd(name: str, values: Array, where: str) -> None:
-    most = ABSURD.get(CHANNELS[name].si, ABSURD_ELSE) if name in CHANNELS else ABSURD_ELSE
-    absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > most))
-    if absurd.size:
-        row = int(absurd[0])
-        raise LogError(
-            f"row {row + 1} holds {values[row]:.3g} (SI)",
-            where=f"{where}: {name}",
-            expected="a value that can be measured",
-            do="the file is damaged or the unit is wrong: export it again",
-        )
+def refuse_absurd(channels: Mapping[str, Array], where: str) -> None:
+    """Raise LogError for a value so large that the file must be damaged; channels in SI by name."""
+    for name, values in channels.items():
+        most = ABSURD.get(CHANNELS[name].si, ABSURD_ELSE) if name in CHANNELS else ABSURD_ELSE
+        absurd = np.flatnonzero(np.isfinite(values) & (np.abs(values) > most))
+        if absurd.size:
+            row = int(absurd[0])
+            raise LogError(
+                f"row {row + 1} holds {values[row]:.3g} (SI)",
+                where=f"{where}: {name}",
+                expected="a value that can be measured",
+                do="the file is damaged or the unit is wrong: export it again",
+            )
 
 
 def _empty(name: str, rows: int, where: str) -> LogError:
