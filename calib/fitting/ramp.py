@@ -71,6 +71,13 @@ class RampRun:
         """Blocks that take part and in which a brake bites (k,)."""
         return self.use & (np.maximum(self.blocks.p_f, self.blocks.p_r) > BITE)
 
+    def since_rolling(self, measured: Array) -> Array:
+        """Eta or slip [1] (k,) less what it was on the lead-in: what the brakes did to it.
+
+        Wheels of two sizes differ by per cents, which is no slip.
+        """
+        return np.asarray(measured - np.mean(measured[self.blocks.lead_in]))
+
 
 class OfRun(NamedTuple, Generic[T]):
     """One thing for each of what differs from run to run, zero where nothing does.
