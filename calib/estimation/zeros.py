@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from calib.physics.balance import ForceBalance
 from calib.physics.forces import speed_ratio
+from calib.physics.vehicle import Vehicle
 from calib.signals.axle_signals import Signals, eta_of
 from calib.signals.noise import SensorNoise
 from calib.signals.zero import aged
@@ -31,15 +32,20 @@ def drive_slips(table: Table, road: ForceBalance) -> Pair:
     return slip(road.drive_f, road.load_f), slip(road.drive_r, road.load_r)
 
 
-def zero_of_eta(s: Signals, driven: Pair, noise: SensorNoise) -> float:
-    """Zero of eta [1]: the mean of (22) over the lead-in less what the drive does to it."""
+def zero_of_eta(s: Signals, driven: Pair, noise: SensorNoise, car: Vehicle) -> float:
+    """Zero of eta [1]: the mean of (22) over the lead-in less what the drive does to it.
+
+    Without a lead-in that of the radii of ``car``, within one per cent.
+    """
+    if not s.lead_in.any():
+        return car.front.rolling_radius / car.rear.rolling_radius - 1.0
     eta = eta_of(s.omega_f, s.omega_r) / speed_ratio(*driven)
     return _mean(s, eta, math.sqrt(2.0) * noise.omega / _turning(s)) - 1.0
 
 
 def zeroed_slips(s: Signals, driven: Pair, noise: SensorNoise) -> Pair | None:
-    """Slips (19), (20) of the axles [1] with the rolling radii of the lead-in; None without v."""
-    if s.v is None:
+    """Slips (19), (20) of the axles [1] with the radii of the lead-in; None without v or it."""
+    if s.v is None or not s.lead_in.any():
         return None
     v = np.maximum(s.v, 0.5)
     density = np.hypot(noise.v / v, noise.omega / _turning(s))

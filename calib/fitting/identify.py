@@ -121,7 +121,8 @@ def identify_once(
     then weighed against such that are not (`weigh_ratio`). ``start`` as `identify` has it.
     """
     spread = level_spread(vehicle, runs, known)
-    best, jacobian, _ = _least_squares(vehicle, runs, spread, start and _vector(start))
+    begin = None if start is None else _vector(start)
+    best, jacobian, _ = _least_squares(vehicle, runs, spread, begin)
     weighed = weigh_ratio(best, information_parts(runs, jacobian))
     parameters, own = _parts(runs, weighed.mean)
     rest = _residuals(vehicle, runs, weighed.mean)
@@ -176,8 +177,7 @@ def _parts(runs: list[RampRun], x: Array) -> tuple[RampParameters[float], list[O
 
 
 def _vector(found: Identified) -> Array:
-    """Parameters and zeros of a fit as one vector, with all else that the runs have of their own
-    as usual."""
+    """Parameters and zeros of a fit as one vector; all else of the runs as usual."""
     own = zip(found.eta_zero, found.slip_zero, strict=True)
     zeros = [AS_OTHERS._replace(eta_zero=eta, slip_zero=slip) for eta, slip in own]
     return np.concatenate([found.mean, *zeros])

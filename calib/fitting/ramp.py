@@ -111,7 +111,8 @@ def prepare(
 
     A block in which an axle would lift holds a glitch of a_x: it has no loads and no part. Nor has
     one between the lead-in and the bite, or after a release: nobody knows whether the pads touch;
-    nor one so long before the bite that its radii are forgotten (`calib.signals.zero`); nor one in which the pressure changes fast, as when the pedal is let go.
+    nor one so long before the bite that its radii are forgotten (`calib.signals.zero`); nor one in
+    which the pressure changes fast, as when the pedal is let go.
     """
     forces = block_balance(vehicle, effects, b)
     stands = np.minimum(forces.load_f, forces.load_r) > 0.0

@@ -3,10 +3,10 @@
     python tests/studies/clean_cars.py [--cars 5] [--seed 1]
 
 Each car has brakes that would be ideal at 0.7 to 1.4 g, pads that differ from the file's by up to a
-tenth, alike on both axles, tyres whose front ones slip by 3 to 4 % at the top of a ramp to 0.55 g, where they carry 0.8 to
-0.95 of their peak, a
-coast log and a ramp with v. Printed by kind: how many `fit` refuses, with what, and over the others
-the rms error of the pads over their truth, front / rear, and how often their 95 % interval holds it.
+tenth, alike on both axles, and tyres whose front ones slip by 3 to 4 % at the top of a ramp to
+0.55 g, where they carry 0.8 to 0.95 of their peak; a coast log, and v. Printed by kind: how many
+`fit` refuses, and over the others the rms error of the pads over their truth, front / rear, and how
+often their 95 % interval holds it. At last why it refuses.
 """
 
 import argparse
@@ -21,14 +21,14 @@ from scipy.optimize import brentq
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from calib.errors import BrakeCalError  # noqa: E402
-from calib.fitting.fit import fit  # noqa: E402
-from calib.logs.log import Log  # noqa: E402
-from calib.physics.vehicle import Axle, Vehicle  # noqa: E402
-from calib.simulation.sensor_noise import LEVELS, add_noise  # noqa: E402
-from tests.support.cornering import GRAVITY  # noqa: E402
-from tests.support.plant import Plant, as_log, drive, magic, per_pascal  # noqa: E402
-from tests.support.reference_car import CAR  # noqa: E402
+from calib.errors import BrakeCalError
+from calib.fitting.fit import fit
+from calib.logs.log import Log
+from calib.physics.vehicle import Axle, Vehicle
+from calib.simulation.sensor_noise import LEVELS, add_noise
+from tests.support.cornering import GRAVITY
+from tests.support.plant import Plant, as_log, drive, magic, per_pascal
+from tests.support.reference_car import CAR
 
 KINDS = {
     # mass [kg], share of the weight in front, wheelbase, height, rolling radii [m]
