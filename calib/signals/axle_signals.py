@@ -17,7 +17,7 @@ from calib.logs.log import Log
 from calib.physics.braking import BITE, MOVING
 from calib.physics.forces import deceleration
 from calib.physics.vehicle import Vehicle
-from calib.signals.driving_record import SETTLE, STEADY
+from calib.signals.driving_record import SETTLE, rolls
 from calib.signals.filters import centred_mean, trailing_mean
 from calib.signals.tone_ring import without_runout
 from calib.statistics.intervals import QUARTILE
@@ -141,8 +141,8 @@ def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -
     """Mask (n,) of steady rolling before the first braking, less ``SETTLE`` [s].
 
     If there is no braking, of the whole run. It ends where the pressure leaves the level that it
-    has before: behind a slow pedal it takes long to reach ``BITE``, and brakes meanwhile. Strong
-    acceleration is left out: driven wheels slip, so that eta cannot be zeroed there. ``step`` is
+    has before: behind a slow pedal it takes long to reach ``BITE``, and brakes meanwhile.
+    Acceleration is left out: driven wheels slip, so that eta cannot be zeroed there. ``step`` is
     the sample time [s].
     """
     smooth = trailing_mean(pressure, max(1, round(SMOOTH / step)))
@@ -151,8 +151,8 @@ def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -
     if braked.size:
         bite = int(braked[0])
         first = min(time[bite] - SETTLE, time[_leaves(smooth[: bite + 1])]) - SMOOTH
-    steady = np.abs(trailing_mean(z, max(1, round(0.1 / step)))) < STEADY
-    return np.asarray((time < first) & steady & (speed > MOVING))
+    rolling = rolls(trailing_mean(z, max(1, round(0.1 / step))))
+    return np.asarray((time < first) & rolling & (speed > MOVING))
 
 
 DISTURBED = 4.0
