@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from calib.estimation.priors import Priors
 from calib.fitting.parameters import PRIORS
-from calib.signals.zero import WALK
 from calib.table.table import TyrePosterior
 
 Array = NDArray[np.float64]
@@ -73,8 +72,8 @@ def state_list(p: Priors) -> States[State]:
         load_shift          = State("xi",    "1", 0.0,             0.0,             0.0),
         elastic_share       = State("kappa", "1", p.elastic_share, p.elastic_sigma, 0.0),
         pitch_tempo         = State("nu",    "1", 0.0,             p.pitch_tempo,   0.0),
-        eta_zero            = State("eta0",  "1", 0.0,             p.zero,          WALK),
-        slip_zero           = State("sl0",   "1", 0.0,             p.zero,          WALK),
+        eta_zero            = State("eta0",  "1", 0.0,             p.zero,          p.drift_zero),
+        slip_zero           = State("sl0",   "1", 0.0,             p.zero,          p.drift_zero),
         clock_offset        = State("lag",   "s", None,            0.0,             0.0),
         load_exponent       = State("q",     "1", None,            0.0,             0.0),
         log_compliance      = State("c",     "1", None,            0.0,             0.0),

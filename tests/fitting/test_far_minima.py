@@ -17,6 +17,7 @@ from calib.physics.vehicle import Axle
 from calib.signals.axle_signals import signals
 from calib.signals.blocks import blocks
 from calib.signals.noise import sensor_noise
+from tests.studies.clean_cars import logs, plant
 from tests.support.plant import Plant, as_log, drive, magic, per_pascal
 from tests.support.reference_car import CAR, noisy
 
