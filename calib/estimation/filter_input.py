@@ -149,7 +149,8 @@ def process_noise(vehicle: Vehicle, b: Blocks, priors: Priors) -> Array:
     """
     drift = np.array([row.drift for row in state_list(priors)])
     out = np.tile(drift**2 * b.length, (b.end.size, 1))
-    out[np.ix_(~b.lead_in, [AT.eta_zero, AT.slip_zero])] = 0.0
+    for zero in (AT.eta_zero, AT.slip_zero):
+        out[~b.lead_in, zero] = 0.0
     fresh = 1.0 - math.exp(-2.0 * b.length / priors.pitch_memory)
     transfer = vehicle.cg_height / vehicle.wheelbase
     out[:, AT.load_shift] = fresh * (priors.pitch * _held_back(b, priors) * transfer) ** 2
