@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from calib.checks.limits import LIMITS
 from calib.logs.log import Log
 from calib.names import WHEELS
-from calib.signals.driving_record import STEADY, brake_events, driving_record
+from calib.signals.driving_record import brake_events, driving_record, rolls
 from calib.signals.filters import runs
 
 LEAD_IN, BITE, BRAKING, STANDSTILL = "lead-in", "bite", "braking", "standstill"
@@ -46,7 +46,7 @@ def run_events(log: Log) -> tuple[RunEvent, ...]:
 
 def _events(log: Log) -> Iterator[RunEvent]:
     driving = driving_record(log)
-    rolling = driving.lead_in & driving.moving & (np.abs(driving.z) < STEADY)
+    rolling = driving.lead_in & driving.moving & rolls(driving.z)
     spans = _spans(log, rolling)
     if spans:
         yield RunEvent(LEAD_IN, *max(spans, key=lambda span: span[1] - span[0]))

@@ -64,8 +64,8 @@ class CheckLimits:
     """Rolling before a ramp that is needed [s]."""
     lead_in_good: float = 1.0
     """Rolling before a braking that is asked for [s]."""
-    lead_in_validate: float = 0.25
-    """Rolling before a stop that is needed [s]."""
+    lead_in_diagnose: float = 0.25
+    """Rolling before a stop that a diagnosis needs [s]."""
     ramp_z: float = 0.25
     """Deceleration [g] that a ramp must reach."""
     ramp_time: float = 2.0

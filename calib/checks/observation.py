@@ -14,7 +14,7 @@ from calib.checks.wheel_checks import Axles, Slipping, axles_of, slipping
 from calib.logs.log import Log
 from calib.names import CHANNELS, WHEELS
 from calib.signals.axle_signals import wheels_held
-from calib.signals.driving_record import STEADY, BrakeEvent, brake_events, driving_record
+from calib.signals.driving_record import BrakeEvent, brake_events, driving_record, rolls
 from calib.signals.one_axle import Axle, braked_alone_in
 
 REQUIRED = tuple(q.name for q in CHANNELS.values() if q.required)
@@ -82,7 +82,7 @@ def observe(log: Log, *, noise: bool = True) -> Observation:
     driving = driving_record(log)
     events = brake_events(driving)
     rolling = driving.lead_in & driving.moving
-    steady = rolling & (np.abs(driving.z) < STEADY)
+    steady = rolling & rolls(driving.z)
     wheels = np.max([log[f"omega_{w}"] for w in WHEELS], axis=0)
     return Observation(
         present=present,

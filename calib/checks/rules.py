@@ -267,7 +267,8 @@ def _not_for_validate(seen: Observation) -> Iterator[str]:
     if not seen.events:
         yield "no braking: drive a stop from 50 km/h or more"
         return
-    yield from _short_lead_in(seen, LIMITS.lead_in_validate, "stop")
+    if seen.events[0].first == 0:
+        yield from _short_lead_in(seen, LIMITS.lead_in_good, "stop")
     braking = sum(event.braking for event in seen.events)
     locked = seen.slipping is not None and seen.slipping.locked
     if braking < LIMITS.braking and not locked:  # of locked wheels the speed is not known
@@ -295,6 +296,7 @@ def _not_for_diagnose(seen: Observation) -> Iterator[str]:
     yield from _without_speed(seen)
     if seen.events:
         yield from _not_for_validate(seen)
+        yield from _short_lead_in(seen, LIMITS.lead_in_diagnose, "stop")
     elif seen.coasting < LIMITS.coasting:
         yield (
             f"no braking, and only {seen.coasting:.1f} s of coasting: drive a stop, or coast for "

@@ -58,7 +58,7 @@ def clock_gaps(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
 
 
 def _lead_in(log: str, seen: Observation) -> Iterator[PlausibilityWarning]:
-    if seen.events and LIMITS.lead_in_validate <= seen.lead_in < LIMITS.lead_in_good:
+    if seen.events and seen.lead_in < LIMITS.lead_in_good:
         yield PlausibilityWarning(
             "lead_in", log, seen.lead_in, (LIMITS.lead_in_good, None),
             ("the log starts shortly before the braking",), "roll for 1 s: it zeroes eta better",

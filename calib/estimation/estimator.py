@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from calib.errors import LogError
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.baselines import BaselineRun, baselines
 from calib.estimation.block_level import block_level
@@ -228,14 +227,14 @@ def estimate(
     table : what the car was calibrated to. Its known effects are taken out of the log first, see
         `calib.fitting.known_effects`; a known pitch mode goes into the split filter, which carries
         the load that it delays.
-    log : the run, with an unbraked lead-in.
+    log : the run, with an unbraked lead-in in which eta is zeroed.
     vehicle : the nominal pads if they are not the table's, and known effects beside or instead of
         the table's.
     priors, gates : of the split filter, and of ``valid``; by default those that were tried.
     mass : of the car in this log [kg], if it is not that of the table's vehicle.
     with_laws : without, the only baseline is nominal pads.
 
-    Raises LogError when the log has no unbraked lead-in to zero eta on.
+    Without a lead-in the radii are those of the vehicle, within one per cent: eta says little then.
 
     >>> import calib
     >>> logs = calib.sample_logs() / "simulation_study"
@@ -253,7 +252,6 @@ def estimate(
     used = replace(table, vehicle=ran.vehicle)
     nominal = None if vehicle is None else with_pads(ran.vehicle, vehicle)
     read = signals(ran.log, nominal or ran.vehicle)
-    _require_lead_in(log, read)
     known = with_known_pitch(priors or Priors(), car)
     plan = plan_for(used, ran.log, read, nominal, known, gates, mass_stated=mass is not None)
     as_read = blocks(read)
@@ -270,11 +268,11 @@ def estimate(
     answer = split_of(plan, b, demand)
     front, rear = estimate_axles(plan, s, forces, weighed, answer, b)
     driven = drive_slips(used, forces.balance)
-    zero = zero_of_eta(s, driven)
+    zero = zero_of_eta(s, driven, plan.noise, plan.nominal)
     eta = eta_of(s.omega_f, s.omega_r) / (1.0 + zero)
     run = BaselineRun(used, plan.nominal, car.effects, ran.log, read, s, forces, eta, plan.priors)
     others = baselines(run, laws=with_laws)
-    slips = zeroed_slips(s, driven)
+    slips = zeroed_slips(s, driven, plan.noise)
     greatest = float(table.tyre.force[-1])
     cornering = _cornering(table, plan.nominal, ran.log, s, rear)
     judged = validity(plan.gates, ran.log, s, (front, rear), forces.active, greatest, cornering)
@@ -313,16 +311,6 @@ def _cornering(table: Table, car: Vehicle, log: Log, s: Signals, rear: AxleEstim
     carried = np.nan_to_num(rear.normalised_force)
     slip = np.interp(carried, table.tyre.force, table.tyre.slip)
     return lateral(log, s, car.track_width, slip=slip, height=car.cg_height)
-
-
-def _require_lead_in(log: Log, s: Signals) -> None:
-    if s.time[s.lead_in].size * s.sample_time < 0.4:
-        raise LogError(
-            "no unbraked part in front of the braking, so eta cannot be zeroed",
-            where=log.source,
-            expected="at least 0.5 s of straight coasting first",
-            do="start the log earlier",
-        )
 
 
 def level_of(plan: Plan, s: Signals, forces: BrakeBalance) -> PadLevel:

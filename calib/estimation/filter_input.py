@@ -144,11 +144,13 @@ def lasting_error(length: float, priors: Priors) -> float:
 def process_noise(vehicle: Vehicle, b: Blocks, priors: Priors) -> Array:
     """What every block adds to the variance of each state, shape (k, COUNT).
 
-    The random walk of its row in `state_list`; to ``load_shift`` what a first-order process with
-    ``pitch_memory`` takes in afresh.
+    The random walk of its row in `state_list`, of the zeros only as long as the car rolls, as in a
+    fit; to ``load_shift`` what a first-order process with ``pitch_memory`` takes in afresh.
     """
     drift = np.array([row.drift for row in state_list(priors)])
     out = np.tile(drift**2 * b.length, (b.end.size, 1))
+    for zero in (AT.eta_zero, AT.slip_zero):
+        out[~b.lead_in, zero] = 0.0
     fresh = 1.0 - math.exp(-2.0 * b.length / priors.pitch_memory)
     transfer = vehicle.cg_height / vehicle.wheelbase
     out[:, AT.load_shift] = fresh * (priors.pitch * _held_back(b, priors) * transfer) ** 2

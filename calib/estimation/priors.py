@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from calib.physics.effects.pitch_coupling import DAMPING, ELASTIC_SHARE, NATURAL_FREQUENCY
 from calib.signals.brake_response import SPREAD, USUAL
+from calib.signals.zero import WALK
 
 
 @dataclass(frozen=True)
@@ -97,6 +98,8 @@ class Priors:
     # Sensors and model.
     zero: float = 0.01
     """Sigma of eta_zero and slip_zero: radii agree within 1 %."""
+    drift_zero: float = WALK
+    """Random walk of both until the bite [1/sqrt(s)], `calib.signals.zero`."""
     sync: float = 0.02
     """Misalignment of pressure and wheels [s] while the pressure moves: one frame of a slow bus."""
     model: float = 0.02

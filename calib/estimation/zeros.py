@@ -5,12 +5,17 @@ zeroed. Wrong by the drive's slip times what the road's stiffness differs from t
 the baselines and the drawings; the split filter finds its own zeros.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from calib.physics.balance import ForceBalance
 from calib.physics.forces import speed_ratio
-from calib.signals.axle_signals import Signals
+from calib.physics.vehicle import Vehicle
+from calib.signals.axle_signals import Signals, eta_of
+from calib.signals.noise import SensorNoise
+from calib.signals.zero import aged
 from calib.table.table import Table
 
 Array = NDArray[np.float64]
@@ -27,18 +32,39 @@ def drive_slips(table: Table, road: ForceBalance) -> Pair:
     return slip(road.drive_f, road.load_f), slip(road.drive_r, road.load_r)
 
 
-def zero_of_eta(s: Signals, driven: Pair) -> float:
-    """Zero of eta [1]: the mean of (22) over the lead-in less what the drive does to it."""
-    rolling = np.mean(s.omega_r[s.lead_in]) / np.mean(s.omega_f[s.lead_in])
-    return float(rolling / np.mean(speed_ratio(*driven)[s.lead_in])) - 1.0
+def zero_of_eta(s: Signals, driven: Pair, noise: SensorNoise, car: Vehicle) -> float:
+    """Zero of eta [1]: the mean of (22) over the lead-in less what the drive does to it.
+
+    Without a lead-in that of the radii of ``car``, within one per cent.
+    """
+    if not s.lead_in.any():
+        return car.front.rolling_radius / car.rear.rolling_radius - 1.0
+    eta = eta_of(s.omega_f, s.omega_r) / speed_ratio(*driven)
+    return _mean(s, eta, math.sqrt(2.0) * noise.omega / _turning(s)) - 1.0
 
 
-def zeroed_slips(s: Signals, driven: Pair) -> Pair | None:
-    """Slips (19), (20) of the axles [1] with the rolling radii of the lead-in; None without v."""
-    if s.v is None:
+def zeroed_slips(s: Signals, driven: Pair, noise: SensorNoise) -> Pair | None:
+    """Slips (19), (20) of the axles [1] with the radii of the lead-in; None without v or it."""
+    if s.v is None or not s.lead_in.any():
         return None
+    v = np.maximum(s.v, 0.5)
+    density = np.hypot(noise.v / v, noise.omega / _turning(s))
     slips = []
     for omega, slip in zip((s.omega_f, s.omega_r), driven, strict=True):
-        radius = np.mean((s.v * (1.0 - slip))[s.lead_in]) / np.mean(omega[s.lead_in])
-        slips.append(1.0 - radius * omega / np.maximum(s.v, 0.5))
+        per_radius = _mean(s, omega / v / (1.0 - slip), density)
+        slips.append(1.0 - omega / v / per_radius)
     return slips[0], slips[1]
+
+
+def _turning(s: Signals) -> Array:
+    """Front wheel speed [rad/s], at least 1."""
+    return np.maximum(s.omega_f, 1.0)
+
+
+def _mean(s: Signals, x: Array, density: Array) -> float:
+    """Mean of ``x`` (n,) over the lead-in, the last seconds most, `calib.signals.zero`.
+
+    ``density`` of its noise [s^0.5] (n,).
+    """
+    weights = aged(s.time, s.lead_in, density)[s.lead_in] ** -2.0
+    return float(np.average(x[s.lead_in], weights=weights))

@@ -1,8 +1,8 @@
 r"""Whether the top of a ramp may be believed: near their peak tyres yield more than a curve says.
 
-    fit of all blocks          --> pads' ratio, sigma    \\
-                                                          > apart, though the top made it no surer?
-    fit without the top of N   --> pads' ratio, sigma    /      then without the top
+    fit without the top of N   --> pads' ratio, sigma    \\
+         | start                                          > apart, though the top made it no surer?
+    fit of all blocks          --> pads' ratio, sigma    /      then without the top
 
 The idea is that of Hausman (Econometrica 46, 1978): of two fits of which one uses more data, that
 one is surer, and both agree. Where more data move the answer and leave it as unsure as it was, they
@@ -24,12 +24,16 @@ from calib.physics.vehicle import Vehicle
 def identify_below_the_peak(
     vehicle: Vehicle, runs: list[RampRun], known: Resistance
 ) -> tuple[Identified, list[RampRun]]:
-    """The fit of all runs together, `identify`; without their tops where these are not believed."""
-    found, of_all = identify(vehicle, runs, known)
+    """The fit of all runs together, `identify`; without their tops where these are not believed.
+
+    It starts where the fit without the tops ended: from afar, a top that bends more than a cubic
+    leads to pads of a third of their ratio, and to tyres of three times the other axle's stiffness.
+    """
     lower = [_without_top(vehicle, run) for run in runs]
     if min(np.count_nonzero(run.braked) for run in lower) < SETTINGS.fewest_blocks:
-        return found, of_all
+        return identify(vehicle, runs, known)
     below, of_lower = identify(vehicle, lower, known)
+    found, of_all = identify(vehicle, runs, known, below)
     return (below, of_lower) if _misled(found, below) else (found, of_all)
 
 

@@ -18,6 +18,7 @@ from calib.fitting.covariance_parts import Parts, information_parts
 from calib.fitting.pad_level import level_residuals, level_spread
 from calib.fitting.parameters import AT, COUNT, PRIORS, RampParameters, parameters_of
 from calib.fitting.ramp import (
+    AS_OTHERS,
     OfRun,
     RampRun,
     normalised_forces,
@@ -78,20 +79,24 @@ class Identified:
 
 
 def identify(
-    vehicle: Vehicle, runs: list[RampRun], known: Resistance | None = None
+    vehicle: Vehicle,
+    runs: list[RampRun],
+    known: Resistance | None = None,
+    start: Identified | None = None,
 ) -> tuple[Identified, list[RampRun]]:
     """Fit all runs together, twice: what the residual holds over the sensors' noise is noise too.
 
     The road shakes both wheels of an axle alike, and no tyre curve is exact; neither shows between
     left and right. The runs come back with the noise that was used. ``known`` the resistance that
-    they were prepared with; None for runs that know the level of their pads exactly.
+    they were prepared with; None for runs that know the level of their pads exactly. ``start`` a
+    fit of a part of the same runs, where there is one.
     """
-    first = identify_once(vehicle, runs, known)
+    first = identify_once(vehicle, runs, known, start)
     louder = [
         replace(run, noise=_honest(run, *residual))
         for run, residual in zip(runs, first.residuals, strict=True)
     ]
-    return identify_once(vehicle, louder, known), louder
+    return identify_once(vehicle, louder, known, start), louder
 
 
 def _honest(run: RampRun, eta: Array, slip: Array) -> SensorNoise:
@@ -104,15 +109,20 @@ def _honest(run: RampRun, eta: Array, slip: Array) -> SensorNoise:
 
 
 def identify_once(
-    vehicle: Vehicle, runs: list[RampRun], known: Resistance | None = None
+    vehicle: Vehicle,
+    runs: list[RampRun],
+    known: Resistance | None = None,
+    start: Identified | None = None,
 ) -> Identified:
     """Fit all runs together: one tyre, one pad ratio, one level of the pads, zeros per run.
 
     Data past ``huber`` sigma have Huber's weights, priors have not: far out, less than their square
     would let pads and tyres imitate each other without end. Pads and tyres that are as declared are
-    then weighed against such that are not (`weigh_ratio`).
+    then weighed against such that are not (`weigh_ratio`). ``start`` as `identify` has it.
     """
-    best, jacobian, _ = _least_squares(vehicle, runs, level_spread(vehicle, runs, known))
+    spread = level_spread(vehicle, runs, known)
+    begin = None if start is None else _vector(start)
+    best, jacobian, _ = _least_squares(vehicle, runs, spread, begin)
     weighed = weigh_ratio(best, information_parts(runs, jacobian))
     parameters, own = _parts(runs, weighed.mean)
     rest = _residuals(vehicle, runs, weighed.mean)
@@ -150,7 +160,9 @@ def misfits(
     """
     spread = level_spread(vehicle, explanations[0], known)
     start, _, loss = _least_squares(vehicle, explanations[0], spread)
-    others = (_least_squares(vehicle, runs, spread, start)[2] for runs in explanations[1:])
+    others = (
+        _least_squares(vehicle, runs, spread, start, roughly=True)[2] for runs in explanations[1:]
+    )
     return [loss, *others]
 
 
@@ -164,16 +176,28 @@ def _parts(runs: list[RampRun], x: Array) -> tuple[RampParameters[float], list[O
     return RampParameters(*x[:COUNT]), [OfRun(*values) for values in own]
 
 
+def _vector(found: Identified) -> Array:
+    """Parameters and zeros of a fit as one vector; all else of the runs as usual."""
+    own = zip(found.eta_zero, found.slip_zero, strict=True)
+    zeros = [AS_OTHERS._replace(eta_zero=eta, slip_zero=slip) for eta, slip in own]
+    return np.concatenate([found.mean, *zeros])
+
+
 def _least_squares(
-    vehicle: Vehicle, runs: list[RampRun], level_sigma: Array, start: Array | None = None
+    vehicle: Vehicle,
+    runs: list[RampRun],
+    level_sigma: Array,
+    start: Array | None = None,
+    *,
+    roughly: bool = False,
 ) -> tuple[Array, Array, float]:
     """Most probable parameters and zeros, the Jacobian of all residuals there, and their loss.
 
     Its rows: the priors of the parameters and of what the runs have of their own, then the data run
     by run, then the levels of the pads, ``level_sigma`` about the common one.
 
-    First with equal tyres on both axles, then from there with all parameters: far from it, unlike
-    pads and unlike tyres can imitate each other. With a ``start`` from there, roughly.
+    Without a ``start`` first with equal tyres on both axles, then from there with all parameters:
+    far from it, unlike pads and unlike tyres can imitate each other.
     """
     from scipy.optimize import least_squares
 
@@ -194,8 +218,8 @@ def _least_squares(
     equal = np.delete(every, [AT.log_tyre_ratio, AT.radius_load])
     # the last one with central differences: with one-sided ones a rounding error of a log shows in
     # the fifth digit
-    stages = ((equal, "2-point", ROUGH), (every, "3-point", EXACT))
-    for free, jac, tolerance in stages if start is None else ((every, "2-point", ROUGH),):
+    last = (every, "2-point", ROUGH) if roughly else (every, "3-point", EXACT)
+    for free, jac, tolerance in (last,) if start is not None else ((equal, "2-point", ROUGH), last):
         fit = least_squares(
             objective,
             x[free],
@@ -229,10 +253,10 @@ def _residuals(vehicle: Vehicle, runs: list[RampRun], x: Array) -> list[tuple[Ar
     for run, own in zip(runs, of_runs, strict=True):
         eta, mean = predict(vehicle, run, parameters, own)
         b = run.blocks
-        e = (b.eta - eta) / sigma_eta(run, b.eta - 1.0)
+        e = (b.eta - eta) / sigma_eta(run, run.since_rolling(b.eta))
         if run.slip is None:
             out.append((e[run.use], np.empty(0)))
         else:
-            s = (run.slip - mean) / sigma_slip(run, run.slip)
+            s = (run.slip - mean) / sigma_slip(run, run.since_rolling(run.slip))
             out.append((e[run.use], s[run.use]))
     return out

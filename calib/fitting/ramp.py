@@ -30,6 +30,7 @@ from calib.signals.blocks import Blocks
 from calib.signals.filters import since
 from calib.signals.noise import SensorNoise
 from calib.signals.one_axle import Axle, braked_alone
+from calib.signals.zero import aged
 
 Array = NDArray[np.float64]
 A = TypeVar("A", float, Array)
@@ -71,6 +72,13 @@ class RampRun:
         """Blocks that take part and in which a brake bites (k,)."""
         return self.use & (np.maximum(self.blocks.p_f, self.blocks.p_r) > BITE)
 
+    def since_rolling(self, measured: Array) -> Array:
+        """Eta or slip [1] (k,) less what it was on the lead-in: what the brakes did to it.
+
+        Wheels of two sizes differ by per cents, which is no slip.
+        """
+        return np.asarray(measured - np.mean(measured[self.blocks.lead_in]))
+
 
 class OfRun(NamedTuple, Generic[T]):
     """One thing for each of what differs from run to run, zero where nothing does.
@@ -103,7 +111,8 @@ def prepare(
 
     A block in which an axle would lift holds a glitch of a_x: it has no loads and no part. Nor has
     one between the lead-in and the bite, or after a release: nobody knows whether the pads touch;
-    nor one in which the pressure changes fast, as when the pedal is let go.
+    nor one so long before the bite that its radii are forgotten (`calib.signals.zero`); nor one in
+    which the pressure changes fast, as when the pedal is let go.
     """
     forces = block_balance(vehicle, effects, b)
     stands = np.minimum(forces.load_f, forces.load_r) > 0.0
@@ -125,7 +134,10 @@ def prepare(
         accelerometer=accelerometer,
         only=braked_alone(b.p_f, b.p_r),
     )
-    run = replace(run, use=run.use & (b.lead_in | _steady(vehicle, run)))
+    known = np.isfinite(aged(b.end, b.lead_in, _eta_density(run)))
+    if run.slip is not None:
+        known |= np.isfinite(aged(b.end, b.lead_in, _slip_density(run)))
+    run = replace(run, use=run.use & known & (b.lead_in | _steady(vehicle, run)))
     return run if run.only else replace(run, model_error=_model_error(vehicle, run))
 
 
@@ -205,20 +217,33 @@ def predict(
 
 
 def sigma_eta(run: RampRun, signal: Array) -> Array:
-    """Standard deviation of eta of a block [1]: two axle means, and the model error."""
+    """Standard deviation of eta of a block [1]: two axle means, their age, and the model error."""
+    return _sigma(run, _eta_density(run), signal)
+
+
+def sigma_slip(run: RampRun, signal: Array) -> Array:
+    """Standard deviation of the mean slip of a block [1], likewise: v and the wheels."""
+    return _sigma(run, _slip_density(run), signal)
+
+
+def _sigma(run: RampRun, density: Array, signal: Array) -> Array:
+    """Of a block with a ``density`` [s^0.5] of the sensors' noise and a ``signal`` [1], (k,)."""
     b = run.blocks
-    sensor = np.sqrt(2.0 / b.length) * run.noise.omega / _turning(b)
+    sensor = density / np.sqrt(b.length) * aged(b.end, b.lead_in, density)
     return np.asarray(np.hypot(sensor, run.model_error * signal))
+
+
+def _eta_density(run: RampRun) -> Array:
+    """Noise density of eta [s^0.5] (k,)."""
+    return np.asarray(np.sqrt(2.0) * run.noise.omega / _turning(run.blocks))
+
+
+def _slip_density(run: RampRun) -> Array:
+    """Noise density of the mean slip [s^0.5] (k,)."""
+    speed = np.maximum(run.blocks.speed, SETTINGS.min_speed)  # slower blocks take no part
+    return np.asarray(np.hypot(run.noise.v / speed, run.noise.omega / _turning(run.blocks)))
 
 
 def _turning(b: Blocks) -> Array:
     """Front wheel speed [rad/s], at least 1: what turns slower takes no part."""
     return np.maximum(b.omega_f, 1.0)
-
-
-def sigma_slip(run: RampRun, signal: Array) -> Array:
-    """Standard deviation of the mean slip of a block [1]: v, the wheels, and the model error."""
-    b, noise = run.blocks, run.noise
-    speed = np.maximum(b.speed, SETTINGS.min_speed)  # slower blocks take no part
-    sensor = np.hypot(noise.v / speed, noise.omega / _turning(b)) / np.sqrt(b.length)
-    return np.asarray(np.hypot(sensor, run.model_error * signal))

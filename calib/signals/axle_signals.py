@@ -7,6 +7,7 @@ r"""Axle signals of a log on one clock.
 Wheel speeds of an axle are averaged left and right: steering and road crown cancel to first order.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,7 @@ from calib.names import WHEELS
 from calib.physics.braking import BITE, MOVING
 from calib.physics.forces import deceleration
 from calib.physics.vehicle import Vehicle
-from calib.signals.driving_record import NOMINAL_RADIUS, SETTLE, STEADY
+from calib.signals.driving_record import NOMINAL_RADIUS, SETTLE, rolls
 from calib.signals.filters import centred_mean, trailing_mean
 from calib.signals.speed_delay import IN_TIME, SpeedDelay, in_time, speed_delay
 from calib.signals.tone_ring import without_runout
@@ -165,8 +166,8 @@ def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -
     """Mask (n,) of steady rolling before the first braking, less ``SETTLE`` [s].
 
     If there is no braking, of the whole run. It ends where the pressure leaves the level that it
-    has before: behind a slow pedal it takes long to reach ``BITE``, and brakes meanwhile. Strong
-    acceleration is left out: driven wheels slip, so that eta cannot be zeroed there. ``step`` is
+    has before: behind a slow pedal it takes long to reach ``BITE``, and brakes meanwhile.
+    Acceleration is left out: driven wheels slip, so that eta cannot be zeroed there. ``step`` is
     the sample time [s].
     """
     smooth = trailing_mean(pressure, max(1, round(SMOOTH / step)))
@@ -175,19 +176,19 @@ def lead_in(time: Array, pressure: Array, z: Array, speed: Array, step: float) -
     if braked.size:
         bite = int(braked[0])
         first = min(time[bite] - SETTLE, time[_leaves(smooth[: bite + 1])]) - SMOOTH
-    steady = np.abs(trailing_mean(z, max(1, round(0.1 / step)))) < STEADY
-    return np.asarray((time < first) & steady & (speed > MOVING))
+    rolling = rolls(trailing_mean(z, max(1, round(0.1 / step))))
+    return np.asarray((time < first) & rolling & (speed > MOVING))
 
 
 DISTURBED = 4.0
-"""Distance of eta from its median over the lead-in, in its usual scatter there, that no noise has:
-for some tenths of a second an axle is driven, or a wheel runs over something."""
+"""Distance of eta from its median at the end of the lead-in, in its usual scatter, that no noise
+has: an axle is driven until the foot leaves the gas, or a wheel runs over something."""
 
 FINEST = 1e-5
 """Scatter of eta [1] that always counts as usual: simulated logs may have none."""
 
 LEAST = 0.5
-"""Shortest lead-in [s] that shows the usual scatter."""
+"""Shortest lead-in [s] that shows the usual scatter, and end of one that shows the usual eta."""
 
 
 def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
@@ -199,8 +200,11 @@ def _undisturbed(eta: Array, rolling: Mask, step: float) -> Mask:
         return np.ones_like(rolling)
     width = max(1, round(SMOOTH / step))
     smooth = centred_mean(eta, width)
-    away = np.abs(smooth - np.median(smooth[rolling]))
-    usual = float(np.median(away[rolling])) / QUARTILE
+    known = smooth[rolling]
+    bite = 0 if rolling[-1] else -round(LEAST / step)  # a coast has none: all of it counts alike
+    away = np.abs(smooth - np.median(known[bite:]))
+    apart = np.abs(known[4 * width :] - known[: -4 * width])  # a step is in few of them
+    usual = float(np.median(apart)) / QUARTILE / math.sqrt(2.0)
     odd = away > DISTURBED * max(usual, FINEST)
     return np.asarray(centred_mean(odd.astype(float), 2 * width) == 0.0)
 

@@ -42,7 +42,5 @@ def brake_balance(car: Vehicle, effects: Effects, s: Signals) -> BrakeBalance:
 
 
 def _began(s: Signals) -> Mask:
-    """From the end of the lead-in on; throughout without one."""
-    began = np.ones(s.time.size, bool)
-    began[: int(np.max(np.flatnonzero(s.lead_in), initial=-1)) + 1] = False
-    return began
+    """From the end of the lead-in on; all along without one."""
+    return np.asarray(~np.logical_or.accumulate(s.lead_in[::-1])[::-1])

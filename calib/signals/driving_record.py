@@ -26,7 +26,11 @@ Mask = NDArray[np.bool_]
 BITE_Z = 0.08
 """Deceleration [g] that counts as braking if no pressure is logged: above drag and engine."""
 STEADY = 0.15
-"""Largest change of speed of a car that rolls [g]; above it, the engine drives and wheels slip."""
+"""Largest deceleration of a car that rolls [g]."""
+DRIVEN = 0.05
+"""Acceleration [g] that a rolling car never feels: what slows it is felt, a slope is not. Past it,
+and past the bias of an accelerometer, the engine drives, and its wheels slip by as much as eta
+shows."""
 SHORTEST = 0.3
 """Shortest brake event [s]."""
 PAUSE = 0.2
@@ -37,6 +41,11 @@ SMOOTH = 0.1
 """Width of the centred mean that reduces the noise [s]."""
 NOMINAL_RADIUS = 0.32
 """Rolling radius [m] of a usual wheel, for an approximate speed if ``v`` is not logged."""
+
+
+def rolls(z: Array) -> Mask:
+    """Where a felt deceleration (n,) [g], smoothed, is that of a car which rolls."""
+    return np.asarray((z > -DRIVEN) & (z < STEADY))
 
 
 @dataclass(frozen=True)
@@ -66,7 +75,7 @@ class DrivingRecord:
     @cached_property
     def unbraked(self) -> Mask:
         """Mask (n,): the steady lead-in; all steady unbraked motion if it is too short."""
-        steady = ~self.braked & self.moving & (np.abs(self.z) < STEADY)
+        steady = ~self.braked & self.moving & rolls(self.z)
         first = self.lead_in & steady
         return first if first.sum() * self.step >= 0.5 else steady
 

@@ -62,15 +62,20 @@ COLOUR = {"omega": 1.5, "z": 2.0, "v": 1.0}
 logs have 0.8 to 2.5 for omega, 1.5 to 4 for z (both from road excitation), and 1 for v."""
 
 
+FEW = 10
+"""Samples of a lead-in that do not tell a noise: by a quarter of it, one in two."""
+
+
 def lead_in_noise(log: Log, s: Signals) -> SensorNoise:
     """Noise of the sensors from the lead-in: white part times a usual `COLOUR`.
 
-    Uses only the lead-in, so that an online estimator may use it.
+    Uses only the lead-in, so that an online estimator may use it; one of a few samples tells none.
     """
     step = np.sqrt(s.sample_time)
+    told = np.count_nonzero(s.lead_in) > FEW
 
     def white(x: Array) -> float:
-        return float(np.std(np.diff(x[s.lead_in])) / np.sqrt(2.0))
+        return float(np.std(np.diff(x[s.lead_in])) / np.sqrt(2.0)) if told else 0.0
 
     pairs = [0.5 * (log[f"omega_{a}l"] - log[f"omega_{a}r"]) for a in "fr"]
     omega = float(np.sqrt(np.mean([white(pair) ** 2 for pair in pairs])))

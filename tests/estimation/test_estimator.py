@@ -6,7 +6,6 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from calib.errors import LogError
 from calib.estimation.estimator import estimate
 from calib.estimation.gates import LOCKS, Gates
 from calib.estimation.plan import calibrated, known_resistance, merged_noise
@@ -434,9 +433,13 @@ def test_released_brake_is_not_valid(table):
     assert np.mean(e.valid[(e.time > 5.0) & (e.speed > 3.0)]) > 0.95
 
 
-def test_without_a_lead_in_it_refuses(table, wet):
-    with pytest.raises(LogError, match="no unbraked part"):
-        estimate(table, cut(wet, 1.6))
+@pytest.mark.parametrize("rolled", [0.4, 0.2, 0.0])
+def test_with_less_of_a_lead_in_the_interval_is_wider(table, wet, rolled):
+    whole, short = (estimate(table, cut(wet, first)) for first in (0.0, 1.5 - rolled))
+    for axle, good in ((short.rear, whole.rear), (short.front, whole.front)):
+        a, b = ((x.upper - x.lower)[x.pad_friction.size - 200 :] for x in (axle, good))
+        assert np.all(np.isfinite(a))
+        assert np.mean(a) > (0.99 if rolled else 1.1) * np.mean(b)
 
 
 # What the estimate starts from.

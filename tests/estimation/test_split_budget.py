@@ -27,7 +27,7 @@ from tests.support.textbook_filter import FROM_TABLE, PLACE, first, sensed
 NOISE = SensorNoise(omega=2e-3, z=5e-3, v=2e-3, omega_white=0.02)
 STILL = replace(
     Priors(), ratio=1e-6, stiffness=1e-6, peak=1e-6, tyre_change=0.0, zero=0.0, elastic_sigma=0.0,
-    pitch=0.0, drift_road=0.0, drift_ratio=0.0, ratio_odds=1e-9, wild_gate=1e9,
+    pitch=0.0, drift_road=0.0, drift_ratio=0.0, drift_zero=0.0, ratio_odds=1e-9, wild_gate=1e9,
 )  # fmt: skip
 """Nothing is open but what a test opens; the ratio is not weighed against that of the ramp."""
 MEAN = dict.fromkeys(FROM_TABLE, 0.0) | {"log_compliance": math.log(0.04)}

@@ -88,6 +88,18 @@ def parked(log: Log, duration: float = 2.0) -> Log:
     return replace(log, channels=channels, truth={})
 
 
+def rolled(log: Log, duration: float, drift: float) -> Log:
+    """The log after ``duration`` [s] of rolling as at its begin, in which the rear wheels come to
+    turn faster by ``drift`` [1], evenly, as when the front tyres warm."""
+    count = round(duration / log.sample_time)
+    channels = {k: np.concatenate([np.full(count, x[0]), x]) for k, x in log.channels.items()}
+    channels["time"] = log.sample_time * np.arange(count + log.time.size)
+    for wheel in ("rl", "rr"):
+        channels[f"omega_{wheel}"] *= 1.0 + drift * np.minimum(channels["time"] / duration, 1.0)
+    truth = {k: np.concatenate([np.full(count, x[0]), x]) for k, x in log.truth.items()}
+    return replace(log, channels=channels, truth=truth)
+
+
 def true_forces(log: Log) -> tuple[np.ndarray, np.ndarray]:
     """F_f, F_r [1] from the plant's tyre forces and wheel loads."""
     front, rear = (

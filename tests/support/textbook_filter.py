@@ -167,6 +167,7 @@ def textbook(car, blocks, demand, noise, posterior, p):
         fed = p.pitch * held * car.cg_height / length
         Q = np.zeros(COUNT)
         Q[[PLACE["rho"], PLACE["s"], PLACE["w"]]] = p.drift_ratio, p.drift_road, p.drift_road
+        Q[[PLACE["eta0"], PLACE["sl0"]]] = p.drift_zero * blocks.lead_in[k]
         Q = np.diag(Q**2 * T)
         Q[PLACE["xi"], PLACE["xi"]] = (1.0 - decay**2) * fed**2
         if changes:

@@ -1,0 +1,47 @@
+"""Radii that drift while the car rolls for five minutes: the zero is that of the bite."""
+
+import numpy as np
+import pytest
+
+from calib.estimation.estimator import estimate
+from calib.fitting.fit import fit
+from calib.fitting.identify import identify_once
+from calib.fitting.ramp import prepare
+from calib.physics.effects.effects import Effects
+from calib.signals.axle_signals import signals
+from calib.signals.blocks import blocks
+from calib.signals.noise import sensor_noise
+from tests.support.reference_car import CAR, IDEAL, noisy, ramp, rolled, stop, with_pads
+
+ROLLING = 300.0
+RADII = CAR.front.rolling_radius / CAR.rear.rolling_radius
+PADS = 0.34, 0.31
+
+
+@pytest.fixture(scope="module")
+def table():
+    return fit(CAR, [noisy(ramp(), 1)])
+
+
+@pytest.fixture(scope="module")
+def braking():
+    return stop(with_pads(IDEAL, *PADS), duration=6.0)
+
+
+@pytest.mark.parametrize("drift", [0.0, 5e-4, 1e-3])
+def test_tyres_that_warm_up_move_no_pads(table, braking, drift):
+    found = estimate(table, noisy(rolled(braking, ROLLING, drift), 4), with_laws=False)
+    assert found.eta_zero == pytest.approx((1.0 + drift) * RADII - 1.0, abs=1.5e-4)
+    rear, true = found.rear, PADS[1]
+    assert np.mean((rear.lower < true) & (true < rear.upper), where=found.valid) > 0.95
+    assert np.mean(rear.pad_friction, where=found.valid) == pytest.approx(true, rel=0.05)
+
+
+def test_a_ramp_is_zeroed_where_it_bites():
+    drift = 1e-3
+    log = noisy(rolled(ramp(), ROLLING, drift), 4)
+    b = blocks(signals(log, CAR))
+    run = prepare(CAR, log.name, b, sensor_noise(log, b), Effects())
+    assert np.count_nonzero(run.use) * b.length < 60.0
+    found = identify_once(CAR, [run])
+    assert found.eta_zero[0] == pytest.approx((1.0 + drift) * RADII - 1.0, abs=1.5e-4)
