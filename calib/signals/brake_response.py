@@ -169,17 +169,16 @@ def brake_response(s: Signals, forces: BrakeBalance) -> BrakeResponse | None:
         share_sigma=float(sigma[2]) / usual,
         fading=float(solution[4]) / usual,
         fading_sigma=LASTING * float(sigma[4]) / usual,
-        step=_step(time[inside], braked[inside], n[inside] * level / usual, rest / usual),
+        step=_step(step, time[inside], braked[inside], n[inside] * level / usual, rest / usual),
     )
 
 
-def _step(time: Array, braked: Array, nominal: Array, rest: Array) -> ForceStep:
+def _step(step: float, time: Array, braked: Array, nominal: Array, rest: Array) -> ForceStep:
     """The largest step of ``rest`` (n,) in the longest braking, see `ForceStep`.
 
     ``nominal`` what the pressure makes; both over the usual brake force [1]. Medians, not means:
-    a bump is no step.
+    a bump is no step. ``step`` from one to the next [s].
     """
-    step = float(np.min(np.diff(time)))
     on = np.flatnonzero(braked == 1.0)
     longest = max(np.split(on, np.flatnonzero(np.diff(time[on]) > 1.5 * step) + 1), key=len)
     width, apart = round(WINDOW / step), round((WINDOW + BETWEEN) / step)
