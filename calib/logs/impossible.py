@@ -31,14 +31,13 @@ Mask = NDArray[np.bool_]
 class Possible(NamedTuple):
     """What a car can do to a channel, in SI.
 
-    ``up``, ``down`` its fastest rise and fall [1/s]; ``zero`` the fastest change from and to a
-    reading of exactly 0 [1/s], ``nonzero`` the least jump there; ``long`` change that goes on for
-    longer than `QUICK` [1/s]; ``end`` beyond which nothing is measured. ``steps``: a step may be
-    true, as that of a simulated pressure, and only a short way to 0 and back is not.
+    ``up`` its fastest rise [1/s]; ``zero`` the fastest change from and to a reading of exactly 0
+    [1/s], ``nonzero`` the least jump there; ``long`` change that goes on for longer than `QUICK`
+    [1/s]; ``end`` beyond which nothing is measured. ``steps``: a step may be true, as that of a
+    simulated pressure, and only a short way to 0 and back is not.
     """
 
     up: float
-    down: float
     zero: float
     nonzero: float
     long: float
@@ -47,15 +46,15 @@ class Possible(NamedTuple):
 
 
 POSSIBLE = {
-    # a tyre spins a wheel up with 1.2 6 kN 0.32 m/0.9 kg m^2, a brake of 4 kN m stops it on ice;
-    # a wheel that locks falls to 0 by steps, and from below the least speed of its sensor
-    **{f"omega_{w}": Possible(2500.0, 5000.0, 1500.0, 20.0, 40.0, 400.0) for w in WHEELS},
+    # a tyre spins a wheel up with 1.2 6 kN 0.32 m/0.9 kg m^2; a wheel that locks falls to 0 by
+    # steps, and from below the least speed of its sensor
+    **{f"omega_{w}": Possible(2500.0, 1500.0, 20.0, 40.0, 400.0) for w in WHEELS},
     # v of a receiver is held, or found again after a bridge: only its zeros are known as wrong
-    "v": Possible(np.inf, np.inf, 100.0, 6.0, 15.0, 120.0),
+    "v": Possible(np.inf, 100.0, 6.0, 15.0, 120.0),
     # 1000 bar/s are the fastest brakes; a pedal that is let go falls to 0 by steps
-    "p_mc": Possible(np.inf, np.inf, 2e8, 1e6, np.inf, 4e7, steps=True),
+    "p_mc": Possible(np.inf, 2e8, 1e6, np.inf, 4e7, steps=True),
     # bumps move a_x by any step, and 5 g is past the range of car sensors
-    "a_x": Possible(np.inf, np.inf, np.inf, np.inf, np.inf, 50.0),
+    "a_x": Possible(np.inf, np.inf, np.inf, np.inf, 50.0),
 }
 
 QUICK = 0.05
@@ -155,27 +154,41 @@ def _impossible(time: Array, x: Array, possible: Possible) -> Mask:
 
 
 def _apart(time: Array, x: Array, possible: Possible) -> Mask:
-    """Mask (n,) of the parts that no possible step joins with the longest one."""
+    """Mask (n,) of the parts that no possible step joins with the longest one.
+
+    A part is impossible above the level of before, and where it is exactly 0; below that level a
+    wheel slips, as ABS lets it, and messages that come slowly make it do so in one step.
+    """
     slack = max(LEAST, NOISE * _noise(x)) if np.isfinite(possible.up) else 0.0
-    cuts = np.flatnonzero(_impossible_steps(np.diff(time), x[:-1], x[1:], slack, possible)) + 1
+    change, zero = np.abs(np.diff(x)), x == 0.0
+    up, to_zero = _fastest(np.diff(time), slack, possible)
+    cuts = np.flatnonzero((change > up) | ((zero[1:] | zero[:-1]) & (change > to_zero))) + 1
+    mask = np.zeros(x.size, np.bool_)
     if not cuts.size:
-        return np.zeros(x.size, np.bool_)
+        return mask
     edges = np.concatenate([[0], cuts, [x.size]])
     longest = int(np.argmax(np.diff(edges)))
-    mask = np.ones(x.size, np.bool_)
-    mask[edges[longest] : edges[longest + 1]] = False
-    for parts, near in ((range(longest + 1, edges.size - 1), 1), (range(longest - 1, -1, -1), 0)):
-        last = edges[longest + near] - near
+    for parts, later in ((range(longest + 1, edges.size - 1), 1), (range(longest - 1, -1, -1), 0)):
+        last = int(edges[longest + later]) - later
+        level = x[last]
         for part in parts:
             begin, end = edges[part], edges[part + 1]
-            first = begin if near else end - 1
-            earlier, later = (last, first) if near else (first, last)
-            step = np.array([time[later] - time[earlier]])
-            pair = x[earlier : earlier + 1], x[later : later + 1]
-            if not _impossible_steps(step, *pair, slack, possible)[0]:
-                mask[begin:end] = False
-                last = end - 1 if near else begin
+            first, far = (begin, end - 1) if later else (end - 1, begin)
+            up, to_zero = _fastest(np.abs(time[first] - time[last]), slack, possible)
+            if (x[first] == 0.0 and level > to_zero) or x[first] > level + up:
+                mask[begin:end] = True
+                continue
+            slowed = possible.long * abs(float(time[far] - time[last]))
+            last, level = int(far), max(x[far], level - slowed)
     return mask & _dropouts(time, edges) if possible.steps else mask
+
+
+def _fastest(step: Array, slack: float, possible: Possible) -> tuple[Array, Array]:
+    """Largest rise in ``step`` [s], and largest change from or to a reading of exactly 0."""
+    quick = np.minimum(step, QUICK)
+    long = np.where(step > QUICK, possible.long, 0.0) * step
+    to_zero = np.maximum(possible.nonzero, possible.zero * quick)
+    return possible.up * quick + slack + long, to_zero + long
 
 
 def _dropouts(time: Array, edges: NDArray[np.intp]) -> Mask:
@@ -184,17 +197,6 @@ def _dropouts(time: Array, edges: NDArray[np.intp]) -> Mask:
     for begin, end in pairwise(edges[1:-1]):
         mask[begin:end] = time[end] - time[begin - 1] <= BRIDGE
     return mask
-
-
-def _impossible_steps(step: Array, before: Array, after: Array, slack: float, p: Possible) -> Mask:
-    """Whether each change in ``step`` [s] is faster than the channel can change, (m,)."""
-    quick, long = np.minimum(step, QUICK), np.where(step > QUICK, p.long, 0.0) * step
-    change = after - before
-    impossible = (change > p.up * quick + slack + long) | (-change > p.down * quick + slack + long)
-    zero = (before == 0.0) | (after == 0.0)
-    return np.asarray(
-        impossible | zero & (np.abs(change) > np.maximum(p.nonzero, p.zero * quick) + long)
-    )
 
 
 def _noise(x: Array) -> float:

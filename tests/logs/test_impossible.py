@@ -96,6 +96,14 @@ def test_wheels_that_lock_and_spin_up_again_are_possible(rate):
     assert not without_impossible(run, "log").marked
 
 
+def test_cycles_of_abs_in_slow_messages_are_possible():
+    """The wheel loses 40 % within 20 ms, in a log of 200 Hz that holds messages of 50 Hz."""
+    channels, _ = spoiled([], 0.0, 0, 0, rate=200.0)
+    slow = np.where(np.arange(1000) % 40 < 20, 1.0, 0.6)
+    channels["omega_fl"][600:] *= slow[600:]
+    assert not without_impossible(channels, "log").marked
+
+
 @pytest.mark.parametrize("rate", [40.0, 200.0])
 def test_a_simulated_step_of_pressure_is_possible(rate):
     log = made_run(lambda t: np.where((t > 2.0) & (t < 3.0), 60.0, 0.0), rate=rate, noise=0.0)
