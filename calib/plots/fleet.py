@@ -162,7 +162,8 @@ def window(look: Look) -> tuple[float, float]:
         away = edge - look.spread.median
         if abs(away) <= WIDEST * look.spread.scale:  # a mark beyond the limit has room, too
             low, high = min(low, edge + 0.1 * away), max(high, edge + 0.1 * away)
-    return (low, high) if high > low else (low - 0.5, high + 0.5)
+    alike = high - low <= 1e-9 * max(abs(low), abs(high))
+    return (low - 0.5, high + 0.5) if alike else (low, high)
 
 
 def _room(low: float, high: float) -> tuple[float, float]:

@@ -194,7 +194,7 @@ def test_the_verdict_is_by_the_limits_given(plot, tmp_path):
     assert strict["result"].startswith("Failed: interval front 0.")
 
 
-def test_an_out_that_cannot_be_written_is_a_usage_error(plot, monkeypatch):
+def test_an_out_that_cannot_be_written_has_a_code_of_its_own(plot, monkeypatch):
     import calib.plots.save
 
     def full(path, content):
@@ -202,5 +202,5 @@ def test_an_out_that_cannot_be_written_is_a_usage_error(plot, monkeypatch):
 
     monkeypatch.setattr(calib.plots.save, "write_whole", full)
     ran = plot("sedan@1")
-    assert ran.code == 2
+    assert ran.code == 5
     assert "No space left on device" in ran.err

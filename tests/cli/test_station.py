@@ -207,7 +207,7 @@ def test_a_report_that_fails_leaves_no_version(station, tmp_path, monkeypatch):
 
     monkeypatch.setattr("calib.station.write.report_html", full)
     ran = station()
-    assert (ran.code, ran.result) == (2, "")
+    assert (ran.code, ran.result) == (5, "")
     assert "no space left" in ran.err
     assert list(tmp_path.iterdir()) == []
 
