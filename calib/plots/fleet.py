@@ -72,7 +72,7 @@ def distribution(ax: "Axes", look: Look) -> None:
     low, high = window(look)
     inside = look.values[(look.values >= low) & (look.values <= high)]
     bins = int(np.clip(2.0 * np.sqrt(inside.size), 5, 60))
-    ax.hist(inside, bins=bins, color="#8DB9DA", linewidth=0.0)
+    ax.hist(inside, bins=bins, range=(low, high), color="#8DB9DA", linewidth=0.0)
     share = "90 % of the others" if look.outlying.any() else "90 % of the logs"
     ax.axvspan(*look.others, color=SHADE, linewidth=0.0, zorder=0, label=share)
     ax.axvline(look.spread.median, color=FRONT["color"], label="median")
