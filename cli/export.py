@@ -51,9 +51,7 @@ def export_table(
     ] = None,
     elf: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Linked program (ELF) or its GNU ld map, for addresses of an a2l."
-        ),
+        typer.Option(metavar="FILE", help="Linked program (ELF), for addresses of an a2l."),
     ] = None,
     validation: Annotated[
         Path | None,
@@ -118,6 +116,10 @@ def _check_usage(form: str, out: Path, bits: int | None, elf: Path | None) -> No
         raise typer.BadParameter(f"only with {', '.join(FIXED_POINT)}", param_hint="--fixed-point")
     if elf is not None and form not in ADDRESSED:
         raise typer.BadParameter(f"only with {', '.join(ADDRESSED)}", param_hint="--elf")
+    if elf is not None and elf.suffix.lower() == ".map":
+        raise typer.BadParameter(
+            "a linker's map is no longer read: give the linked program (ELF)", param_hint="--elf"
+        )
     refuse_folder(out)
     refuse_overwriting([out], [], [elf])
 

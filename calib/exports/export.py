@@ -66,7 +66,7 @@ def export(
     form : json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv.
     points : breakpoints on each axis, at the rows with the least error; all rows if not given.
     bits : of the fixed point, 8, 16 or 32; for c-header and a2l.
-    elf : linked program with the C header (ELF), or its map of GNU ld; for the addresses of an a2l.
+    elf : linked program with the C header (ELF), for the addresses of an a2l.
     quality : result of a validation, see `calib.store.quality.read_quality`.
     date : in the history of a cdfx, as 2025-03-31; today in UTC if not given.
     unreleased : write a version that is not released, too; the file then says so.

@@ -22,7 +22,7 @@ from calib.logs.bus.bits import last_byte, number, raw
 from calib.logs.bus.by_message import Flawed, read_by_message
 from calib.logs.bus.databases import DatabaseFile, Databases
 from calib.logs.bus.frames import Frames, Key
-from calib.logs.bus.j1939 import CONNECTION, TRANSFER, group_of, source_of
+from calib.logs.bus.j1939 import group_of, source_of
 from calib.logs.extra import need
 from calib.logs.source import Array
 
@@ -64,18 +64,8 @@ class Dbc:
     sources: tuple[int, ...] | None = None
 
     def knows(self, bus: str, key: Key) -> bool:
-        """Whether `find` finds a message, or the frames may carry one of several frames."""
-        return self.find(bus, key) is not None or self.carries(key)
-
-    def carries(self, key: Key) -> bool:
-        """Whether frames of an identifier announce, clear or carry J1939 messages of several."""
-        identifier, extended = key
-        asked = self.sources is not None and extended
-        return asked and group_of(identifier) in (CONNECTION, TRANSFER)
-
-    def listens_to(self, source: int) -> bool:
-        """Whether J1939 frames of this source address are asked for."""
-        return self.sources is not None and (not self.sources or source in self.sources)
+        """Whether `find` finds a message."""
+        return self.find(bus, key) is not None
 
     def find(self, bus: str, key: Key) -> "Described | None":
         """The message that describes frames of an identifier on a bus, or None.
@@ -86,17 +76,13 @@ class Dbc:
         for messages in (self.buses.get(bus, {}), self.messages):
             if key in messages:
                 return messages[key]
-        return self.of_group(bus, group_of(key[0])) if self._is_j1939(key) else None
-
-    def of_group(self, bus: str, group: int) -> "Described | None":
-        """The message of a parameter group on a bus, or None."""
-        own = self._groups.get(bus, {}).get(group)
-        return own or self._groups[EVERY].get(group)
-
-    def _is_j1939(self, key: Key) -> bool:
-        """Whether frames of an identifier are found by their parameter group."""
         identifier, extended = key
-        return extended and self.listens_to(source_of(identifier))
+        if not extended or self.sources is None:
+            return None
+        if self.sources and source_of(identifier) not in self.sources:
+            return None
+        group = group_of(identifier)
+        return self._groups.get(bus, {}).get(group) or self._groups[EVERY].get(group)
 
     @cached_property
     def _groups(self) -> "dict[str, dict[int, Described]]":
@@ -142,7 +128,10 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
         notes += [f"bus {bus}: {note}" for note in own.notes]
     if databases.sources is not None:
         names = ", ".join(f"{source:#04x}" for source in databases.sources) or "any address"
-        notes.append(f"J1939: frames are found by their parameter group, from {names}")
+        notes.append(
+            f"J1939: frames are found by their parameter group, from {names}; messages of more "
+            "than 8 bytes, which take several frames, are not read"
+        )
     return Dbc(general.messages, tuple(notes), buses, databases.sources)
 
 

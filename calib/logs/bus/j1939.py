@@ -7,10 +7,6 @@ priority  page     PDU format    destination or extension  source address
 BROADCAST = 240
 """PDU formats from here on have no destination: the byte after belongs to the group."""
 
-CONNECTION, TRANSFER = 0xEC00, 0xEB00
-"""Parameter groups of the frames that announce, clear and end a message of several frames, and of
-those that carry it, see `calib.logs.bus.transport`."""
-
 
 def group_of(identifier: int) -> int:
     """Parameter group number of an extended identifier, without its destination.
@@ -22,15 +18,6 @@ def group_of(identifier: int) -> int:
     """
     group = identifier >> 8 & 0x3FFFF
     return group if group >> 8 & 0xFF >= BROADCAST else group & 0x3FF00
-
-
-def destination_of(identifier: int) -> int:
-    """Destination address of an extended identifier whose PDU format is below `BROADCAST`.
-
-    >>> destination_of(0x0C002903)
-    41
-    """
-    return identifier >> 8 & 0xFF
 
 
 def source_of(identifier: int) -> int:

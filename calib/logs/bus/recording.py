@@ -12,7 +12,6 @@ from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import LONGEST, Dbc, decode, read_databases
 from calib.logs.bus.frames import Frames, Gathered, joined, once
 from calib.logs.bus.j1939 import source_of
-from calib.logs.bus.transport import put_together
 from calib.logs.recording import ChannelTrace, Recording, named
 from calib.logs.running import running
 from calib.logs.source import Column
@@ -60,9 +59,8 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
     """
     time, wrapped = running(np.asarray(found.times), where)
     begin = float(time.min())
-    single, doubled = once(found.result(time - begin))
-    frames, carried = put_together(single, dbc)
-    require_known(frames, found.buses, dbc, carried, where)
+    frames, doubled = once(found.result(time - begin))
+    require_known(frames, found.buses, dbc, where)
     more = [f"time counts from the first frame, which was written at {begin:.6f} s"]
     empty = sorted(set(dbc.buses) - set(found.buses))
     if empty:
@@ -72,23 +70,18 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
         )
     if found.errors:
         more.append(f"{found.errors} error frames were ignored")
-    return of_frames(frames, dbc, (*notes, *wrapped, *more, *doubled, *carried))
+    return of_frames(frames, dbc, (*notes, *wrapped, *more, *doubled))
 
 
-def require_known(
-    frames: list[Frames], buses: Sequence[str], dbc: Dbc, carried: Sequence[str], where: str
-) -> None:
-    """Raise LogError if none of ``frames`` is described.
-
-    ``buses`` are those of the log; ``carried`` notes on messages of several frames.
-    """
+def require_known(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: str) -> None:
+    """Raise LogError if none of ``frames`` is described; ``buses`` are those of the log."""
     if not any(dbc.find(item.bus, item.key) for item in frames):
         names = f" (its buses are {', '.join(buses)})" if buses and dbc.buses else ""
         raise LogError(
             f"no frame of the log{names} is in the DBC",
             where=where,
             expected="one of " + ", ".join(dbc.names[:10]),
-            do="; ".join([*carried, "is it the DBC of this bus?"]),
+            do="is it the DBC of this bus?",
         )
 
 

@@ -14,7 +14,6 @@ from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.frames import once
 from calib.logs.bus.recording import described, require_dbc, require_known, trace
-from calib.logs.bus.transport import put_together
 from calib.logs.extra import need
 from calib.logs.mdf.channels import check_channels
 from calib.logs.mdf.finish import finished, is_unfinished
@@ -77,13 +76,12 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
     known = require_dbc(dbc, "mdf", where) if buses and (dbc.all or not columns) else None
     frames = frames_in(mdf, buses, known.knows, where) if known else []
     frames, doubled = once(frames)
-    frames, carried = put_together(frames, known) if known else (frames, [])
     if known and not columns:
-        require_known(frames, (), known, carried, where)
+        require_known(frames, (), known, where)
     if buses and not known:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
     database = known or Dbc({}, ())
-    notes += [*doubled, *carried]
+    notes += doubled
     more, signals = described(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
