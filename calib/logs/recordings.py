@@ -8,7 +8,7 @@ from calib.logs.bus.blf import open_blf
 from calib.logs.bus.candump import open_candump
 from calib.logs.bus.compressed import Open, packed
 from calib.logs.bus.trc import open_trc
-from calib.logs.mdf.mdf import open_mdf
+from calib.logs.mdf import open_mdf
 from calib.logs.recording import ChannelTrace, Recording
 from calib.logs.resample import Wanted, on_one_clock
 from calib.logs.source import Array, ColumnSource
