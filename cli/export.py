@@ -37,7 +37,7 @@ def export_table(
             metavar="F",
             help="json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv; else by the ending of "
             "--out.",
-            autocompletion=names_of("calib.exports.formats", "ENDINGS"),
+            autocompletion=names_of("calib.exports.export", "ENDINGS"),
         ),
     ] = None,
     out: Annotated[Path, out_file("File to write.")],
@@ -100,7 +100,7 @@ def export_table(
 def _known(form: str | None, out: Path) -> str:
     """The format that was named, or that of the ending of the file."""
     from calib.errors import ExchangeError
-    from calib.exports.formats import format_named, format_of
+    from calib.exports.export import format_named, format_of
 
     try:
         return format_of(out.name) if form is None else format_named(form)
@@ -110,7 +110,7 @@ def _known(form: str | None, out: Path) -> str:
 
 
 def _check_usage(form: str, out: Path, bits: int | None, elf: Path | None) -> None:
-    from calib.exports.formats import ADDRESSED, FIXED_POINT
+    from calib.exports.export import ADDRESSED, FIXED_POINT
 
     if bits is not None and form not in FIXED_POINT:
         raise typer.BadParameter(f"only with {', '.join(FIXED_POINT)}", param_hint="--fixed-point")

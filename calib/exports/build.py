@@ -6,8 +6,7 @@ import numpy as np
 
 from calib.errors import ExchangeError
 from calib.exports.breakpoints import FEWEST, Indices, misfit, place
-from calib.exports.dataset import BY_A_PERSON, Axis, Curve, Dataset, Scalar
-from calib.exports.labels import label, prefix
+from calib.exports.dataset import BY_A_PERSON, Axis, Curve, Dataset, Scalar, label, prefix
 from calib.physics.vehicle import Axle
 from calib.store.quality import PRELIMINARY, UNPROVED, Quality
 from calib.store.version import Stored

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.exports.dataset import Axis, Curve, Dataset, Scalar
+from calib.exports.dataset import Axis, Curve, Dataset, Scalar, label
 from calib.exports.fixed_point import Fixed, fixed_axis, fixed_misfit, to_fixed
-from calib.exports.labels import label
 from calib.table.table import Array
 
 PER_LINE = 4
