@@ -11,14 +11,12 @@ from typing import Any
 import numpy as np
 
 from calib.errors import LogError
-from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.frames import Frames, Known, joined, once
 from calib.logs.bus.recording import described, require_dbc, require_known, trace
-from calib.logs.extra import need
+from calib.logs.channel_map import Databases
 from calib.logs.mdf_records import check_mdf
-from calib.logs.recording import ChannelTrace, Recording, named
-from calib.logs.source import Column
+from calib.logs.source import ChannelTrace, Column, Recording, named, need
 
 VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
 """Types of conversion that give text instead of numbers, by version of MDF."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from calib.errors import LogError
-from calib.logs.bus.databases import DatabaseFile, Databases
+from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.mdf import open_mdf
 from calib.logs.mdf_records import check_mdf
 from calib.logs.read import read_log

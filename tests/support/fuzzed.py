@@ -71,8 +71,7 @@ def read_a_log(path: Path) -> object:
 
 
 def on_bus(path: Path) -> object:
-    from calib.logs.bus.databases import DatabaseFile
-    from calib.logs.channel_map import ChannelMap, Mapping
+    from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
     from calib.logs.read import read_log
     from tests.support.recordings import CHANNELS
 
@@ -83,8 +82,7 @@ def on_bus(path: Path) -> object:
 
 def signals_of_a_bus(path: Path) -> object:
     """Every signal; the older versions of TRC lack CAN FD, so not all channels are there."""
-    from calib.logs.bus.databases import DatabaseFile
-    from calib.logs.channel_map import ChannelMap
+    from calib.logs.channel_map import ChannelMap, DatabaseFile
     from calib.logs.read import open_log
 
     chart = ChannelMap("map.toml", {}, dbc=(DatabaseFile(_beside(path)),))
@@ -162,8 +160,8 @@ def mdfs() -> list[bytes]:
 
 
 def read_a_dbc(path: Path) -> object:
-    from calib.logs.bus.databases import DatabaseFile
     from calib.logs.bus.dbc import read_dbc
+    from calib.logs.channel_map import DatabaseFile
 
     return read_dbc([DatabaseFile(path)], "can", "a.blf")
 
