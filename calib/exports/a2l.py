@@ -22,7 +22,7 @@ from calib.errors import ExchangeError
 from calib.exports.addresses import Addresses
 from calib.exports.dataset import Axis, Curve, Dataset, Scalar, label, printable
 from calib.exports.dcm import FUNCTION
-from calib.exports.fixed_point import Fixed, fixed_axis, to_fixed
+from calib.exports.fixed_point import Fixed, fixed_objects, numbers_in_words
 from calib.statistics.intervals import Z95
 from calib.table.table import Array
 
@@ -58,29 +58,19 @@ class _Item:
 
 def _items(data: Dataset, bits: int | None) -> Iterator[_Item]:
     """Every object of ``data``, axes first. Raises ExchangeError as `fixed_axis` does."""
-    axes = {axis.label: _axis(axis, bits) for axis in data.axes}
-    yield from axes.values()
-    for curve in data.curves:
-        yield _curve(curve, axes[curve.axis], bits)
-    for scalar in data.scalars:
-        yield _scalar(scalar, bits)
-
-
-def _axis(axis: Axis, bits: int | None) -> _Item:
-    fixed = None if bits is None else fixed_axis(axis, bits)
-    return _item(axis, "AXIS_PTS", axis.values, axis.values, fixed, bits)
-
-
-def _curve(curve: Curve, axis: _Item, bits: int | None) -> _Item:
-    fixed = None if bits is None else to_fixed(curve.values, bits)
-    band = np.concatenate((curve.values, curve.lower, curve.upper))
-    return _item(curve, "CURVE", curve.values, band, fixed, bits, axis)
-
-
-def _scalar(scalar: Scalar, bits: int | None) -> _Item:
-    values, half = np.array([scalar.value]), Z95 * (scalar.sigma or 0.0)
-    fixed = None if bits is None else to_fixed(values, bits)
-    return _item(scalar, "VALUE", values, scalar.value + np.array([-half, half]), fixed, bits)
+    fixed = {} if bits is None else fixed_objects(data, bits)
+    axes = {}
+    for axis in data.axes:
+        item = _item(axis, "AXIS_PTS", axis.values, axis.values, fixed.get(axis.label), bits)
+        axes[axis.label] = item
+        yield item
+    for c in data.curves:
+        band = np.concatenate((c.values, c.lower, c.upper))
+        yield _item(c, "CURVE", c.values, band, fixed.get(c.label), bits, axes[c.axis])
+    for s in data.scalars:
+        half = Z95 * (s.sigma or 0.0)
+        band = s.value + np.array([-half, half])
+        yield _item(s, "VALUE", np.array([s.value]), band, fixed.get(s.label), bits)
 
 
 def _item(
@@ -145,8 +135,7 @@ def write_a2l(data: Dataset, bits: int | None, addresses: Addresses) -> bytes:
 
 def _comment(data: Dataset, bits: int | None, addresses: Addresses) -> Iterator[str]:
     """Facts of the table, and what is assumed of the memory."""
-    numbers = "double" if bits is None else f"int{bits}_t, value = origin + step * raw"
-    facts = [*data.facts().items(), ("numbers", numbers)]
+    facts = [*data.facts().items(), ("numbers", numbers_in_words(bits))]
     yield "/*"
     for key, text in [*facts, *(("addresses", remark) for remark in addresses.remarks)]:
         yield f" * {_plain(f'{key}: {text}')}"

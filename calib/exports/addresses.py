@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from calib.errors import ProgramError
 from calib.exports.dataset import Dataset
-from calib.exports.fixed_point import fixed_axis, to_fixed
+from calib.exports.fixed_point import fixed_objects
 
 Numbers = NDArray[np.float64] | NDArray[np.signedinteger]
 
@@ -75,17 +75,10 @@ def find_addresses(path: Path, data: Dataset, bits: int | None) -> Addresses:
 def numbers_in_memory(data: Dataset, bits: int | None) -> dict[str, Numbers]:
     """The numbers of each object of the C header by label, in their type in C; shapes (n,)."""
     if bits is None:
-        return {
-            **{a.label: a.values for a in data.axes},
-            **{c.label: c.values for c in data.curves},
-            **{s.label: np.array([s.value]) for s in data.scalars},
-        }
-    fixed = {
-        **{a.label: fixed_axis(a, bits) for a in data.axes},
-        **{c.label: to_fixed(c.values, bits) for c in data.curves},
-        **{s.label: to_fixed(np.array([s.value]), bits) for s in data.scalars},
+        return {**data.arrays}
+    return {
+        name: one.raw.astype(f"i{bits // 8}") for name, one in fixed_objects(data, bits).items()
     }
-    return {name: one.raw.astype(f"i{bits // 8}") for name, one in fixed.items()}
 
 
 def _read(path: Path, wanted: set[str]) -> tuple[dict[str, _Symbol], bool, tuple[str, ...]]:

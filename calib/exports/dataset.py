@@ -11,6 +11,8 @@ import unicodedata
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from calib.errors import ExchangeError
 from calib.exports.breakpoints import Misfit
 from calib.store.quality import Quality
@@ -174,6 +176,15 @@ class Dataset:
     def blocks(self) -> int:
         """Objects in a file: shared axes, curves and scalars."""
         return sum(a.shared for a in self.axes) + len(self.curves) + len(self.scalars)
+
+    @property
+    def arrays(self) -> dict[str, Array]:
+        """The numbers of every object by label, axes first; shapes (n,)."""
+        return {
+            **{axis.label: axis.values for axis in self.axes},
+            **{curve.label: curve.values for curve in self.curves},
+            **{scalar.label: np.array([scalar.value]) for scalar in self.scalars},
+        }
 
     def content(self) -> Content:
         """The bare numbers."""

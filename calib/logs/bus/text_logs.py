@@ -11,7 +11,7 @@ import logging
 import re
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, TextIO, TypeVar
 
 from calib.errors import LogError
 from calib.logs.bus.dbc import Dbc
@@ -22,7 +22,6 @@ from calib.logs.source import Recording, need
 
 if TYPE_CHECKING:
     import can
-    from can import Message
 
 
 class Counted:
@@ -59,7 +58,7 @@ class Counted:
         `calib.logs.bus.recording.gathered`.
         """
         try:
-            found = gathered(messages, dbc, str(self.path))
+            found = gathered(self._whole(messages), dbc, str(self.path))
         except LogError as error:
             if self.frames:
                 self._require_line_end()
@@ -85,6 +84,23 @@ class Counted:
         """Whether the last line is not cut off: here, whether it has an end of line."""
         return line.endswith("\n")
 
+    def stated(self, message: "can.Message") -> int:
+        """Bytes of data that the line of a frame states; 0 if it does not."""
+        return 0
+
+    def _whole(self, messages: "Iterable[can.Message]") -> "Iterator[can.Message]":
+        """Yield the frames. Raises LogError for a frame with less data than its line states."""
+        for message in messages:
+            if not message.is_remote_frame and len(message.data) < self.stated(message):
+                raise LogError(
+                    f"a frame at {message.timestamp:.6f} s has {len(message.data)} of "
+                    f"{self.stated(message)} bytes",
+                    where=self.path,
+                    expected="all of them",
+                    do="the line is cut off: copy the log again",
+                )
+            yield message
+
     def _no_frame(self) -> LogError:
         """The error for the line at which python-can stopped; its own words help nobody."""
         whole = self.frames - bool(self.frame.match(self.last))
@@ -109,23 +125,18 @@ class Counted:
             )
 
 
-def whole_frames(
-    messages: "Iterable[can.Message]", stated: "Callable[[can.Message], int]", where: str
-) -> "Iterator[can.Message]":
-    """Yield the frames. Raises LogError for a frame with less data than its line states.
+AnyLines = TypeVar("AnyLines", bound=Counted)
 
-    ``stated`` returns the number of bytes that the line of a frame states.
-    """
-    for message in messages:
-        if not message.is_remote_frame and len(message.data) < stated(message):
-            raise LogError(
-                f"a frame at {message.timestamp:.6f} s has {len(message.data)} of "
-                f"{stated(message)} bytes",
-                where=where,
-                expected="all of them",
-                do="the line is cut off: copy the log again",
-            )
-        yield message
+
+def _read(
+    path: Path, dbc: Databases, kind: Callable[[TextIO, Path], AnyLines], reader: str
+) -> tuple[AnyLines, Gathered, Dbc]:
+    """The lines of a log, their frames by a ``reader`` of python-can, and what describes them."""
+    can = need("can", "can", str(path))
+    known = require_dbc(dbc, "can", str(path))
+    with path.open(encoding="utf-8", errors="replace") as file:
+        lines = kind(file, path)
+        return lines, lines.gathered(getattr(can, reader)(lines), known), known
 
 
 _CANDUMP = re.compile(r"\s*\(\d+\.\d+\)\s")
@@ -142,14 +153,11 @@ def open_candump(path: Path, dbc: Databases) -> Recording:
     a line that is not a frame, if python-can or a DBC is missing, and if no frame is described by
     the DBC.
     """
-    where = str(path)
-    can = need("can", "can", where)
-    known = require_dbc(dbc, "can", where)
-    with path.open(encoding="utf-8", errors="replace") as file:
-        lines = Counted(file, _CANDUMP, path, _EXAMPLE)
-        found = lines.gathered(can.CanutilsLogReader(lines), known)
+    lines, found, known = _read(
+        path, dbc, lambda file, path: Counted(file, _CANDUMP, path, _EXAMPLE), "CanutilsLogReader"
+    )
     lines.require_all(found)
-    return recording(found, known, (_CANDUMP_END,), where)
+    return recording(found, known, (_CANDUMP_END,), str(path))
 
 
 _ASC = re.compile(
@@ -162,6 +170,8 @@ _EVENTS = re.compile(r"\s*(no\s+)?internal\s+events", re.IGNORECASE)
 _DELTA = re.compile(r"\s*base\s+\w+\s+timestamps\s+relative", re.IGNORECASE)
 _BEGIN = re.compile(r"\s*begin\s+triggerblock", re.IGNORECASE)
 _END = re.compile(r"\s*end\s+triggerblock", re.IGNORECASE)
+
+_ASC_END = "no trigger block: a file cut at the end of a line looks like a complete one"
 
 
 class _AscLines(Counted):
@@ -186,7 +196,13 @@ class _AscLines(Counted):
             self._require_code(line)
             return line
         if _DELTA.match(line):
-            raise _relative(self.path)
+            raise LogError(
+                "its timestamps are relative to the line before ('timestamps relative')",
+                where=self.path,
+                expected="timestamps absolute",
+                do="export it again with absolute timestamps: a missing line would shift all later "
+                "ones",
+            )
         if _EVENTS.match(line):
             self._headed = True
             return line
@@ -196,6 +212,10 @@ class _AscLines(Counted):
         self._mark(line)
         self._kept = line
         return "no internal events logged\n"
+
+    def stated(self, message: "can.Message") -> int:
+        """In classic CAN the codes 9 to F stand for 8 bytes (ISO 11898-1)."""
+        return int(message.dlc if message.is_fd else min(message.dlc, 8))
 
     def _require_code(self, line: str) -> None:
         """Raise LogError for a classic frame of more than 8 bytes: python-can drops the others."""
@@ -220,12 +240,7 @@ def open_asc(path: Path, dbc: Databases) -> Recording:
     looks like a frame and cannot be read, timestamps relative to the line before, if python-can or
     a DBC is missing, and if no frame is described by the DBC.
     """
-    where = str(path)
-    can = need("can", "can", where)
-    known = require_dbc(dbc, "can", where)
-    with path.open(encoding="utf-8", errors="replace") as file:
-        lines = _AscLines(file, path)
-        found = lines.gathered(whole_frames(can.ASCReader(lines), _stated_in_asc, where), known)
+    lines, found, known = _read(path, dbc, _AscLines, "ASCReader")
     if lines.begun and not lines.ended:
         raise LogError(
             f"the end is missing: {len(found.times)} frames up to {found.times[-1]:.3f} s were "
@@ -235,24 +250,7 @@ def open_asc(path: Path, dbc: Databases) -> Recording:
             do="copy the log again; the file does not show how much is missing",
         )
     lines.require_all(found)
-    return recording(found, known, () if lines.begun else (_ASC_END,), where)
-
-
-def _stated_in_asc(message: "Message") -> int:
-    """Bytes of a frame by its line; in classic CAN the codes 9 to F stand for 8 (ISO 11898-1)."""
-    return int(message.dlc if message.is_fd else min(message.dlc, 8))
-
-
-_ASC_END = "no trigger block: a file cut at the end of a line looks like a complete one"
-
-
-def _relative(path: Path) -> LogError:
-    return LogError(
-        "its timestamps are relative to the line before ('timestamps relative')",
-        where=path,
-        expected="timestamps absolute",
-        do="export it again with absolute timestamps: a missing line would shift all later ones",
-    )
+    return recording(found, known, () if lines.begun else (_ASC_END,), str(path))
 
 
 VERSIONS = ("1.0", "1.1", "1.3", "2.0", "2.1")
@@ -279,6 +277,8 @@ class _TrcLines(Counted):
     """Lines of a TRC file. The number of each message must follow that of the one before."""
 
     def __init__(self, file: TextIO, path: Path):
+        _check_version(file, path)
+        file.seek(0)
         super().__init__(file, _TRC, path)
         self._numbered, self._number = True, 0
 
@@ -297,6 +297,12 @@ class _TrcLines(Counted):
         *words, last = line.split()
         remote = "RR" in words and len(last) == 1 and last.isdigit()
         return remote or bool(_LAST.fullmatch(last))
+
+    def stated(self, message: "can.Message") -> int:
+        """Up to 8 bytes the code itself; in CAN FD up to 64."""
+        if not message.is_fd:
+            return int(min(message.dlc, 8))
+        return int(message.dlc if message.dlc <= 8 else _FD_LENGTHS[message.dlc - 9])
 
     def _follow(self, line: str) -> None:
         """Raise LogError if the number of a message is not the next one."""
@@ -319,24 +325,10 @@ def open_trc(path: Path, dbc: Databases) -> Recording:
     last line or a frame that is cut off, a line that cannot be read, if python-can or a DBC is
     missing, and if no frame is described by the DBC.
     """
-    where = str(path)
-    can = need("can", "can", where)
-    known = require_dbc(dbc, "can", where)
     logging.getLogger("can.io.trc").setLevel(logging.CRITICAL + 1)  # what it skips is refused here
-    with path.open(encoding="utf-8", errors="replace") as file:
-        _check_version(file, path)
-        file.seek(0)
-        lines = _TrcLines(file, path)
-        found = lines.gathered(whole_frames(can.TRCReader(lines), _stated_in_trc, where), known)
+    lines, found, known = _read(path, dbc, _TrcLines, "TRCReader")
     lines.require_all(found)
-    return recording(found, known, (_TRC_END,), where)
-
-
-def _stated_in_trc(message: "Message") -> int:
-    """Bytes of a frame by the code in its line: up to 8 the code itself, in CAN FD up to 64."""
-    if not message.is_fd:
-        return int(min(message.dlc, 8))
-    return int(message.dlc if message.dlc <= 8 else _FD_LENGTHS[message.dlc - 9])
+    return recording(found, known, (_TRC_END,), str(path))
 
 
 def _check_version(file: TextIO, path: Path) -> None:
