@@ -10,7 +10,7 @@
     │   ├── SettingsError     the settings of a project
     │   ├── ExchangeError     a calibration file (DCM, CDF) or its validation summary
     │   ├── NotFiniteError    a number that was computed of the files is not finite
-    │   ├── ProgramError      a linked program (ELF) or the map file of its linker
+    │   ├── ProgramError      a linked program (ELF)
     │   └── KeyFileError      a key file, its password, or what keys need
     ├── BatchError            exit code 2: the folder or the workers of a batch
     ├── RevisionError         exit code 2: tables that cannot be merged, a value that cannot be set
@@ -134,7 +134,7 @@ def not_finite(quantity: str, where: object) -> NotFiniteError:
 
 
 class ProgramError(InputError):
-    """A linked program or its map file is unreadable, or does not hold the exported table."""
+    """A linked program is unreadable, or does not hold the exported table."""
 
 
 class KeyFileError(InputError):

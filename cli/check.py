@@ -65,9 +65,8 @@ def _look(
     from calib.checks.check import check as look_at
     from calib.checks.computed_channels import computed_channels
     from calib.errors import InputError
+    from calib.logs.formats import RECORDINGS, ending_of
     from calib.logs.read import read_opened
-    from calib.logs.recordings import RECORDINGS
-    from calib.logs.tables import ending_of
 
     found, errors = [], []
     for path, name in _watched(logs, named(logs)):

@@ -37,7 +37,7 @@ def export_table(
             metavar="F",
             help="json, csv, parquet, dcm, cdfx, a2l, c-header or inca-csv; else by the ending of "
             "--out.",
-            autocompletion=names_of("calib.exports.formats", "ENDINGS"),
+            autocompletion=names_of("calib.exports.export", "ENDINGS"),
         ),
     ] = None,
     out: Annotated[Path, out_file("File to write.")],
@@ -51,9 +51,7 @@ def export_table(
     ] = None,
     elf: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Linked program (ELF) or its GNU ld map, for addresses of an a2l."
-        ),
+        typer.Option(metavar="FILE", help="Linked program (ELF), for addresses of an a2l."),
     ] = None,
     validation: Annotated[
         Path | None,
@@ -102,7 +100,7 @@ def export_table(
 def _known(form: str | None, out: Path) -> str:
     """The format that was named, or that of the ending of the file."""
     from calib.errors import ExchangeError
-    from calib.exports.formats import format_named, format_of
+    from calib.exports.export import format_named, format_of
 
     try:
         return format_of(out.name) if form is None else format_named(form)
@@ -112,12 +110,16 @@ def _known(form: str | None, out: Path) -> str:
 
 
 def _check_usage(form: str, out: Path, bits: int | None, elf: Path | None) -> None:
-    from calib.exports.formats import ADDRESSED, FIXED_POINT
+    from calib.exports.export import ADDRESSED, FIXED_POINT
 
     if bits is not None and form not in FIXED_POINT:
         raise typer.BadParameter(f"only with {', '.join(FIXED_POINT)}", param_hint="--fixed-point")
     if elf is not None and form not in ADDRESSED:
         raise typer.BadParameter(f"only with {', '.join(ADDRESSED)}", param_hint="--elf")
+    if elf is not None and elf.suffix.lower() == ".map":
+        raise typer.BadParameter(
+            "a linker's map is no longer read: give the linked program (ELF)", param_hint="--elf"
+        )
     refuse_folder(out)
     refuse_overwriting([out], [], [elf])
 

@@ -77,7 +77,7 @@ def convert(
 
 def check_file(out: Path, logs: list[Path], channel_map: Path | None) -> None:
     """Refuse an output of an unknown ending, and one that is an input."""
-    from calib.logs.convert import ENDINGS
+    from calib.logs.write import ENDINGS
 
     if out.suffix.lower() not in ENDINGS:
         raise typer.BadParameter(
@@ -90,7 +90,7 @@ def check_file(out: Path, logs: list[Path], channel_map: Path | None) -> None:
 
 def _checked_names(out: Path, logs: list[Path], to: str) -> list[str]:
     """Names of the files in the folder ``out``; refuses an unknown format, and an input."""
-    from calib.logs.convert import ENDINGS
+    from calib.logs.write import ENDINGS
 
     if f".{to.lower()}" not in ENDINGS:
         known = ", ".join(ending[1:] for ending in ENDINGS)
@@ -111,7 +111,7 @@ def write(log: "WholeLog", out: Path, force: bool) -> None:
 
 
 def _content(log: "WholeLog", out: Path, force: bool) -> bytes:
-    from calib.logs.convert import log_content
+    from calib.logs.write import log_content
 
     content = log_content(log, out.suffix.lower())
     refuse_foreign(out, lambda data: data == content, "this log", force)

@@ -38,8 +38,8 @@ def cut(
     units and times are kept, also columns that the program does not know. Columns of a --map get
     their canonical names, unless --keep-names.
     """
-    from calib.logs.cut import cut as cut_log
     from calib.logs.verify import MIN_SAMPLES
+    from calib.logs.whole import cut as cut_log
 
     check_file(out, [log], channel_map)
     if start is None and end is None:

@@ -21,8 +21,7 @@ from cli.outputs import (
 
 if TYPE_CHECKING:
     from calib.checks.events import RunEvent
-    from calib.logs.inventory import Inventory
-    from calib.logs.whole import WholeLog
+    from calib.logs.whole import Inventory, WholeLog
 
 EPILOG = example(
     "brake-cal log view sample_logs/sedan/ramp_wet_asphalt.csv",
@@ -54,8 +53,7 @@ def view(
     mapping = channel_map_of(channel_map)
     found = []
     from calib.checks.events import run_events
-    from calib.logs.inventory import inventory
-    from calib.logs.whole import channels_log
+    from calib.logs.whole import channels_log, inventory
 
     for path in logs:
         whole = read_whole(path, mapping)

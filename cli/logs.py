@@ -93,7 +93,7 @@ def _stdin() -> bytes:
     """The bytes on stdin. Raises LogError where they are no table, or more than a log may have."""
     from calib.errors import LogError
     from calib.files.bounded import LOG
-    from calib.logs.kind import kind_of
+    from calib.logs.formats import kind_of
 
     if sys.stdin.isatty():
         raise LogError("stdin is a terminal", where=STDIN, expected="a log", do="cat LOG | ...")

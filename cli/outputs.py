@@ -168,7 +168,7 @@ def today() -> str:
 
 def stems_of(logs: Iterable[Path], param_hint: str, called: str = "logs") -> list[str]:
     """Names of the logs without their endings; each is the name of a file in ``--out``."""
-    from calib.logs.tables import stem_of
+    from calib.logs.formats import stem_of
 
     stems = [stem_of(path) for path in logs]
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})

@@ -107,8 +107,8 @@ def _read(
     what: list[str], store: Path, vehicle: Path | None, channel_map: Path | None
 ) -> "PlotInput":
     """Read all inputs; a name that is no log and no result is a table."""
+    from calib.logs.formats import ending_of
     from calib.logs.read import FORMATS, REQUIRED
-    from calib.logs.tables import ending_of
     from calib.plots.choose import PlotInput
     from calib.plots.result import is_result, read_result
     from calib.store.folders import RECORD

@@ -14,8 +14,8 @@ from cli.project import STORE
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
+    from calib.exports.dataset import Returned
     from calib.exports.read import Difference
-    from calib.exports.returned import Returned
     from calib.store.version import Stored
 
 EPILOG = example("brake-cal tables import sedan.dcm")

@@ -111,7 +111,7 @@ class ExportOptions:
             "--export",
             metavar="F",
             help="Export as `tables export`; repeatable.",
-            autocompletion=names_of("calib.exports.formats", "ENDINGS"),
+            autocompletion=names_of("calib.exports.export", "ENDINGS"),
             callback=from_settings("export"),
         ),
     ] = None
@@ -125,7 +125,7 @@ class ExportOptions:
 
     def forms(self) -> list[str]:
         """The formats; refuses an unknown one, and a date that is not valid."""
-        from calib.exports.formats import ENDINGS
+        from calib.exports.export import ENDINGS
 
         forms = self.exports or []
         for form in forms:
@@ -282,7 +282,7 @@ def _outputs(holdouts: list[Path], forms: list[str], out: Path) -> list[Path]:
 
 def _tell_addresses(stored: "Stored", forms: list[str]) -> None:
     """Say that the exports with addresses have none: the station knows no linked program."""
-    from calib.exports.formats import ADDRESSED, NOWHERE
+    from calib.exports.export import ADDRESSED, NOWHERE
     from calib.station.folder import export_name
 
     for form in forms:

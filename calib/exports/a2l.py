@@ -10,15 +10,98 @@ Limits are those of the 95 % band, extended limits those of the type in C. The f
 and no interface (IF_DATA): it is meant to be merged into the A2L of the ECU.
 """
 
+import math
 import re
+import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
 
 from calib.errors import ExchangeError
-from calib.exports.a2l_objects import A2lItem, items
 from calib.exports.addresses import Addresses
-from calib.exports.dataset import Dataset
+from calib.exports.dataset import Axis, Curve, Dataset, Scalar, label, printable
 from calib.exports.dcm import FUNCTION
-from calib.exports.labels import label, printable
+from calib.exports.fixed_point import Fixed, fixed_objects, numbers_in_words
+from calib.statistics.intervals import Z95
+from calib.table.table import Array
+
+DIGITS = 7
+"""Significant digits that a tool shows of the largest number of an object in double."""
+
+MOST_DECIMALS = 15
+
+DOUBLE = (-sys.float_info.max, sys.float_info.max)
+"""Range of double."""
+
+
+@dataclass(frozen=True)
+class _Item:
+    """An object: ``kind`` AXIS_PTS, CURVE or VALUE; a curve has its ``axis``.
+
+    ``limits`` of the numbers with their 95 % band, ``type_limits`` of the type in C [unit];
+    ``step``, ``origin`` of the fixed point [unit], step None in double; ``form`` as ``%8.3``.
+    """
+
+    label: str
+    kind: str
+    meaning: str
+    unit: str
+    points: int
+    limits: tuple[float, float]
+    type_limits: tuple[float, float]
+    step: float | None
+    origin: float
+    form: str
+    axis: "_Item | None" = None
+
+
+def _items(data: Dataset, bits: int | None) -> Iterator[_Item]:
+    """Every object of ``data``, axes first. Raises ExchangeError as `fixed_axis` does."""
+    fixed = {} if bits is None else fixed_objects(data, bits)
+    axes = {}
+    for axis in data.axes:
+        item = _item(axis, "AXIS_PTS", axis.values, axis.values, fixed.get(axis.label), bits)
+        axes[axis.label] = item
+        yield item
+    for c in data.curves:
+        band = np.concatenate((c.values, c.lower, c.upper))
+        yield _item(c, "CURVE", c.values, band, fixed.get(c.label), bits, axes[c.axis])
+    for s in data.scalars:
+        half = Z95 * (s.sigma or 0.0)
+        band = s.value + np.array([-half, half])
+        yield _item(s, "VALUE", np.array([s.value]), band, fixed.get(s.label), bits)
+
+
+def _item(
+    one: Axis | Curve | Scalar, kind: str, values: Array, band: Array, fixed: Fixed | None,
+    bits: int | None, axis: _Item | None = None,
+) -> _Item:  # fmt: skip
+    largest = float(np.abs(values).max())
+    step, origin, type_limits = None, 0.0, DOUBLE
+    if fixed is not None and bits is not None:
+        step, origin, values = fixed.step, fixed.origin, fixed.values
+        half = step * 2.0 ** (bits - 1)
+        type_limits = (origin - half, origin + half - step)
+    finest = step or largest * 10.0**-DIGITS
+    band = np.concatenate((values, band[np.isfinite(band)]))
+    limits = (max(float(band.min()), type_limits[0]), min(float(band.max()), type_limits[1]))
+    return _Item(
+        one.label, kind, one.meaning, one.unit, len(values), limits, type_limits,
+        step, origin, _form(largest, finest), axis,
+    )  # fmt: skip
+
+
+def _form(largest: float, finest: float) -> str:
+    """Format with a sign, the digits before the point, and decimals that show ``finest``.
+
+    >>> _form(1744.0, 0.5), _form(0.0, 0.0)
+    ('%7.1', '%4.1')
+    """
+    decimals = math.ceil(-math.log10(finest)) if finest > 0.0 else 1
+    decimals = min(max(decimals, 0), MOST_DECIMALS)
+    return f"%{len(str(int(largest))) + decimals + 2}.{decimals}"
+
 
 TYPES = {None: "FLOAT64_IEEE", 8: "SBYTE", 16: "SWORD", 32: "SLONG"}
 """Data type of the standard by width of the fixed point; None is double."""
@@ -36,7 +119,7 @@ def write_a2l(data: Dataset, bits: int | None, addresses: Addresses) -> bytes:
     Raises ExchangeError for a width that C does not have, where a rounded axis is not strictly
     increasing, or where a text is too long.
     """
-    described, origin = list(items(data, bits)), f"table {data.id}, digest {data.digest}"
+    described, origin = list(_items(data, bits)), f"table {data.id}, digest {data.digest}"
     lines = ["ASAP2_VERSION 1 71", *_comment(data, bits, addresses)]
     lines += [f"/begin PROJECT {data.prefix} {_text(data.id)}"]
     lines += [f"  /begin HEADER {_text(origin)}", f'    VERSION "{data.version}"', "  /end HEADER"]
@@ -52,8 +135,7 @@ def write_a2l(data: Dataset, bits: int | None, addresses: Addresses) -> bytes:
 
 def _comment(data: Dataset, bits: int | None, addresses: Addresses) -> Iterator[str]:
     """Facts of the table, and what is assumed of the memory."""
-    numbers = "double" if bits is None else f"int{bits}_t, value = origin + step * raw"
-    facts = [*data.facts().items(), ("numbers", numbers)]
+    facts = [*data.facts().items(), ("numbers", numbers_in_words(bits))]
     yield "/*"
     for key, text in [*facts, *(("addresses", remark) for remark in addresses.remarks)]:
         yield f" * {_plain(f'{key}: {text}')}"
@@ -81,7 +163,7 @@ def _layout(data: Dataset, axis: bool) -> str:
     return label(data.prefix, "points" if axis else "values")
 
 
-def _method(item: A2lItem, data: Dataset) -> Iterator[str]:
+def _method(item: _Item, data: Dataset) -> Iterator[str]:
     name, form, unit = _method_of(item), f'"{item.form}"', _text(item.unit)
     if item.step is None:
         yield f'/begin COMPU_METHOD {name} "value = raw" IDENTICAL {form} {unit}'
@@ -91,11 +173,11 @@ def _method(item: A2lItem, data: Dataset) -> Iterator[str]:
     yield "/end COMPU_METHOD"
 
 
-def _method_of(item: A2lItem) -> str:
+def _method_of(item: _Item) -> str:
     return label(item.label, "cm")
 
 
-def _object(item: A2lItem, data: Dataset, bits: int | None, addresses: Addresses) -> Iterator[str]:
+def _object(item: _Item, data: Dataset, bits: int | None, addresses: Addresses) -> Iterator[str]:
     kind = "AXIS_PTS" if item.kind == "AXIS_PTS" else "CHARACTERISTIC"
     at, limits = f"0x{addresses.of(item.label):08X}", _pair(item.limits)
     layout = _layout(data, item.kind == "AXIS_PTS")

@@ -6,8 +6,7 @@ import numpy as np
 
 from calib.errors import ExchangeError
 from calib.exports.breakpoints import FEWEST, Indices, misfit, place
-from calib.exports.dataset import BY_A_PERSON, Axis, Curve, Dataset, Scalar
-from calib.exports.labels import label, prefix
+from calib.exports.dataset import BY_A_PERSON, Axis, Curve, Dataset, Scalar, label, prefix
 from calib.physics.vehicle import Axle
 from calib.store.quality import PRELIMINARY, UNPROVED, Quality
 from calib.store.version import Stored
@@ -100,15 +99,12 @@ def _kept(axis: Axis, over: list[Curve], points: int | None) -> Indices:
 
 def _thin_axis(axis: Axis, over: list[Curve], kept: Indices) -> Axis:
     x, y = axis.values, np.array([c.values for c in over])
-    found = misfit(x, y, x[kept], y[:, kept])
-    return Axis(
-        axis.label, axis.meaning, axis.unit, x[kept], axis.shared, axis.origin, axis.rows, found
-    )
+    return replace(axis, values=x[kept], misfit=misfit(x, y, x[kept], y[:, kept]))
 
 
 def _thin(c: Curve, kept: Indices) -> Curve:
-    columns = (c.values, c.lower, c.upper, c.count, c.flag)
-    return Curve(c.label, c.axis, c.meaning, c.unit, *(column[kept] for column in columns))
+    arrays = ("values", "lower", "upper", "count", "flag")
+    return replace(c, **{name: getattr(c, name)[kept] for name in arrays})
 
 
 def _scalars(table: Table, version: int, first: str) -> list[Scalar]:

@@ -13,16 +13,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calib.exports.dataset import Axis, Curve, Dataset, Scalar
-from calib.exports.fixed_point import Fixed, fixed_axis, fixed_misfit, to_fixed
-from calib.exports.labels import label
+from calib.exports.dataset import Axis, Dataset, label
+from calib.exports.fixed_point import Fixed, fixed_misfit, fixed_objects, numbers_in_words
 from calib.table.table import Array
 
 PER_LINE = 4
 
 
 @dataclass(frozen=True)
-class Constant:
+class _Constant:
     """One constant of the header: an array where it has a ``size`` macro."""
 
     label: str
@@ -41,7 +40,7 @@ def write_c_header(data: Dataset, bits: int | None = None) -> bytes:
     constants = list(_constants(data, bits))
     lines = ["/*", *(f" * {_plain(f'{k}: {v}')}" for k, v in data.facts().items())]
     lines += [
-        f" * numbers: {_numbers(bits)}",
+        f" * numbers: {numbers_in_words(bits)}",
         f" * Define {define} in exactly one source file",
         " */",
     ]
@@ -60,68 +59,52 @@ def write_c_header(data: Dataset, bits: int | None = None) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def _numbers(bits: int | None) -> str:
-    return "double" if bits is None else f"int{bits}_t, value = origin + step * raw"
-
-
 def _size(axis: Axis) -> str:
     return f"{axis.label.upper()}_SIZE"
 
 
-def _constants(data: Dataset, bits: int | None) -> Iterator[Constant]:
+def _constants(data: Dataset, bits: int | None) -> Iterator[_Constant]:
     for name, text in (("id", data.id), ("digest", data.digest)):
         escaped = "".join(_escaped(byte) for byte in text.encode())
         size = str(len(text.encode()) + 1)
-        yield Constant(f"{data.prefix}_{name}", "char", size, [f'"{escaped}"'], (f"{name}",))
+        yield _Constant(f"{data.prefix}_{name}", "char", size, [f'"{escaped}"'], (f"{name}",))
+    fixed = {} if bits is None else fixed_objects(data, bits)
     for axis in data.axes:
-        fixed = None if bits is None else fixed_axis(axis, bits)
         says = f"{axis.meaning} [{axis.unit}], strictly increasing"
         yield from _object(axis.label, _size(axis), says, axis.values, fixed, bits)
     for curve in data.curves:
-        yield from _curve(curve, data.axis(curve.axis), bits)
-    for scalar in data.scalars:
-        yield from _scalar(scalar, bits)
-
-
-def _curve(curve: Curve, axis: Axis, bits: int | None) -> Iterator[Constant]:
-    fixed = None if bits is None else to_fixed(curve.values, bits)
-    says = f"{curve.meaning} [{curve.unit}] over {axis.label}, clamped at its ends"
-    if bits is not None:
-        worst = fixed_misfit(axis, curve, bits).worst
-        says += f"; read over the rounded axis at most {worst:.3g} off"
-    yield from _object(curve.label, _size(axis), says, curve.values, fixed, bits)
-
-
-def _scalar(scalar: Scalar, bits: int | None) -> Iterator[Constant]:
-    value = np.array([scalar.value])
-    fixed = None if bits is None else to_fixed(value, bits)
-    yield from _object(scalar.label, "", f"{scalar.meaning} [{scalar.unit}]", value, fixed, bits)
+        axis = data.axis(curve.axis)
+        says = f"{curve.meaning} [{curve.unit}] over {axis.label}, clamped at its ends"
+        if bits is not None:
+            worst = fixed_misfit(axis, curve, bits).worst
+            says += f"; read over the rounded axis at most {worst:.3g} off"
+        yield from _object(curve.label, _size(axis), says, curve.values, fixed, bits)
+    for s in data.scalars:
+        says = f"{s.meaning} [{s.unit}]"
+        yield from _object(s.label, "", says, np.array([s.value]), fixed, bits)
 
 
 def _object(
-    name: str, size: str, says: str, values: Array, fixed: Fixed | None, bits: int | None
-) -> Iterator[Constant]:
+    name: str, size: str, says: str, values: Array, every: dict[str, Fixed], bits: int | None
+) -> Iterator[_Constant]:
+    fixed = every.get(name)
     if fixed is None:
-        yield Constant(name, "double", size, [repr(float(v)) for v in values], (says,))
+        yield _Constant(name, "double", size, [repr(float(v)) for v in values], (says,))
         return
     rounding = (
         f"origin {fixed.origin!r}, step 2^{-fixed.shift}, rounding error at most {fixed.error:.3g}"
     )
-    raw = [_integer(int(v), bits) for v in fixed.raw]
-    yield Constant(name, f"int{bits}_t", size, raw, (says, rounding))
+    raw = [f"{v}{'L' * (bits == 32)}" for v in fixed.raw.tolist()]
+    yield _Constant(name, f"int{bits}_t", size, raw, (says, rounding))
     for part, value in (("origin", fixed.origin), ("step", fixed.step)):
-        yield Constant(label(name, part), "double", "", [repr(value)], ())
+        yield _Constant(label(name, part), "double", "", [repr(value)], ())
 
 
-def _integer(value: int, bits: int | None) -> str:
-    return f"{value}L" if bits == 32 else str(value)
-
-
-def _declared(c: Constant) -> str:
+def _declared(c: _Constant) -> str:
     return f"{c.kind} {c.label}" + (f"[{c.size}]" if c.size else "")
 
 
-def _definition(c: Constant) -> Iterator[str]:
+def _definition(c: _Constant) -> Iterator[str]:
     if not c.size or c.kind == "char":
         yield f"const {_declared(c)} = {c.values[0]};"
         return

@@ -1,16 +1,70 @@
 """A table as calibration tools use it: axes, curves over them, scalars, and their origin.
 
-Every format writes one `Dataset`; its `Content` is the same in all formats.
+Every format writes one `Dataset`; its `Content` is the same in all formats. A file that is read
+back is `Returned`: an export of this program when it names a table, in its head or by its labels,
+since a tool that saves a file keeps labels and numbers, and seldom the head.
 """
 
 import hashlib
+import re
+import unicodedata
 from dataclasses import dataclass
+from pathlib import Path
 
+import numpy as np
+
+from calib.errors import ExchangeError
 from calib.exports.breakpoints import Misfit
 from calib.store.quality import Quality
 from calib.store.state import VersionState
 from calib.table.by_hand import SetByHand
 from calib.table.table import Array
+
+LONGEST = 31
+"""Significant characters of an external name in every C99 compiler."""
+
+LONGEST_PREFIX = 16
+MARK = 4
+"""Digits of the digest behind a shortened name."""
+
+
+def prefix(name: str) -> str:
+    """Label of a table's name, at most 16 characters.
+
+    >>> prefix("sedan-2up"), prefix("2up")
+    ('sedan_2up', 't_2up')
+    >>> prefix("Müller")
+    'Muller_a784'
+    """
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    word = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_")
+    if not word[:1].isalpha():
+        word = f"t_{word}".rstrip("_")
+    whole = re.fullmatch(r"[A-Za-z0-9._-]+", name) is not None
+    if whole and len(word) <= LONGEST_PREFIX:
+        return word
+    return _marked(word, name, LONGEST_PREFIX)
+
+
+def label(first: str, *parts: str) -> str:
+    """Label of one curve or scalar, at most 31 characters.
+
+    >>> label("sedan_2up", "f1")
+    'sedan_2up_f1'
+    """
+    whole = "_".join((first, *parts))
+    return whole if len(whole) <= LONGEST else _marked(whole, whole, LONGEST)
+
+
+def printable(text: str) -> str:
+    """``text`` on one line, without control characters."""
+    return "".join(c if c.isprintable() else " " for c in text)
+
+
+def _marked(word: str, name: str, longest: int) -> str:
+    mark = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:MARK]
+    return f"{word[: longest - MARK - 1].rstrip('_')}_{mark}"
+
 
 CLAMP = (
     "outside an axis the value at its nearest end holds (clamped, never extrapolated); "
@@ -123,6 +177,15 @@ class Dataset:
         """Objects in a file: shared axes, curves and scalars."""
         return sum(a.shared for a in self.axes) + len(self.curves) + len(self.scalars)
 
+    @property
+    def arrays(self) -> dict[str, Array]:
+        """The numbers of every object by label, axes first; shapes (n,)."""
+        return {
+            **{axis.label: axis.values for axis in self.axes},
+            **{curve.label: curve.values for curve in self.curves},
+            **{scalar.label: np.array([scalar.value]) for scalar in self.scalars},
+        }
+
     def content(self) -> Content:
         """The bare numbers."""
         return Content(
@@ -173,3 +236,52 @@ def _floats(values: Array) -> tuple[float, ...]:
 
 def _hex(values: tuple[float, ...]) -> str:
     return " ".join(v.hex() for v in values)
+
+
+VERSION = "_version"
+"""How the label of the scalar ends that holds the version of the table."""
+
+
+@dataclass(frozen=True)
+class Returned:
+    """A file read back: ``format`` DCM or CDF, ``facts`` by key, and its numbers.
+
+    ``prefix`` of the labels of the table, ``table`` its id: as the head has it, or by the labels.
+    """
+
+    format: str
+    facts: dict[str, str]
+    units: dict[str, str]
+    content: Content
+    prefix: str
+    table: str
+
+    @property
+    def unchanged(self) -> bool | None:
+        """Whether the numbers agree with the checksum; None where the file states none."""
+        stated = self.facts.get("checksum")
+        return None if stated is None else stated == self.content.checksum
+
+
+def returned(
+    path: Path, form: str, facts: dict[str, str], units: dict[str, str], content: Content
+) -> Returned:
+    """Make a `Returned`. Raises ExchangeError where no table is named or objects are missing."""
+    firsts = [name.removesuffix(VERSION) for name in content.scalars if name.endswith(VERSION)]
+    firsts = [first for first in firsts if f"{first}_D" in content.curves]
+    if len(firsts) != 1:
+        raise ExchangeError(
+            f"{form} with the labels of {len(firsts)} tables, such as NAME{VERSION} and NAME_D",
+            where=path,
+            expected="an export of one table, or that file as another tool has saved it",
+        )
+    first = firsts[0]
+    found = len(content.axes) + len(content.curves) + len(content.scalars)
+    if facts.get("objects", str(found)) != str(found):
+        raise ExchangeError(
+            f"holds {found} objects and states {facts['objects']}: cut off, or joined",
+            where=path,
+            do="export the table again",
+        )
+    table = facts.get("table", f"{first}@{content.scalars[first + VERSION]:.0f}")
+    return Returned(form, facts, units, content, first, table)

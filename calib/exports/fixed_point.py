@@ -102,17 +102,22 @@ class Rounding:
     read_error: float | None
 
 
+def fixed_objects(data: Dataset, bits: int) -> dict[str, Fixed]:
+    """Every object of ``data`` by label. Raises ExchangeError as `fixed_axis`."""
+    axes = {axis.label: fixed_axis(axis, bits) for axis in data.axes}
+    others = {name: to_fixed(x, bits) for name, x in data.arrays.items() if name not in axes}
+    return axes | others
+
+
 def roundings(data: Dataset, bits: int) -> list[Rounding]:
     """The rounding of every object of ``data`` in integers of ``bits``."""
-    found = []
-    for axis in data.axes:
-        fixed = fixed_axis(axis, bits)
-        found.append(Rounding(axis.label, fixed.step, fixed.error, None))
-    for curve in data.curves:
-        fixed = to_fixed(curve.values, bits)
-        worst = fixed_misfit(data.axis(curve.axis), curve, bits).worst
-        found.append(Rounding(curve.label, fixed.step, fixed.error, worst))
-    for scalar in data.scalars:
-        fixed = to_fixed(np.array([scalar.value]), bits)
-        found.append(Rounding(scalar.label, fixed.step, fixed.error, None))
-    return found
+    worst = {c.label: fixed_misfit(data.axis(c.axis), c, bits).worst for c in data.curves}
+    return [
+        Rounding(name, fixed.step, fixed.error, worst.get(name))
+        for name, fixed in fixed_objects(data, bits).items()
+    ]
+
+
+def numbers_in_words(bits: int | None) -> str:
+    """How the numbers of a file are written."""
+    return "double" if bits is None else f"int{bits}_t, value = origin + step * raw"

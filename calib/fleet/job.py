@@ -6,8 +6,7 @@ import pickle
 from dataclasses import asdict, dataclass
 
 from calib.fleet.command import Command
-from calib.logs.bus.databases import DatabaseFile
-from calib.logs.channel_map import ChannelMap
+from calib.logs.channel_map import ChannelMap, DatabaseFile
 from calib.logs.read import log_bytes
 from calib.physics.vehicle import Vehicle
 from calib.program import VERSION

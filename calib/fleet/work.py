@@ -12,9 +12,9 @@ from calib.fleet.columns import FIT, Status
 from calib.fleet.command import Command
 from calib.fleet.job import Job
 from calib.fleet.row import Cell, Row, number
+from calib.logs.formats import ending_of
 from calib.logs.log import Log
 from calib.logs.read import FORMATS, REQUIRED, log_bytes, log_of
-from calib.logs.tables import ending_of
 from calib.messages.warning import PlausibilityWarning
 from calib.printable import printable
 from calib.program import PROGRAM, VERSION

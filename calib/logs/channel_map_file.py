@@ -41,8 +41,7 @@ from pydantic import (
 from calib.documents.schema import FileSchema, OneOf, QuantityMark, Section, by_name, read_toml
 from calib.documents.schema_errors import shown, wrong
 from calib.errors import ChannelMapError
-from calib.logs.bus.databases import DatabaseFile
-from calib.logs.channel_map import METHODS, ChannelMap, Mapping
+from calib.logs.channel_map import METHODS, ChannelMap, DatabaseFile, Mapping
 from calib.logs.text.dialect import SEPARATORS, TextFormat
 from calib.names import CHANNELS
 from calib.units import UnknownUnit, spellings, unit_of

@@ -9,9 +9,8 @@ import numpy as np
 from calib.errors import LogError
 from calib.files.bounded import LOG
 from calib.logs.source import Array, Column, ColumnSource
-from calib.logs.text.clock import from_first, over_midnight
-from calib.logs.text.compressed import too_large
-from calib.logs.text.header import column_from_cell
+from calib.logs.text.cells import column_from_cell, from_first, over_midnight
+from calib.logs.text.encoding import too_large
 
 if TYPE_CHECKING:
     import pyarrow

@@ -8,18 +8,14 @@ from pathlib import Path
 from calib.errors import ChannelMapError, LogError
 from calib.files.bounded import LOG, RECORDING, open_bounded, read_bounded
 from calib.logs.assign import TRUTH, Assigned, assign, without_unit
-from calib.logs.bus.databases import Databases
-from calib.logs.channel_map import ChannelMap
+from calib.logs.channel_map import ChannelMap, Databases
 from calib.logs.clock import is_ascending, on_line
+from calib.logs.formats import RECORDINGS, TABLES, as_source, ending_of, refuse_other_kind, stem_of
 from calib.logs.gaps import ChannelHole, fill_rows
 from calib.logs.impossible import without_impossible
-from calib.logs.kind import refuse_other_kind
 from calib.logs.log import Array, Log, Origin
-from calib.logs.recording import ChannelTrace, Recording
-from calib.logs.recordings import RECORDINGS, as_source
 from calib.logs.resample import Wanted, on_one_clock
-from calib.logs.source import ColumnSource
-from calib.logs.tables import TABLES, ending_of, stem_of
+from calib.logs.source import ChannelTrace, ColumnSource, Recording
 from calib.logs.text.dialect import LOOKED
 from calib.logs.verify import check_clock, complete_channels, refuse_absurd, without_open_ends
 from calib.names import CHANNELS
@@ -256,13 +252,7 @@ def _read_recording(
     values = {item.channel: item.to_si(w) for item, w in written}
     notes = (*opened.notes, *without_unit(opened.columns, taken), *resampled.notes)
     return _Taken(
-        digest,
-        values,
-        _origins(taken),
-        ignored,
-        notes,
-        resampled.bridged,
-        resampled.interpolated,
+        digest, values, _origins(taken), ignored, notes, resampled.bridged, resampled.interpolated
     )
 
 

@@ -13,11 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calib.errors import LogError
-from calib.logs.clock import on_line, step_of
+from calib.logs.clock import on_line, running, step_of
 from calib.logs.gaps import ChannelHole, Filled, fill, in_words
-from calib.logs.recording import ChannelTrace
-from calib.logs.running import running
-from calib.logs.source import Array
+from calib.logs.source import Array, ChannelTrace
 from calib.names import CHANNELS
 
 FASTEST = 1050.0
@@ -75,7 +73,7 @@ def on_one_clock(wanted: Sequence[Wanted], where: str) -> Resampled:
     `calib.logs.gaps` bridges it.
 
     Raises LogError if the required channels have no time in common, for timestamps that are not in
-    order (`calib.logs.running`), and if there is no channel at all.
+    order (`calib.logs.clock`), and if there is no channel at all.
     """
     if not wanted:
         raise LogError("no channel is known", where=where, do="name channels in a channel map")

@@ -1,10 +1,14 @@
 """An opened log file: its columns, and a function that reads some of them."""
 
+import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
+
+from calib.errors import LogError
 
 Array = NDArray[np.float64]
 
@@ -52,3 +56,60 @@ class ColumnSource:
     read: Callable[[Sequence[int]], list[Array]]
     notes: tuple[str, ...] = ()
     rates: Mapping[int, float] = field(default_factory=dict)
+
+
+CLOCK = Column("time", "s")
+"""First column of every recording: the common clock after resampling."""
+
+
+@dataclass(frozen=True)
+class ChannelTrace:
+    """One channel as it was recorded.
+
+    ``clock`` names the timestamps in words; traces of equal ``clock`` share ``time``.
+    ``time`` [s], in the order of the file, shape (n,); ``values`` as written, NaN where the file
+    marks them as invalid, shape (n,); ``state`` is true if they must not be interpolated, such as a
+    gear or a flag.
+    """
+
+    clock: str
+    time: Array
+    values: Array
+    state: bool = False
+
+
+def _nothing() -> None:
+    """Do nothing: there is no open file to close."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """An opened log with several sample rates.
+
+    ``columns`` begin with ``CLOCK``; ``read`` takes indices of the others and returns one trace
+    each; ``notes`` on oddities that are no errors; ``close`` closes the file.
+    """
+
+    columns: tuple[Column, ...]
+    read: Callable[[Sequence[int]], list[ChannelTrace]]
+    notes: tuple[str, ...] = ()
+    close: Callable[[], None] = _nothing
+
+
+def named(columns: list[Column]) -> tuple[Column, ...]:
+    """The columns of a recording, with `CLOCK` before them."""
+    return (CLOCK, *columns)
+
+
+def need(module: str, extra: str, where: str) -> ModuleType:
+    """Import ``module``; raise LogError naming the extra to install if it is missing."""
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as cause:
+        if cause.name is None or cause.name.split(".")[0] != module.split(".")[0]:
+            raise
+        raise LogError(
+            f"this format is read with {module}, which is not installed",
+            where=where,
+            do=f"pip install 'brake-cal[{extra}]'",
+        ) from cause

@@ -24,9 +24,7 @@ ENDS = 1.0
 """Longest time [s] at the start or the end of a log for which a channel may have no value."""
 
 
-def without_open_ends(
-    channels: dict[str, Array],
-) -> tuple[dict[str, Array], tuple[str, ...]]:
+def without_open_ends(channels: dict[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
     """The rows from the first value of the last channel that begins to the first last value.
 
     On a bus each channel begins with its first message, and ends with its last one. A channel that

@@ -15,6 +15,8 @@ import numpy as np
 from calib.errors import LogError
 from calib.logs.assign import MAP_IT, Assigned, assign
 from calib.logs.channel_map import ChannelMap
+from calib.logs.clock import GAP, step_of
+from calib.logs.formats import RECORDINGS, ending_of, stem_of
 from calib.logs.log import Array, Log
 from calib.logs.read import (
     Opened,
@@ -24,11 +26,8 @@ from calib.logs.read import (
     recording_digest,
     refuse_no_log,
 )
-from calib.logs.recording import ChannelTrace
-from calib.logs.recordings import RECORDINGS
 from calib.logs.resample import Wanted, at_times, on_one_clock
-from calib.logs.source import Column, ColumnSource
-from calib.logs.tables import ending_of, stem_of
+from calib.logs.source import ChannelTrace, Column, ColumnSource
 from calib.logs.verify import check_increasing
 from calib.names import CHANNELS
 from calib.units import to_si
@@ -254,3 +253,63 @@ def channels_log(log: WholeLog) -> Log:
         if column.canonical and column.unit and np.isfinite(column.values).all():
             channels[column.name] = to_si(column.values, column.unit, CHANNELS[column.name].si)
     return Log(log.name, log.source, log.digest, channels | {TIME: log.time})
+
+
+def cut(log: WholeLog, start: float | None = None, end: float | None = None) -> WholeLog:
+    """Return the rows from ``start`` to ``end`` [s], both included; None for an end of the log.
+
+    Raises LogError if there is no row between them, and for a log without a valid clock.
+    """
+    time = log.time
+    first = 0 if start is None else int(np.searchsorted(time, start, side="left"))
+    last = time.size if end is None else int(np.searchsorted(time, end, side="right"))
+    if last <= first:
+        low, high = (f"{x:g} s" if x is not None else "the end" for x in (start, end))
+        raise LogError(
+            f"no sample from {low if start is not None else 'the start'} to {high}",
+            where=log.source,
+            expected=f"times from {time[0]:g} to {time[-1]:g} s",
+        )
+    return log.rows(first, last)
+
+
+@dataclass(frozen=True)
+class Inventory:
+    """One column.
+
+    ``low``, ``high`` in ``unit``, None without a value; ``samples`` rows with a value; ``rate``
+    [Hz] of the recording, or by the mean step of those rows; ``gaps`` of more than `GAP` steps:
+    time of the last value before each and its length [s].
+    """
+
+    name: str
+    unit: str | None
+    low: float | None
+    high: float | None
+    samples: int
+    rate: float | None
+    gaps: tuple[tuple[float, float], ...]
+
+
+def inventory(log: WholeLog) -> tuple[Inventory, ...]:
+    """The columns of a log but its clock. Raises LogError without a valid clock."""
+    time = log.time
+    return tuple(_inventory_of(column, time) for column in log.columns if column.name != TIME)
+
+
+def _inventory_of(column: WholeColumn, time: Array) -> Inventory:
+    known = np.isfinite(column.values)
+    at, values = time[known], column.values[known]
+    steps = np.diff(at)
+    usual = step_of(at) if steps.size else 0.0
+    rate = column.rate or (1.0 / usual if steps.size else None)
+    long = np.flatnonzero(steps > GAP * usual)
+    return Inventory(
+        column.name,
+        column.unit,
+        float(values.min()) if values.size else None,
+        float(values.max()) if values.size else None,
+        int(values.size),
+        rate,
+        tuple((float(at[i]), float(steps[i])) for i in long),
+    )

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from calib.errors import BrakeCalError
-from calib.logs.bus.databases import DatabaseFile
-from calib.logs.channel_map import ChannelMap, Mapping
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
 from calib.logs.log import Array, Log
 from calib.logs.read import read_log
 from calib.qualification import written

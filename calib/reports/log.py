@@ -3,8 +3,7 @@
 from collections.abc import Iterable
 
 from calib.checks.events import BITE, RunEvent
-from calib.logs.inventory import Inventory
-from calib.logs.whole import WholeLog
+from calib.logs.whole import Inventory, WholeLog
 from calib.reports.html import page, picture
 
 HEADS = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")

@@ -10,7 +10,7 @@ import json
 from contextlib import suppress
 from pathlib import Path
 
-from calib.exports.formats import ENDINGS
+from calib.exports.export import ENDINGS
 from calib.files.bounded import VALIDATION, read_bounded
 from calib.files.publish import publish
 

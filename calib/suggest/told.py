@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from calib.errors import InputError
 from calib.logs.channel_map import Mapping
 from calib.logs.source import Column, ColumnSource, address_of, called
-from calib.logs.text.header import column_from_cell
+from calib.logs.text.cells import column_from_cell
 from calib.names import CHANNELS
 from calib.suggest.proposal import SURE, Proposal
 from calib.suggest.series import Series

@@ -6,8 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from calib.logs.bus.databases import DatabaseFile
-from calib.logs.channel_map import ChannelMap
+from calib.logs.channel_map import ChannelMap, DatabaseFile
 from calib.suggest.proposal import Proposal, Suggestion
 
 if TYPE_CHECKING:

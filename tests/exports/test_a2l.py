@@ -60,7 +60,7 @@ def test_another_program_finds_the_same_addresses_and_types_in_the_debug_informa
     stored, tmp_path, bits
 ):
     data = build(stored, 8)
-    elf, _ = linked(tmp_path, write_c_header(data, bits), data.prefix)
+    elf = linked(tmp_path, write_c_header(data, bits), data.prefix)
     ours = a2ltool(tmp_path, write_a2l(data, bits, find_addresses(elf, data, bits)))
     update = ("--elffile", elf, "--update", "FULL", "--update-mode", "STRICT")
     assert a2ltool(tmp_path, write_a2l(data, bits, Addresses()), *update) == ours
@@ -71,11 +71,10 @@ def test_another_program_finds_the_same_addresses_and_types_in_the_debug_informa
 
 @needs_gcc
 @pytest.mark.parametrize("bits", WIDTHS)
-@pytest.mark.parametrize("source", ["elf", "map"])
-def test_bytes_at_the_addresses_decode_to_the_table(real, tmp_path, bits, source):
+def test_bytes_at_the_addresses_decode_to_the_table(real, tmp_path, bits):
     data = build(real, 8)
-    elf, chart = linked(tmp_path, write_c_header(data, bits), data.prefix)
-    addresses = find_addresses(elf if source == "elf" else chart, data, bits)
+    elf = linked(tmp_path, write_c_header(data, bits), data.prefix)
+    addresses = find_addresses(elf, data, bits)
     module = read_a2l(write_a2l(data, bits, addresses)).one("MODULE")
     found = decoded(module, memory_of(elf))
     truth = {

@@ -10,7 +10,7 @@ import pytest
 
 from calib.exports.build import build
 from calib.exports.c_header import write_c_header
-from calib.exports.labels import LONGEST
+from calib.exports.dataset import LONGEST
 from calib.physics.effects.effects import Effects
 from tests.support.tables import made_table
 

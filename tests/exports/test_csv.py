@@ -7,8 +7,7 @@ import pandas as pd
 import pytest
 
 from calib.exports.build import build
-from calib.exports.csv import write_csv
-from calib.exports.parquet import TEXTS
+from calib.exports.plain import TEXTS, write_csv
 from tests.exports.conftest import bits
 
 PAGE = Path(__file__).parents[2] / "calib" / "manual" / "table.md"

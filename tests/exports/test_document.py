@@ -3,7 +3,7 @@ import json
 import pytest
 
 from calib.exports.build import build
-from calib.exports.document import write_json
+from calib.exports.plain import write_json
 from tests.exports.conftest import bits
 
 

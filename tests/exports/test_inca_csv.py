@@ -3,7 +3,7 @@ import csv
 import pytest
 
 from calib.exports.build import build
-from calib.exports.inca_csv import write_inca_csv
+from calib.exports.plain import write_inca_csv
 from tests.exports.conftest import bits
 
 

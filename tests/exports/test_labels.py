@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.exports.labels import LONGEST, LONGEST_PREFIX, label, prefix, printable
+from calib.exports.dataset import LONGEST, LONGEST_PREFIX, label, prefix, printable
 
 # C99, 6.4.2.1, without the names that C and C++ keep for themselves.
 IDENTIFIER = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")

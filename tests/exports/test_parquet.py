@@ -3,7 +3,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from calib.exports.build import build
-from calib.exports.parquet import write_parquet
+from calib.exports.plain import write_parquet
 from tests.exports.conftest import bits
 
 

@@ -12,8 +12,7 @@ from calib.fleet.job import Job
 from calib.fleet.journal import NAME, BatchJournal
 from calib.fleet.run import AHEAD, run_batch
 from calib.fleet.work import run_items
-from calib.logs.bus.databases import DatabaseFile
-from calib.logs.channel_map import ChannelMap, Mapping
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
 from calib.logs.read import read_log
 from calib.logs.text.dialect import TextFormat
 from calib.validation.limits import Limit

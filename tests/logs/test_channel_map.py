@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from calib.errors import ChannelMapError, LogError
-from calib.logs.bus.databases import DatabaseFile
-from calib.logs.channel_map import Mapping
+from calib.logs.channel_map import DatabaseFile, Mapping
 from calib.logs.channel_map_file import read_channel_map
 from calib.logs.read import read_log
 from tests.support.refusals import refusal

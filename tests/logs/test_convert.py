@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from calib.errors import LogError
 from calib.logs.channel_map_file import read_channel_map
-from calib.logs.convert import ENDINGS, log_content
 from calib.logs.read import read_log
 from calib.logs.whole import WholeColumn, WholeLog, read_whole
+from calib.logs.write import ENDINGS, log_content
 from tests.support.recordings import ramp, write_map, write_mdf
 
 UNITS = (None, "bar", "kPa", "m/s^2", "°", "N*m", "made up", "1")

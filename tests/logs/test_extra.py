@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from calib.errors import LogError
-from calib.logs.extra import need
+from calib.logs.source import need
 from tests.support.recordings import write_bus, write_dbc, write_map, write_mdf
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from calib.errors import LogError
-from calib.logs.kind import kind_of
+from calib.logs.formats import kind_of
 from calib.logs.read import FORMATS, open_log, read_log
 from tests.support.recordings import RAMP, SEDAN, write_dbc
 

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from calib.errors import LogError
 from calib.logs.gaps import BRIDGE
-from calib.logs.recording import ChannelTrace
 from calib.logs.resample import Wanted, on_one_clock
+from calib.logs.source import ChannelTrace
 
 
 def wanted(name, time, values=None, hold=False, clock=None):

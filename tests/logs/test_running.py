@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from calib.errors import LogError
-from calib.logs.running import PERIODS, running
+from calib.logs.clock import PERIODS, running
 
 
 @given(

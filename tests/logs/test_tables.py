@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.logs.tables import TABLES, ending_of, stem_of
+from calib.logs.formats import TABLES, ending_of, stem_of
 
 
 @pytest.mark.parametrize(

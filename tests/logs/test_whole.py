@@ -5,10 +5,8 @@ import pytest
 
 from calib.errors import ChannelMapError, LogError
 from calib.logs.channel_map_file import read_channel_map
-from calib.logs.cut import cut
-from calib.logs.inventory import inventory
 from calib.logs.read import read_log
-from calib.logs.whole import channels_log, read_whole
+from calib.logs.whole import channels_log, cut, inventory, read_whole
 from tests.support.recordings import RAMP, UNITS, ramp, write_bus, write_dbc, write_map, write_mdf
 
 FOREIGN = """Zeit [s];Druck [kPa];Gang;p_mc [bar];Text;Druck [kPa]

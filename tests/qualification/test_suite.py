@@ -13,7 +13,7 @@ from calib.estimation import adaptive
 from calib.exports import export
 from calib.fleet import run
 from calib.logs import read
-from calib.logs.bus import dbc
+from calib.logs.bus import recording
 from calib.physics import forces
 from calib.physics.vehicle import Axle
 from calib.qualification import causes, check, material
@@ -107,9 +107,9 @@ BUS = {"read_asc", "read_blf", "read_log"}
 
 
 def test_a_bus_that_is_decoded_wrong_is_seen(monkeypatch):
-    right = dbc.raw
+    right = recording.raw
     monkeypatch.setattr(
-        dbc, "raw", lambda data, start, length, little: right(data, start, length, True)
+        recording, "raw", lambda data, start, length, little: right(data, start, length, True)
     )
     assert failed(*BUS, "read_mf4") == BUS
 

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from calib.exports.formats import ENDINGS
+from calib.exports.export import ENDINGS
 from calib.files.publish import workshop
 from calib.station.folder import DOCUMENT, EXPORTS, export_name, publish_run
 

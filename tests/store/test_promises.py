@@ -15,8 +15,7 @@ import pytest
 
 import calib.store.commit
 from calib.errors import DamagedTable, StoreError, TableNotFound
-from calib.exports.export import export
-from calib.exports.formats import ENDINGS
+from calib.exports.export import ENDINGS, export
 from calib.store.state import Evidence, StateDecision
 from calib.store.store import Store
 from calib.table.table import Value

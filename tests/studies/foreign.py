@@ -27,12 +27,10 @@ sys.path.insert(0, str(ROOT))
 
 from calib.errors import BrakeCalError, LogError  # noqa: E402
 from calib.files.bounded import POINTER  # noqa: E402
-from calib.logs.bus.databases import DatabaseFile  # noqa: E402
-from calib.logs.channel_map import ChannelMap  # noqa: E402
+from calib.logs.channel_map import ChannelMap, DatabaseFile  # noqa: E402
+from calib.logs.formats import RECORDINGS, ending_of  # noqa: E402
 from calib.logs.read import opened_recording  # noqa: E402
-from calib.logs.recording import Recording  # noqa: E402
-from calib.logs.recordings import RECORDINGS  # noqa: E402
-from calib.logs.tables import ending_of  # noqa: E402
+from calib.logs.source import Recording  # noqa: E402
 
 EXTENDED = 1 << 31
 FRAME = "CAN_DataFrame"

@@ -2,8 +2,7 @@
 
 import pytest
 
-from calib.logs.bus.databases import DatabaseFile
-from calib.logs.channel_map import ChannelMap
+from calib.logs.channel_map import ChannelMap, DatabaseFile
 from calib.logs.channel_map_file import read_channel_map
 from calib.suggest.proposal import Suggestion
 from calib.suggest.written import to_toml

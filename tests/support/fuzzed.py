@@ -71,8 +71,7 @@ def read_a_log(path: Path) -> object:
 
 
 def on_bus(path: Path) -> object:
-    from calib.logs.bus.databases import DatabaseFile
-    from calib.logs.channel_map import ChannelMap, Mapping
+    from calib.logs.channel_map import ChannelMap, DatabaseFile, Mapping
     from calib.logs.read import read_log
     from tests.support.recordings import CHANNELS
 
@@ -83,8 +82,7 @@ def on_bus(path: Path) -> object:
 
 def signals_of_a_bus(path: Path) -> object:
     """Every signal; the older versions of TRC lack CAN FD, so not all channels are there."""
-    from calib.logs.bus.databases import DatabaseFile
-    from calib.logs.channel_map import ChannelMap
+    from calib.logs.channel_map import ChannelMap, DatabaseFile
     from calib.logs.read import open_log
 
     chart = ChannelMap("map.toml", {}, dbc=(DatabaseFile(_beside(path)),))
@@ -101,10 +99,10 @@ def _beside(path: Path) -> Path:
 
 
 LONG = """
-BO_ 2566843646 VI: 17 ESP
- SG_ Last : 128|8@1+ (1,0) [0|255] "" ESP
+BO_ 2566843646 VI: 8 ESP
+ SG_ Last : 56|8@1+ (1,0) [0|255] "" ESP
 """
-"""A J1939 message of several frames."""
+"""A J1939 message."""
 
 
 def _dbc() -> str:
@@ -132,13 +130,10 @@ def recorded(ending: str) -> Seeds:
 
 
 def candumps() -> list[bytes]:
-    """The first frames of the run, and a J1939 message of three frames after them."""
+    """The first frames of the run, and a J1939 frame after them."""
     (run,) = recorded(".log")()
     last = float(run.split()[-4].strip(b"()"))
-    sent = ("18ECFF0B#20110003FFECFE00", "1CEBFF0B#015756575A5A5A31", "1CEBFF0B#024A5A5857303030",
-            "1CEBFF0B#03303031FFFFFFFF")  # fmt: skip
-    rows = [f"({last + 0.05 * i:.6f}) can0 {frame} R\n" for i, frame in enumerate(sent, start=1)]
-    return [run + "".join(rows).encode()]
+    return [run + f"({last + 0.05:.6f}) can0 18FEEC0B#5756575A5A5A314A R\n".encode()]
 
 
 def trcs() -> list[bytes]:
@@ -165,8 +160,8 @@ def mdfs() -> list[bytes]:
 
 
 def read_a_dbc(path: Path) -> object:
-    from calib.logs.bus.databases import DatabaseFile
     from calib.logs.bus.dbc import read_dbc
+    from calib.logs.channel_map import DatabaseFile
 
     return read_dbc([DatabaseFile(path)], "can", "a.blf")
 

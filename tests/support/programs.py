@@ -16,17 +16,17 @@ LINK = ["-no-pie", "-nostdlib", "-Wl,-e,main"]
 
 
 def linked(folder, header, prefix, *options):
-    """A program that defines the objects of a header, with debug information; and its map."""
+    """A program that defines the objects of a header, with debug information."""
     (folder / "table.h").write_bytes(header)
     (folder / "table.c").write_text(f'#define {prefix.upper()}_DEFINE\n#include "table.h"\n')
     (folder / "main.c").write_text('#include "table.h"\nint main(void) { return 0; }\n')
-    out, chart = folder / "ecu.elf", folder / "ecu.map"
+    out = folder / "ecu.elf"
     subprocess.run(
-        [GCC, "-g", "-ffreestanding", *(options or [*LINK, f"-Wl,-Map={chart}"]),
+        [GCC, "-g", "-ffreestanding", *(options or LINK),
          folder / "table.c", *([] if "-c" in options else [folder / "main.c"]), "-o", out],
         check=True,
     )  # fmt: skip
-    return out, chart
+    return out
 
 
 def memory_of(elf):

@@ -6,36 +6,23 @@ All are read with cantools; the ending of the file names the format.
 import codecs
 import hashlib
 import logging
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from calib.errors import ChannelMapError
 from calib.files.bounded import DBC, bytes_of
-from calib.logs.bus.bits import last_byte, number, raw
 from calib.logs.bus.by_message import Flawed, read_by_message
-from calib.logs.bus.databases import DatabaseFile, Databases
-from calib.logs.bus.frames import Frames, Key
-from calib.logs.bus.j1939 import CONNECTION, TRANSFER, group_of, source_of
-from calib.logs.extra import need
-from calib.logs.source import Array
+from calib.logs.bus.frames import Key, group_of, source_of
+from calib.logs.channel_map import DatabaseFile, Databases
+from calib.logs.source import need
 
 if TYPE_CHECKING:
-    from cantools.database.can import Message, Signal
+    from cantools.database.can import Message
 
     Described = Message | Flawed
-
-INVALID = re.compile(
-    r"\bsna\b|invalid|error|fault|not.?avail|undefined|\binit|fehler|ung(ue|ü)ltig", re.IGNORECASE
-)
-"""Names of raw values that mark an invalid measurement."""
-
 
 FORMATS = ("dbc", "arxml", "kcd", "sym")
 """A file with another ending is read as a DBC."""
@@ -46,16 +33,13 @@ EVERY = ""
 LONGEST_TEXT = 1_000_000
 """Characters of the longest text in quotes, such as a comment."""
 
-LONGEST = 64
-"""Bits of the longest signal that is a number; longer ones are text or raw bytes."""
-
 
 @dataclass(frozen=True)
 class Dbc:
     """Describeds of one or more files; ``notes`` name the files.
 
     ``messages`` by identifier on every bus, ``buses`` by bus and identifier; a bus of its own comes
-    first. ``sources`` as in `calib.logs.bus.databases.Databases`.
+    first. ``sources`` as in `calib.logs.channel_map.Databases`.
     """
 
     messages: "dict[Key, Described]"
@@ -64,18 +48,8 @@ class Dbc:
     sources: tuple[int, ...] | None = None
 
     def knows(self, bus: str, key: Key) -> bool:
-        """Whether `find` finds a message, or the frames may carry one of several frames."""
-        return self.find(bus, key) is not None or self.carries(key)
-
-    def carries(self, key: Key) -> bool:
-        """Whether frames of an identifier announce, clear or carry J1939 messages of several."""
-        identifier, extended = key
-        asked = self.sources is not None and extended
-        return asked and group_of(identifier) in (CONNECTION, TRANSFER)
-
-    def listens_to(self, source: int) -> bool:
-        """Whether J1939 frames of this source address are asked for."""
-        return self.sources is not None and (not self.sources or source in self.sources)
+        """Whether `find` finds a message."""
+        return self.find(bus, key) is not None
 
     def find(self, bus: str, key: Key) -> "Described | None":
         """The message that describes frames of an identifier on a bus, or None.
@@ -86,17 +60,13 @@ class Dbc:
         for messages in (self.buses.get(bus, {}), self.messages):
             if key in messages:
                 return messages[key]
-        return self.of_group(bus, group_of(key[0])) if self._is_j1939(key) else None
-
-    def of_group(self, bus: str, group: int) -> "Described | None":
-        """The message of a parameter group on a bus, or None."""
-        own = self._groups.get(bus, {}).get(group)
-        return own or self._groups[EVERY].get(group)
-
-    def _is_j1939(self, key: Key) -> bool:
-        """Whether frames of an identifier are found by their parameter group."""
         identifier, extended = key
-        return extended and self.listens_to(source_of(identifier))
+        if not extended or self.sources is None:
+            return None
+        if self.sources and source_of(identifier) not in self.sources:
+            return None
+        group = group_of(identifier)
+        return self._groups.get(bus, {}).get(group) or self._groups[EVERY].get(group)
 
     @cached_property
     def _groups(self) -> "dict[str, dict[int, Described]]":
@@ -120,18 +90,6 @@ def _by_group(messages: "dict[Key, Described]") -> "dict[int, Described]":
     return {group: several[0] for group, several in found.items() if len(several) == 1}
 
 
-@dataclass(frozen=True)
-class Decoded:
-    """A signal: ``time`` [s] of the frames that carry it, and its ``values`` in its unit.
-
-    Raw values that are named as invalid are NaN. ``state`` is true if every value has a name.
-    """
-
-    time: Array
-    values: Array
-    state: bool
-
-
 def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
     """Read the files of a channel map, those of each bus by itself. Raises as `read_dbc`."""
     general = read_dbc(databases.files, extra, where)
@@ -142,7 +100,10 @@ def read_databases(databases: Databases, extra: str, where: str) -> Dbc:
         notes += [f"bus {bus}: {note}" for note in own.notes]
     if databases.sources is not None:
         names = ", ".join(f"{source:#04x}" for source in databases.sources) or "any address"
-        notes.append(f"J1939: frames are found by their parameter group, from {names}")
+        notes.append(
+            f"J1939: frames are found by their parameter group, from {names}; messages of more "
+            "than 8 bytes, which take several frames, are not read"
+        )
     return Dbc(general.messages, tuple(notes), buses, databases.sources)
 
 
@@ -267,41 +228,3 @@ def _described_twice(
         if several
         else "name the DBC of one bus only",
     )
-
-
-def decode(frames: Frames, message: "Message", signal: "Signal") -> Decoded:
-    """Decode one signal from all frames of its message.
-
-    A multiplexed signal has samples only in frames where its multiplexer selects it. Frames that
-    are too short for the signal have no sample either.
-    """
-    chosen = _present(frames, message, signal)
-    data = frames.data if chosen.all() else frames.data[chosen]
-    little = signal.byte_order == "little_endian"
-    if not len(data):
-        return Decoded(frames.time[chosen], np.zeros(0), False)
-    bits = raw(data, signal.start, signal.length, little)
-    codes = number(bits, signal.length, signal.is_signed, signal.is_float)
-    values = codes * float(signal.scale) + float(signal.offset)
-    names = {float(code): str(name) for code, name in (signal.choices or {}).items()}
-    state = bool(names) and bool(np.isin(np.unique(codes), list(names)).all())
-    none = [code for code, name in names.items() if INVALID.search(name)]
-    if none:
-        values[np.isin(codes, none)] = np.nan
-    return Decoded(frames.time[chosen], values, state)
-
-
-def _present(frames: Frames, message: "Message", signal: "Signal") -> NDArray[np.bool_]:
-    """Mask of the frames that contain the signal: long enough, and selected by the multiplexer."""
-    little = signal.byte_order == "little_endian"
-    here: NDArray[np.bool_] = frames.length > last_byte(signal.start, signal.length, little)
-    if not signal.multiplexer_ids or signal.multiplexer_signal is None:
-        return here
-    selector = message.get_signal_by_name(signal.multiplexer_signal)
-    here &= _present(frames, message, selector)
-    if not here.any():
-        return here
-    ends = selector.byte_order == "little_endian"
-    codes = raw(frames.data, selector.start, selector.length, ends)
-    here &= np.isin(codes, np.asarray(signal.multiplexer_ids, np.uint64))
-    return here

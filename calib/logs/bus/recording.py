@@ -1,27 +1,55 @@
-"""Make a recording from bus frames and a DBC: one trace for each signal of the frames."""
+"""Make a recording from bus frames and a DBC: one trace for each signal of the frames.
 
+little endian: start is the lowest bit        big endian: start is the highest bit
+byte 0  7 6 5 4 3 2 1 0                       byte 0  7 6 5 4 3 2 1 0
+        . . . < - - - s   rest in byte 1              . . . s - - - >   rest in byte 1
+byte 1 15 . . . . . . 8                       byte 1 15 . . . . . . 8
+"""
+
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calib.errors import LogError
 from calib.logs.bus.by_message import Flawed, FlawedSignal
-from calib.logs.bus.databases import Databases
-from calib.logs.bus.dbc import LONGEST, Dbc, decode, read_databases
-from calib.logs.bus.frames import Frames, Gathered, joined, once
-from calib.logs.bus.j1939 import source_of
-from calib.logs.bus.transport import put_together
-from calib.logs.recording import ChannelTrace, Recording, named
-from calib.logs.running import running
-from calib.logs.source import Column
+from calib.logs.bus.dbc import Dbc, read_databases
+from calib.logs.bus.frames import Frames, Gathered, joined, once, source_of
+from calib.logs.channel_map import Databases
+from calib.logs.clock import running
+from calib.logs.source import Array, ChannelTrace, Column, Recording, named
 
 if TYPE_CHECKING:
     import can
     from cantools.database.can import Message, Signal
 
     Place = tuple[Frames, Message | Flawed, Signal | FlawedSignal]
+
+
+INVALID = re.compile(
+    r"\bsna\b|invalid|error|fault|not.?avail|undefined|\binit|fehler|ung(ue|ü)ltig", re.IGNORECASE
+)
+"""Names of raw values that mark an invalid measurement."""
+
+
+LONGEST = 64
+"""Bits of the longest signal that is a number; longer ones are text or raw bytes."""
+
+
+@dataclass(frozen=True)
+class Decoded:
+    """A signal: ``time`` [s] of the frames that carry it, and its ``values`` in its unit.
+
+    Raw values that are named as invalid are NaN. ``state`` is true if every value has a name.
+    """
+
+    time: Array
+    values: Array
+    state: bool
 
 
 def require_dbc(databases: Databases, extra: str, where: str) -> Dbc:
@@ -56,13 +84,12 @@ def gathered(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Gathere
 def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> Recording:
     """Signals of gathered frames, named as in the DBC; time counts from the first frame.
 
-    Raises LogError if no frame is described by the DBC, and as `calib.logs.running`.
+    Raises LogError if no frame is described by the DBC, and as `calib.logs.clock`.
     """
     time, wrapped = running(np.asarray(found.times), where)
     begin = float(time.min())
-    single, doubled = once(found.result(time - begin))
-    frames, carried = put_together(single, dbc)
-    require_known(frames, found.buses, dbc, carried, where)
+    frames, doubled = once(found.result(time - begin))
+    require_known(frames, found.buses, dbc, where)
     more = [f"time counts from the first frame, which was written at {begin:.6f} s"]
     empty = sorted(set(dbc.buses) - set(found.buses))
     if empty:
@@ -72,23 +99,18 @@ def recording(found: Gathered, dbc: Dbc, notes: tuple[str, ...], where: str) -> 
         )
     if found.errors:
         more.append(f"{found.errors} error frames were ignored")
-    return of_frames(frames, dbc, (*notes, *wrapped, *more, *doubled, *carried))
+    return of_frames(frames, dbc, (*notes, *wrapped, *more, *doubled))
 
 
-def require_known(
-    frames: list[Frames], buses: Sequence[str], dbc: Dbc, carried: Sequence[str], where: str
-) -> None:
-    """Raise LogError if none of ``frames`` is described.
-
-    ``buses`` are those of the log; ``carried`` notes on messages of several frames.
-    """
+def require_known(frames: list[Frames], buses: Sequence[str], dbc: Dbc, where: str) -> None:
+    """Raise LogError if none of ``frames`` is described; ``buses`` are those of the log."""
     if not any(dbc.find(item.bus, item.key) for item in frames):
         names = f" (its buses are {', '.join(buses)})" if buses and dbc.buses else ""
         raise LogError(
             f"no frame of the log{names} is in the DBC",
             where=where,
             expected="one of " + ", ".join(dbc.names[:10]),
-            do="; ".join([*carried, "is it the DBC of this bus?"]),
+            do="is it the DBC of this bus?",
         )
 
 
@@ -149,3 +171,97 @@ def trace(
     if decoded.time.size < frames.time.size:
         clock += f", frames with {signal.name}"
     return ChannelTrace(clock, decoded.time, decoded.values, decoded.state)
+
+
+def decode(frames: Frames, message: "Message", signal: "Signal") -> Decoded:
+    """Decode one signal from all frames of its message.
+
+    A multiplexed signal has samples only in frames where its multiplexer selects it. Frames that
+    are too short for the signal have no sample either.
+    """
+    chosen = _present(frames, message, signal)
+    data = frames.data if chosen.all() else frames.data[chosen]
+    little = signal.byte_order == "little_endian"
+    if not len(data):
+        return Decoded(frames.time[chosen], np.zeros(0), False)
+    bits = raw(data, signal.start, signal.length, little)
+    codes = number(bits, signal.length, signal.is_signed, signal.is_float)
+    values = codes * float(signal.scale) + float(signal.offset)
+    names = {float(code): str(name) for code, name in (signal.choices or {}).items()}
+    state = bool(names) and bool(np.isin(np.unique(codes), list(names)).all())
+    none = [code for code, name in names.items() if INVALID.search(name)]
+    if none:
+        values[np.isin(codes, none)] = np.nan
+    return Decoded(frames.time[chosen], values, state)
+
+
+def _present(frames: Frames, message: "Message", signal: "Signal") -> NDArray[np.bool_]:
+    """Mask of the frames that contain the signal: long enough, and selected by the multiplexer."""
+    little = signal.byte_order == "little_endian"
+    here: NDArray[np.bool_] = frames.length > last_byte(signal.start, signal.length, little)
+    if not signal.multiplexer_ids or signal.multiplexer_signal is None:
+        return here
+    selector = message.get_signal_by_name(signal.multiplexer_signal)
+    here &= _present(frames, message, selector)
+    if not here.any():
+        return here
+    ends = selector.byte_order == "little_endian"
+    codes = raw(frames.data, selector.start, selector.length, ends)
+    here &= np.isin(codes, np.asarray(signal.multiplexer_ids, np.uint64))
+    return here
+
+
+def raw(data: NDArray[np.uint8], start: int, length: int, little: bool) -> NDArray[np.uint64]:
+    """Unsigned integers of ``length`` bits, shape (n,), from frames of shape (n, bytes).
+
+    ``start`` counts as in a DBC: bit 8 b + k is bit k of byte b. All bytes must be present.
+
+    >>> raw(np.array([[0x34, 0x12]], np.uint8), 0, 16, little=True)
+    array([4660], dtype=uint64)
+    >>> raw(np.array([[0x12, 0x34]], np.uint8), 7, 16, little=False)
+    array([4660], dtype=uint64)
+    """
+    first, bit = divmod(start, 8)
+    value = np.zeros(len(data), np.uint64)
+    if little:
+        for place, byte in enumerate(range(first, (start + length - 1) // 8 + 1)):
+            shift = 8 * place - bit
+            column = data[:, byte].astype(np.uint64)
+            value |= column << np.uint64(shift) if shift >= 0 else column >> np.uint64(-shift)
+        return value & _mask(length)
+    left, byte = length - (bit + 1), first
+    value |= data[:, byte].astype(np.uint64) & _mask(bit + 1)
+    while left > 0:
+        byte, take = byte + 1, min(left, 8)
+        column = data[:, byte].astype(np.uint64) >> np.uint64(8 - take)
+        value = (value << np.uint64(take)) | column
+        left -= take
+    return value >> np.uint64(max(-left, 0))
+
+
+def last_byte(start: int, length: int, little: bool) -> int:
+    """Index of the last byte of a frame that a signal uses."""
+    if little:
+        return (start + length - 1) // 8
+    first, bit = divmod(start, 8)
+    return first + max(0, -(-(length - bit - 1) // 8))
+
+
+def number(value: NDArray[np.uint64], length: int, signed: bool, real: bool) -> Array:
+    """Values of raw integers of ``length`` bits: unsigned, two's complement or IEEE 754."""
+    if real:
+        kinds: dict[int, tuple[type, type]] = {
+            16: (np.uint16, np.float16),
+            32: (np.uint32, np.float32),
+            64: (np.uint64, np.float64),
+        }
+        integer, floating = kinds[length]
+        return value.astype(integer).view(floating).astype(np.float64)
+    if not signed:
+        return value.astype(np.float64)
+    unused = np.uint64(64 - length)
+    return ((value << unused).view(np.int64) >> np.int64(64 - length)).astype(np.float64)
+
+
+def _mask(length: int) -> np.uint64:
+    return np.uint64(2**length - 1)

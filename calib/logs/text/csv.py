@@ -10,8 +10,14 @@ import numpy as np
 
 from calib.errors import LogError
 from calib.logs.source import Array, Column, ColumnSource
-from calib.logs.text.clock import clock_seconds, is_clock
-from calib.logs.text.compressed import gunzip
+from calib.logs.text.cells import (
+    clock_seconds,
+    column_from_cell,
+    is_clock,
+    is_unit_row,
+    with_more,
+    with_unit_row,
+)
 from calib.logs.text.dialect import (
     EMPTY,
     LOOKED,
@@ -20,11 +26,10 @@ from calib.logs.text.dialect import (
     TextFormat,
     dialect_of,
     is_number,
+    layout_of,
     sample_of,
 )
-from calib.logs.text.encoding import head_text, to_utf8
-from calib.logs.text.header import column_from_cell, is_unit_row, with_more, with_unit_row
-from calib.logs.text.layout import layout_of
+from calib.logs.text.encoding import gunzip, head_text, to_utf8
 
 FRAME_ID = {"id", "can id", "can_id", "canid", "identifier", "arbitration_id", "arbitration id"}
 FRAME_LENGTH = {"dlc", "len", "length", "data", "data length", "d1", "data1", "byte1"}

@@ -7,7 +7,7 @@ from cantools.database.conversion import BaseConversion
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calib.logs.bus.bits import last_byte, number, raw
+from calib.logs.bus.recording import last_byte, number, raw
 
 WIDTH = 12
 

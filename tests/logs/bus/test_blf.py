@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from calib.errors import LogError
 from calib.logs.bus.blf import check_whole, open_blf
-from calib.logs.bus.databases import DatabaseFile, Databases
+from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.read import read_log
 from tests.support.blf import HEADER, RESTORE, blf, block, container, frame, header
 from tests.support.recordings import messages, ramp, write_bus

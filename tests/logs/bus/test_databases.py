@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from calib.errors import ChannelMapError, LogError
-from calib.logs.bus.candump import open_candump
-from calib.logs.bus.databases import DatabaseFile, Databases
+from calib.logs.bus.text_logs import open_candump
+from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.read import read_log
 from tests.support.databases import ARXML, DBC, KCD
 from tests.support.recordings import MAP, write_bus, write_dbc

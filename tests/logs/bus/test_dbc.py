@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from calib.errors import ChannelMapError, LogError
-from calib.logs.bus.databases import DatabaseFile
-from calib.logs.bus.dbc import decode, read_dbc
+from calib.logs.bus.dbc import read_dbc
 from calib.logs.bus.frames import frames_of
-from calib.logs.bus.recording import described, trace
+from calib.logs.bus.recording import decode, described, trace
+from calib.logs.channel_map import DatabaseFile
 from tests.support.databases import DATABASES
 from tests.support.recordings import DBC
 

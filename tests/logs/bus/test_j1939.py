@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from calib.errors import LogError
-from calib.logs.bus.candump import open_candump
-from calib.logs.bus.databases import DatabaseFile, Databases
-from calib.logs.bus.j1939 import group_of, source_of
+from calib.logs.bus.frames import group_of, source_of
+from calib.logs.bus.text_logs import open_candump
+from calib.logs.channel_map import DatabaseFile, Databases
 
 DBC = """VERSION ""
 NS_ :

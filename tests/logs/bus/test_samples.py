@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calib.logs.bus.databases import DatabaseFile
-from calib.logs.bus.dbc import decode, read_dbc
+from calib.logs.bus.dbc import read_dbc
 from calib.logs.bus.frames import frames_of
+from calib.logs.bus.recording import decode
+from calib.logs.channel_map import DatabaseFile
 
 SAMPLES = Path(__file__).parent / "samples"
 TWIN = "comments_hex_and_motorola"

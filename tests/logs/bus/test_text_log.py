@@ -9,7 +9,7 @@ import pytest
 from calib.errors import LogError
 from calib.logs.bus.dbc import Dbc
 from calib.logs.bus.frames import Gathered
-from calib.logs.bus.text_log import Counted
+from calib.logs.bus.text_logs import Counted
 
 NOTHING = Dbc({}, ())
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from calib.errors import LogError
-from calib.logs.bus.databases import DatabaseFile, Databases
-from calib.logs.bus.trc import open_trc
+from calib.logs.bus.text_logs import open_trc
+from calib.logs.channel_map import DatabaseFile, Databases
 from calib.logs.read import read_log
 from tests.support.recordings import messages, write_bus
 from tests.support.refusals import refusal

@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.logs.text.header import bare_unit, column_from_cell, is_unit_row
+from calib.logs.text.cells import bare_unit, column_from_cell, is_unit_row
 
 
 @pytest.mark.parametrize(

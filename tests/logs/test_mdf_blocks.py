@@ -5,7 +5,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from calib.errors import LogError
-from calib.logs.mdf.size import check_size
+from calib.logs.mdf_records import check_mdf
 from calib.logs.read import read_log
 from tests.support.recordings import write_bus, write_map, write_mdf
 
@@ -31,7 +31,7 @@ def test_a_file_cut_anywhere_is_refused(folder, name, share):
     path = folder / f"cut_{name}"
     path.write_bytes(data[:left])
     with pytest.raises(LogError) as error:
-        check_size(path)
+        check_mdf(path)
     assert error.value.exit_code == 3
     if left >= 8:
         assert "are missing" in str(error.value)
@@ -39,7 +39,7 @@ def test_a_file_cut_anywhere_is_refused(folder, name, share):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_whole_file_is_whole(folder, name):
-    check_size(folder / name)
+    check_mdf(folder / name)
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_what_is_no_mdf(tmp_path, data, words):
     path = tmp_path / "run.mf4"
     path.write_bytes(data)
     with pytest.raises(LogError, match=words):
-        check_size(path)
+        check_mdf(path)
 
 
 def test_an_unfinished_file(folder):

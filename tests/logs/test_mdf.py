@@ -8,9 +8,8 @@ import pytest
 from asammdf.blocks.conversion_utils import from_dict
 
 from calib.errors import ChannelMapError, LogError
-from calib.logs.bus.databases import DatabaseFile, Databases
-from calib.logs.channel_map import ChannelMap, Mapping
-from calib.logs.mdf.mdf import open_mdf
+from calib.logs.channel_map import ChannelMap, DatabaseFile, Databases, Mapping
+from calib.logs.mdf import open_mdf
 from calib.logs.read import read_log
 from calib.names import G
 from tests.support.recordings import write_bus, write_dbc, write_map, write_mdf

@@ -1,5 +1,6 @@
 """ASAM MDF 3 and 4, read with asammdf: measured channels, and bus frames with a DBC."""
 
+import io
 import logging
 from collections import Counter
 from collections.abc import Sequence
@@ -10,22 +11,18 @@ from typing import Any
 import numpy as np
 
 from calib.errors import LogError
-from calib.logs.bus.databases import Databases
 from calib.logs.bus.dbc import Dbc
-from calib.logs.bus.frames import once
+from calib.logs.bus.frames import Frames, Known, joined, once
 from calib.logs.bus.recording import described, require_dbc, require_known, trace
-from calib.logs.bus.transport import put_together
-from calib.logs.extra import need
-from calib.logs.mdf.channels import check_channels
-from calib.logs.mdf.finish import finished, is_unfinished
-from calib.logs.mdf.frames import bus_groups, frames_in
-from calib.logs.mdf.records import check_records
-from calib.logs.mdf.size import check_size
-from calib.logs.recording import ChannelTrace, Recording, named
-from calib.logs.source import Column
+from calib.logs.channel_map import Databases
+from calib.logs.mdf_records import check_mdf
+from calib.logs.source import ChannelTrace, Column, Recording, named, need
 
 VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
 """Types of conversion that give text instead of numbers, by version of MDF."""
+
+FRAME = "CAN_DataFrame"
+"""Name of the channel for data frames in the ASAM standard."""
 
 TIME_SYNC = 1
 """Type of a master channel of MDF 4 that holds time, not angle or distance."""
@@ -43,47 +40,41 @@ def open_mdf(path: Path, dbc: Databases) -> Recording:
     """Open an MDF file.
 
     Channels keep the timestamps of their group. Bus frames are decoded with the DBC; without a DBC
-    they are ignored, with a note. A file that its recorder did not finish is finished in memory,
-    with a note (`calib.logs.mdf.finish`). Raises LogError for a file that is cut off or cannot be
-    finished (`calib.logs.mdf.size`), if asammdf cannot read it, and if asammdf is missing.
+    they are ignored, with a note. A file that its recorder did not finish is finished in memory, by
+    asammdf, with a note. Raises LogError as `check_mdf`, if asammdf cannot read the file, and if
+    asammdf is missing.
     """
     where = str(path)
     asammdf = need("asammdf", "mdf", where)
     logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)  # its errors are raised as LogError
-    version = check_size(path)
-    if version.startswith("4"):
-        check_channels(path)
-    unfinished = is_unfinished(path)
-    source, note = finished(path) if unfinished else (path, "")
-    if version.startswith("4") and not unfinished:
-        check_records(path)
+    checked = check_mdf(path)
     try:
-        mdf = asammdf.MDF(source)
+        mdf = asammdf.MDF(io.BytesIO(path.read_bytes()) if checked.note else path)
     except Exception as cause:  # a damaged file makes asammdf raise almost anything
         raise _unreadable(cause, where) from cause
     try:
-        if not version.startswith("4"):
+        if not checked.version.startswith("4"):
             _check_layout(mdf, where)
-        return _recording(mdf, dbc, [note] if note else [], where)
+        _require_counted(mdf, checked.counts, where)
+        return _recording(mdf, dbc, [checked.note] if checked.note else [], where)
     except BaseException:
         mdf.close()
         raise
 
 
 def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Recording:
-    buses = bus_groups(mdf)
+    buses = _bus_groups(mdf)
     columns, places, more_notes = _channels(mdf, buses)
     notes += more_notes
     known = require_dbc(dbc, "mdf", where) if buses and (dbc.all or not columns) else None
-    frames = frames_in(mdf, buses, known.knows, where) if known else []
+    frames = _frames_in(mdf, buses, known.knows, where) if known else []
     frames, doubled = once(frames)
-    frames, carried = put_together(frames, known) if known else (frames, [])
     if known and not columns:
-        require_known(frames, (), known, carried, where)
+        require_known(frames, (), known, where)
     if buses and not known:
         notes.append("the log has bus frames, which need a DBC: name it in a channel map")
     database = known or Dbc({}, ())
-    notes += [*doubled, *carried]
+    notes += doubled
     more, signals = described(frames, database)
 
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
@@ -98,10 +89,7 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
 
 
 def _check_layout(mdf: Any, where: str) -> None:
-    """Raise LogError for a channel of MDF 3 outside its record: asammdf would read past it.
-
-    For MDF 4 see `calib.logs.mdf.channels`.
-    """
+    """Raise LogError for a channel of MDF 3 outside its record: asammdf would read past it."""
     for number, group in enumerate(mdf.groups):
         size = group.channel_group.samples_byte_nr
         for channel in group.channels:
@@ -113,6 +101,14 @@ def _check_layout(mdf: Any, where: str) -> None:
                     expected=f"bits within {size} bytes",
                     do="the file is damaged: copy the log again",
                 )
+
+
+def _require_counted(mdf: Any, counts: dict[int, int], where: str) -> None:
+    """Raise LogError if asammdf found fewer records of an unfinished file than were counted."""
+    for group in mdf.groups:
+        found, counted = group.channel_group.cycles_nr, counts.get(group.channel_group.address, 0)
+        if found < counted:
+            raise _too_few("records", found, counted, where)
 
 
 def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place], list[str]]:
@@ -163,12 +159,7 @@ def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace
         cycles = int(mdf.groups[place.group].channel_group.cycles_nr)
         read = len(signal.samples)  # a sample may be an array
         if not read == signal.timestamps.size == cycles:
-            raise LogError(
-                f"{read} of {cycles} samples can be read: {cycles - read} are missing",
-                where=name,
-                expected="all that the group counts",
-                do="copy the log again",
-            )
+            raise _too_few("samples", read, cycles, name)
         values, state = _values(mdf, place, signal, where)
         result.append(ChannelTrace(_clock(mdf, place.group), signal.timestamps, values, state))
     return result
@@ -208,9 +199,91 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
     return values, state
 
 
-def _unreadable(cause: Exception, where: str) -> LogError:
+def _bus_groups(mdf: Any) -> list[int]:
+    """Groups that contain bus frames instead of measured channels."""
+    return [
+        number
+        for number, group in enumerate(mdf.groups)
+        if any(c.name.startswith(("CAN_", "LIN_")) and "Frame" in c.name for c in group.channels)
+    ]
+
+
+def _frames_in(mdf: Any, groups: list[int], known: Known, where: str) -> list[Frames]:
+    """Frames that are ``known``, by bus and identifier.
+
+    Raises LogError for fewer frames than a group counts, and if asammdf cannot read them.
+    """
+    found = []
+    for number in groups:
+        names = {c.name for c in mdf.groups[number].channels}
+        if f"{FRAME}.DataBytes" in names and mdf.groups[number].channel_group.cycles_nr:
+            found += _frames(mdf, number, known, where)
+    return joined(found, lambda item: (item.bus, item.key))
+
+
+def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
+    try:
+        identifier = mdf.get(f"{FRAME}.ID", group=number)
+        others = {k: _field(mdf, number, k) for k in ("IDE", "BusChannel", "DataLength")}
+        data = mdf.get(f"{FRAME}.DataBytes", group=number).samples
+    except Exception as cause:  # a damaged file makes asammdf raise almost anything
+        raise _unreadable(cause, where, "frames") from cause
+    ids, time = identifier.samples, identifier.timestamps
+    cycles = int(mdf.groups[number].channel_group.cycles_nr)
+    if not len(data) == ids.size == cycles:
+        raise _too_few("frames", min(len(data), ids.size), cycles, where)
+    fields = [ids, *(field for field in others.values() if field is not None)]
+    if data.ndim != 2 or any(f.ndim != 1 or f.dtype.kind not in "biuf" for f in fields):
+        raise LogError(
+            "the fields of its frames are not numbers",
+            where=where,
+            expected="identifier, bus, length and bytes of each frame",
+            do="the file is damaged: copy the log again",
+        )
+    ids = ids.astype(np.int64)  # loggers store 11 bits of identifier in 16
+    bare = ids & 0x1FFFFFFF
+    extended = others["IDE"].astype(bool) if others["IDE"] is not None else ids > 0x7FF
+    bus = others["BusChannel"] if others["BusChannel"] is not None else np.zeros(ids.size, int)
+    length = others["DataLength"]
+    if length is None:
+        length = np.full(ids.size, data.shape[1])
+    if length.max(initial=0) > data.shape[1]:
+        raise LogError(
+            f"a frame has a length of {length.max()} bytes, its record {data.shape[1]}",
+            where=where,
+            expected="frames within their records",
+            do="the file is damaged: copy the log again",
+        )
+    codes = bus.astype(np.int64) << 30 | extended.astype(np.int64) << 29 | bare
+    result = []
+    for code in np.unique(codes).tolist():
+        name, key = f"{code >> 30}", (code & 0x1FFFFFFF, bool(code >> 29 & 1))
+        if known(name, key):
+            at = np.flatnonzero(codes == code)
+            part = np.ascontiguousarray(data[at, : int(length[at].max())], np.uint8)
+            result.append(Frames(name, key, time[at], part, length[at].astype(np.uint16), at))
+    return result
+
+
+def _field(mdf: Any, number: int, name: str) -> Any:
+    """Samples of one field of the frames, or None if the file does not have it."""
+    names = {c.name for c in mdf.groups[number].channels}
+    full = f"{FRAME}.{name}"
+    return mdf.get(full, group=number).samples if full in names else None
+
+
+def _too_few(what: str, there: int, counted: int, where: str) -> LogError:
     return LogError(
-        f"asammdf cannot read the file: {str(cause) or type(cause).__name__}",
+        f"{there} of {counted} {what} can be read: {counted - there} are missing",
+        where=where,
+        expected="all that the group counts",
+        do="copy the log again",
+    )
+
+
+def _unreadable(cause: Exception, where: str, what: str = "file") -> LogError:
+    return LogError(
+        f"asammdf cannot read the {what}: {str(cause) or type(cause).__name__}",
         where=where,
         expected="a complete and undamaged MDF file",
         do="copy the log again",

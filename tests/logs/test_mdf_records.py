@@ -1,4 +1,4 @@
-"""MF4 as CAN loggers leave it: finished in memory, and it says so."""
+"""Samples that are missing, channels outside their records, and MF4 as CAN loggers leave it."""
 
 import struct
 
@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from calib.errors import LogError
-from calib.logs.bus.databases import DatabaseFile, Databases
-from calib.logs.mdf.finish import finished
-from calib.logs.mdf.mdf import open_mdf
+from calib.logs.channel_map import DatabaseFile, Databases
+from calib.logs.mdf import open_mdf
+from calib.logs.mdf_records import check_mdf
+from calib.logs.read import read_log
 from tests.support.logger_mf4 import Row, logger_mf4
-from tests.support.recordings import write_dbc
+from tests.support.recordings import write_bus, write_dbc, write_map, write_mdf
 from tests.support.refusals import refusal
 
 ROWS = [Row(0.01 * i, 1, 256, struct.pack(">4H", *range(i, i + 4))) for i in range(200)]
@@ -104,7 +105,86 @@ def test_a_finished_file_that_lost_its_end_mark(tmp_path):
     data[:8] = b"UnFinMF "
     struct.pack_into("<H", data, 60, 5)
     path.write_bytes(data)
-    stream, note = finished(path)
-    assert "its 300 records" in note
-    with asammdf.MDF(stream) as mdf:
-        np.testing.assert_array_equal(mdf.get("x").samples, time**2)
+    found = open_mdf(path, Databases())
+    np.testing.assert_array_equal(found.read([1])[0].values, time**2)
+    assert "its 300 records" in found.notes[0]
+    found.close()
+
+
+@pytest.mark.parametrize("name", ["run.mf4", "packed.mf4", "run.mdf"])
+@pytest.mark.parametrize("group", [0, 1])
+def test_fewer_samples_than_the_group_counts(tmp_path, name, group):
+    """Its count is doubled where it is written; the data stays."""
+    version = "3.30" if name == "run.mdf" else "4.10"
+    path = write_mdf(tmp_path / name, version, 2 if name == "packed.mf4" else 0)
+    with asammdf.MDF(path) as mdf:
+        record = mdf.groups[group].channel_group
+        place, count = record.address, record.cycles_nr
+        links = getattr(record, "links_nr", 0)
+    form, offset = ("<I", 22) if name == "run.mdf" else ("<Q", 24 + 8 * links + 8)
+    data = bytearray(path.read_bytes())
+    assert struct.unpack_from(form, data, place + offset) == (count,)
+    struct.pack_into(form, data, place + offset, 2 * count)
+    path.write_bytes(data)
+    with pytest.raises(LogError, match=r"missing") as error:
+        read_log(path, write_map(tmp_path))
+    if name != "run.mdf":
+        assert f"data group {group} holds" in str(error.value)
+        assert "(50 %)" in str(error.value)
+
+
+@pytest.mark.parametrize("compression", [0, 1, 2])
+def test_a_whole_file_is_whole(tmp_path, compression):
+    check_mdf(write_mdf(tmp_path / "run.mf4", compression=compression))
+
+
+def test_many_blocks(tmp_path):
+    """asammdf splits what is longer than 4 MiB."""
+    time = np.arange(600_000) * 1e-3
+    with asammdf.MDF() as mdf:
+        mdf.append([asammdf.Signal(time, time, name="x", unit="s")])
+        path = mdf.save(tmp_path / "long.mf4")
+    assert path.read_bytes().count(b"##DT") > 1
+    check_mdf(path)
+
+
+def test_a_group_with_channels_that_says_its_records_differ_in_length(tmp_path):
+    """Its count is still asked, or asammdf makes room for all that it counts."""
+    path = write_mdf(tmp_path / "run.mf4")
+    with asammdf.MDF(path) as mdf:
+        record = mdf.groups[0].channel_group
+        place = record.address + 24 + 8 * record.links_nr
+    data = bytearray(path.read_bytes())
+    struct.pack_into("<QH", data, place + 8, 10**15, 1)
+    path.write_bytes(data)
+    with pytest.raises(LogError, match="data group 0 unpacks to"):
+        check_mdf(path)
+
+
+@pytest.mark.parametrize("vlsd", [False, True])
+def test_channels_of_a_whole_file(tmp_path, vlsd):
+    (tmp_path / "a.mf4").write_bytes(logger_mf4(ROWS, vlsd))
+    check_mdf(tmp_path / "a.mf4")
+    check_mdf(write_bus(tmp_path / "bus.mf4"))
+    check_mdf(write_mdf(tmp_path / "run.mf4"))
+
+
+@pytest.mark.parametrize("name", [b"Timestamp", b"CAN_DataFrame.ID", b"CAN_DataFrame.DataBytes"])
+@pytest.mark.parametrize("byte", [20, 1000, 2**32 - 1])
+def test_a_channel_outside_its_record(tmp_path, name, byte):
+    data = bytearray(logger_mf4(ROWS))
+    channel = data.index(b"##CN", data.index(name + b"\0"))
+    struct.pack_into("<L", data, channel + 24 + 64 + 4, byte)
+    path = tmp_path / "a.mf4"
+    path.write_bytes(data)
+    message = refusal(check_mdf, path, kind=LogError, names="a.mf4")
+    assert f"the channel at byte {channel} lies outside" in message
+    assert "expected bits within 20 bytes" in message
+
+
+def test_a_block_that_is_too_short(tmp_path):
+    data = bytearray(logger_mf4(ROWS))
+    group = data.rindex(b"##DG")
+    struct.pack_into("<Q", data, group + 16, 1)
+    (tmp_path / "a.mf4").write_bytes(data)
+    assert "shorter than its kind" in refusal(check_mdf, tmp_path / "a.mf4", kind=LogError)

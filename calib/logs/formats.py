@@ -1,0 +1,187 @@
+"""The formats of logs: what a file is, and how each file ending is opened.
+
+The channels of a table share one clock; those of a recording, such as bus frames, do not.
+"""
+
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from calib.errors import LogError
+from calib.files.bounded import LOG, POINTER, bytes_of
+from calib.logs.bus.blf import open_blf
+from calib.logs.bus.text_logs import open_asc, open_candump, open_trc
+from calib.logs.channel_map import Databases
+from calib.logs.mdf import open_mdf
+from calib.logs.parquet import open_parquet
+from calib.logs.resample import Wanted, on_one_clock
+from calib.logs.source import Array, ChannelTrace, ColumnSource, Recording
+from calib.logs.text.csv import open_csv
+from calib.logs.text.dialect import TextFormat
+from calib.logs.text.encoding import gunzip
+from calib.logs.text.vbo import open_vbo
+from calib.printable import printable
+
+MDF = (".mf4", ".mdf", ".dat")
+
+_ROWS: tuple[tuple[bytes, str, tuple[str, ...]], ...] = (
+    (rb"PAR1", "a Parquet file", (".parquet",)),
+    (rb"MDF  |UnFin", "an MDF file", MDF),
+    (rb"LOGG", "a BLF file", (".blf",)),
+    (rb"\(\d+\.\d+\) +\S+ +[0-9a-f]+#", "a candump log", (".log",)),
+    (rb"date [^,;\t\n]+\r?\nbase +(hex|dec)", "a Vector ASC log", (".asc",)),
+    (rb";\$fileversion=", "a PEAK TRC log", (".trc",)),
+    (rb"file created on ", "a VBO log", (".vbo",)),
+    (rb"PK\x03\x04", "a zip archive or a workbook", ()),
+    (rb"%PDF", "a PDF file", ()),
+    (rb"\x89PNG", "a picture", ()),
+    (rb"\x89HDF", "an HDF5 file", ()),
+    (rb"MATLAB ", "a MATLAB file", ()),
+    (rb"SQLite", "a database", ()),
+    (rb"<!doctype html|<html", "a web page", ()),
+    (rb"<\?xml", "an XML file", ()),
+    (rb"\{", "a JSON file", ()),
+)
+"""Beginning in any case, what it is, and the endings under which it is right."""
+
+KINDS = tuple((re.compile(begin, re.IGNORECASE), name, ends) for begin, name, ends in _ROWS)
+
+Kind = tuple[str, tuple[str, ...]]
+"""What a file is, and the endings under which it is right; none for what is no log."""
+
+
+def kind_of(head: bytes) -> Kind | None:
+    """What a file is that begins with ``head``, 64 bytes or more if it has them; None: unknown.
+
+    >>> kind_of(b"(1700000000.000400) can0 101#0000D4FF")
+    ('a candump log', ('.log',))
+    """
+    text = head.lstrip(b"\xef\xbb\xbf \t\r\n")
+    for begin, name, endings in KINDS:
+        if begin.match(text):
+            return name, endings
+    return None
+
+
+def refuse_other_kind(head: bytes, ending: str, where: object) -> None:
+    """Raise LogError if a file begins as one of another kind than its ``ending``.
+
+    ``head`` as for `kind_of`. A file of an unknown kind passes.
+    """
+    if head.startswith(POINTER):
+        raise LogError(
+            "a pointer of git LFS, not the log itself",
+            where=where,
+            expected=f"the bytes of a {ending} file",
+            do="get the file: git lfs pull",
+        )
+    name, endings = kind_of(head) or ("", (ending,))
+    if ending not in endings:
+        raise LogError(
+            f"{name}, not a {ending} file",
+            where=where,
+            expected=f"a log that is what its ending {ending} says",
+            do=f"rename it to {endings[0]}" if endings else "export or copy the log again",
+        )
+
+
+TABLES: dict[str, Callable[[bytes, str, TextFormat], ColumnSource]] = {
+    ".csv": open_csv,
+    ".csv.gz": open_csv,
+    ".tsv": open_csv,
+    ".txt": open_csv,
+    ".parquet": open_parquet,
+    ".vbo": open_vbo,
+}
+"""Opening function by file ending."""
+
+
+def ending_of(path: Path) -> str:
+    """The ending that gives the format, in lower case: ``.csv.gz`` for ``run.csv.gz``."""
+    both = "".join(path.suffixes[-2:]).lower()
+    return both if path.suffix.lower() == ".gz" else path.suffix.lower()
+
+
+def stem_of(path: Path) -> str:
+    """The name of a log: the file name without the ending, safe to print.
+
+    >>> stem_of(Path("runs/ramp.2.csv.gz")), stem_of(Path("ramp.2.csv"))
+    ('ramp.2', 'ramp.2')
+    """
+    path = Path(path)
+    ending = ending_of(path)
+    return printable(path.name[: -len(ending)] if ending else path.name)
+
+
+Open = Callable[[Path, Databases], Recording]
+
+
+def packed(open_log: Open) -> Open:
+    """A function that opens the packed form of what ``open_log`` opens.
+
+    The log is unpacked into a temporary folder, which is deleted when it is open: ``open_log`` must
+    read all frames. Messages name the packed file. Raises LogError also for a gzip file that is cut
+    off or damaged.
+    """
+
+    def opened(path: Path, dbc: Databases) -> Recording:
+        content = gunzip(bytes_of(path, LOG, LogError, "a packed log"), str(path))
+        with TemporaryDirectory() as folder:
+            plain = Path(folder) / "log"
+            plain.write_bytes(content)
+            try:
+                return open_log(plain, dbc)
+            except LogError as cause:
+                where = str(cause.where).replace(str(plain), str(path))
+                raise LogError(
+                    cause.what, where=where, expected=cause.expected, do=cause.do
+                ) from cause
+
+    return opened
+
+
+_BUS: dict[str, Open] = {".blf": open_blf, ".asc": open_asc, ".log": open_candump, ".trc": open_trc}
+
+RECORDINGS: dict[str, Open] = {
+    ".mf4": open_mdf,
+    ".mdf": open_mdf,
+    ".dat": open_mdf,
+    **_BUS,
+    **{f"{ending}.gz": packed(opener) for ending, opener in _BUS.items()},
+}
+"""Opening function by file ending; each takes the path and the DBC files of the channel map."""
+
+
+def as_source(opened: Recording, where: str) -> ColumnSource:
+    """All channels of a recording on one clock, like a table; closes the recording.
+
+    Used before the columns are assigned to channels. Reading a column that the recording refuses
+    raises its LogError.
+    """
+    try:
+        traces, refused = dict[int, ChannelTrace](), dict[int, LogError]()
+        for index in range(1, len(opened.columns)):
+            try:
+                traces[index] = opened.read([index])[0]
+            except LogError as error:
+                refused[index] = error
+    finally:
+        opened.close()
+    wanted = [Wanted(_name(opened, i), trace, trace.state) for i, trace in traces.items()]
+    resampled = on_one_clock(wanted, where)
+    arrays = {0: resampled.time, **dict(zip(traces, resampled.values, strict=True))}
+
+    def read(indices: Sequence[int]) -> list[Array]:
+        for index in indices:
+            if index in refused:
+                raise refused[index]
+        return [arrays[index] for index in indices]
+
+    rates = {i: resampled.rates[n] for i in traces if (n := _name(opened, i)) in resampled.rates}
+    return ColumnSource(opened.columns, read, opened.notes + resampled.notes, rates)
+
+
+def _name(opened: Recording, index: int) -> str:
+    column = opened.columns[index]
+    return column.full or column.name

@@ -1,1 +1,0 @@
-"""ASAM MDF 3 and 4."""
