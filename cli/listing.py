@@ -26,7 +26,7 @@ def list_tables(
         typer.Option(
             metavar="S",
             help="draft, released, rejected or withdrawn.",
-            autocompletion=names_of("calib.signing.statement", "STATES"),
+            autocompletion=names_of("calib.signing.signature", "STATES"),
         ),
     ] = None,
     serial: Annotated[str | None, typer.Option(metavar="S", help="Serial number.")] = None,
@@ -78,7 +78,7 @@ def _rows(store: Path) -> "list[ListedVersion]":
 
 def _check(state: str | None, since: str | None) -> None:
     from calib.documents.toml import did_you_mean
-    from calib.signing.statement import STATES
+    from calib.signing.signature import STATES
 
     if state is not None and state not in STATES:
         near = did_you_mean(state, STATES)

@@ -34,7 +34,7 @@ def sign(
     and the newest line of the journal. It holds until the state changes; then sign again. A
     password is asked for without echo; where stdin is no terminal, it is a line of stdin.
     """
-    from calib.signing.secret_key import read_secret_key
+    from calib.signing.keys import read_secret_key
     from calib.store import trust
 
     refuse_bare(table)

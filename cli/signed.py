@@ -9,7 +9,7 @@ from cli.console import say
 from cli.project import from_settings
 
 if TYPE_CHECKING:
-    from calib.signing import public_key
+    from calib.signing import keys
     from calib.store.version import Stored
 
 
@@ -35,12 +35,12 @@ class Signing:
         ),
     ] = None
 
-    def public(self) -> "public_key.PublicKey | None":
+    def public(self) -> "keys.PublicKey | None":
         """The key that must have signed; None where no signature is asked for.
 
         Raises BadParameter for one option without the other.
         """
-        from calib.signing.public_key import read_public_key
+        from calib.signing.keys import read_public_key
 
         require, key = self.require, self.key
         if key and not require:
@@ -53,7 +53,7 @@ class Signing:
         return read_public_key(key) if key else None
 
 
-def check_signed(table: str, stored: "Stored", public: "public_key.PublicKey | None") -> None:
+def check_signed(table: str, stored: "Stored", public: "keys.PublicKey | None") -> None:
     """Raise SignatureRefused unless a signature of the key holds; None asks for none.
 
     ``table`` is what was typed: a bare name means the newest version that may be used.

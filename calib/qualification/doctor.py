@@ -3,26 +3,136 @@
 import fcntl
 import importlib.util
 import os
+import platform
+import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 
 from calib.demo.samples import sample_logs
 from calib.errors import InputError
 from calib.messages.plain import counted
 from calib.processes import cores
-from calib.qualification.environment import EXTRAS
-from calib.qualification.needs import Need, needs
+from calib.program import NAME
 from calib.store.folders import names_in, unplaced, versions_in
 
 FINE, NOTE, WRONG = "fine", "note", "wrong"
 """States: as it should be, something is limited, the program cannot work."""
 
+EXTRAS = {
+    "mdf": "logs as MDF (.mf4, .mdf, .dat)",
+    "can": "bus logs (.blf, .asc, .trc, candump) with DBC, ARXML, KCD or SYM",
+    "sign": "signatures of tables",
+    "dist": "batch on a Dask scheduler",
+}
+"""Extras that change what the program does, with what each gives; others are for work on it."""
+
 FONT = Path("mpl-data/fonts/ttf/DejaVuSans.ttf")
 """The font of all pictures; it is a part of matplotlib."""
 LEAST_MEMORY = 1.0
 """Memory [GB] below which a large log may not be read: a reader takes up to 1 GB."""
+
+
+def environment() -> dict[str, str]:
+    """Names and values of what the program runs on; a value may be empty where it is not told."""
+    return {
+        "interpreter": f"{platform.python_implementation()} {platform.python_version()}",
+        "compiler": platform.python_compiler(),
+        "operating system": platform.platform(),
+        "machine": platform.machine(),
+        "processor": _processor(),
+    }
+
+
+def _processor() -> str:
+    """Name of the processor, as Linux tells it; elsewhere what Python knows."""
+    try:
+        text = Path("/proc/cpuinfo").read_text()
+    except OSError:
+        return platform.processor()
+    named = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return named[1] if named else platform.processor()
+
+
+@dataclass(frozen=True)
+class Need:
+    """A package: the ``lowest`` version that is declared, the one ``found``, "" for none.
+
+    ``extra`` that it belongs to, "" for one that is always needed.
+    """
+
+    package: str
+    lowest: str
+    found: str
+    extra: str = ""
+
+    @property
+    def met(self) -> bool:
+        """Whether the package is there in a version that holds."""
+        return bool(self.found) and _number(self.found) >= _number(self.lowest)
+
+    def __str__(self) -> str:
+        lowest = f" (needs {self.lowest} or later)" if self.lowest else ""
+        return f"{self.package} {self.found or 'is missing'}{lowest}"
+
+
+def needs() -> tuple[Need, ...]:
+    """Python, and every package that the program declares for users.
+
+    Empty but for Python where the program runs from a folder without being installed.
+    """
+    try:
+        lowest = metadata(NAME)["Requires-Python"].removeprefix(">=")
+    except PackageNotFoundError:
+        lowest = ""
+    return Need("python", lowest, platform.python_version()), *_declared(NAME, EXTRAS)
+
+
+def packages() -> dict[str, str]:
+    """Version of every installed package that the program may load, by name.
+
+    Those that it declares, with those that they declare in turn. Empty where the program runs from
+    a folder without being installed.
+    """
+    found: dict[str, str] = {}
+    waiting = [*_declared(NAME, EXTRAS)]
+    while waiting:
+        need = waiting.pop()
+        name = re.sub(r"[-_.]+", "-", need.package).lower()
+        if need.found and name not in found:  # without an extra that is not installed
+            found[name] = need.found
+            waiting += _declared(name, ())
+    return dict(sorted(found.items()))
+
+
+def _declared(name: str, extras: Collection[str]) -> Iterator[Need]:
+    """What a package declares, with that of its ``extras``; nothing if it is not installed."""
+    try:
+        lines = requires(name) or []
+    except PackageNotFoundError:
+        return
+    for line in lines:
+        extra = re.search(r"extra\s*==\s*['\"]([^'\"]+)", line)
+        word = re.match(r"[\w.-]+", line)
+        if word and (extra is None or extra[1] in extras):
+            lowest = re.search(r">=\s*([\w.]+)", line.partition(";")[0])
+            installed = _installed(word[0])
+            yield Need(word[0], lowest[1] if lowest else "", installed, extra[1] if extra else "")
+
+
+def _installed(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""
+
+
+def _number(written: str) -> tuple[int, ...]:
+    """The leading numbers of a version: 2.10.1rc1 is (2, 10, 1)."""
+    digits = re.match(r"\d+(?:\.\d+)*", written)
+    return tuple(int(part) for part in digits[0].split(".")) if digits else ()
 
 
 @dataclass(frozen=True)
@@ -37,49 +147,40 @@ class Finding:
 
 def examine(store: Path) -> tuple[Finding, ...]:
     """Look at everything but settings and terminal, which are the command line's."""
-    return (*_packages(), *_extras(), *_pictures(), *_machine(), *_store(store), *_samples())
+    return (*_packages(), *_pictures(), *_machine(), *_store(store), *_samples())
 
 
 def _packages() -> Iterator[Finding]:
-    for need in needs():
-        if not need.extra:
-            state = FINE if need.met else WRONG
-            do = "" if need.met else "install brake-cal again: pip install --upgrade brake-cal"
-            yield Finding(need.package, state, str(need), do)
-
-
-def _extras() -> Iterator[Finding]:
     by_extra: dict[str, list[Need]] = {name: [] for name in EXTRAS}
     for need in needs():
         if need.extra:
             by_extra[need.extra].append(need)
-    for name, given in by_extra.items():
-        if not given:
             continue
-        there = all(need.met for need in given)
-        what = ", ".join(str(need) for need in given)
-        yield Finding(
-            f"[{name}]",
-            FINE if there else NOTE,
-            f"{EXTRAS[name]}: {what}",
-            "" if there else f"if you need it: pip install 'brake-cal[{name}]'",
-        )
+        state = FINE if need.met else WRONG
+        do = "" if need.met else "install brake-cal again: pip install --upgrade brake-cal"
+        yield Finding(need.package, state, str(need), do)
+    for name, given in by_extra.items():
+        if given:
+            there = all(need.met for need in given)
+            do = "" if there else f"if you need it: pip install 'brake-cal[{name}]'"
+            what = f"{EXTRAS[name]}: {', '.join(map(str, given))}"
+            yield Finding(f"[{name}]", FINE if there else NOTE, what, do)
 
 
 def _pictures() -> Iterator[Finding]:
     spec = importlib.util.find_spec("matplotlib")
     if spec is None or spec.origin is None:
         return  # told among the packages
-    there = (Path(spec.origin).parent / FONT).is_file()
-    what = "DejaVu Sans, of matplotlib" if there else "DejaVu Sans is missing in matplotlib"
-    yield Finding(
-        "font", FINE if there else NOTE, what, "" if there else "install matplotlib again"
-    )
+    if (Path(spec.origin).parent / FONT).is_file():
+        yield Finding("font", FINE, "DejaVu Sans, of matplotlib")
+    else:
+        what = "DejaVu Sans is missing in matplotlib"
+        yield Finding("font", NOTE, what, "install matplotlib again")
 
 
 def _machine() -> Iterator[Finding]:
     yield Finding("cores", FINE, f"{cores()} for this process")
-    memory = free_memory()
+    memory = _free_memory()
     if memory is not None:
         enough = memory >= LEAST_MEMORY
         do = "" if enough else "large logs need up to 1 GB"
@@ -90,7 +191,7 @@ def _machine() -> Iterator[Finding]:
     yield Finding("temporary files", FINE if good else WRONG, str(folder), do)
 
 
-def free_memory() -> float | None:
+def _free_memory() -> float | None:
     """Memory that can be used [GB]; None where the system does not tell."""
     try:
         return float(os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")) / 1e9

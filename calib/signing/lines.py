@@ -4,11 +4,13 @@ Stricter than minisign, which ignores what follows the last line it needs and th
 base64: here a file has one spelling, save its line ends, which may be LF or CRLF.
 """
 
+import importlib
 from base64 import b64decode, b64encode
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-from calib.errors import BrakeCalError
+from calib.errors import BrakeCalError, KeyFileError
 from calib.files.bounded import KEY, read_bounded
 from calib.printable import printable
 
@@ -111,3 +113,24 @@ def spelled(number: bytes) -> str:
     'AB000000000201'
     """
     return f"{int.from_bytes(number, 'little'):X}"
+
+
+def need(module: str) -> Any:
+    """Import ``module`` of cryptography.
+
+    Raises KeyFileError that names the extra if cryptography is not installed.
+    """
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as cause:
+        if cause.name is None or cause.name.split(".")[0] != "cryptography":
+            raise
+        raise KeyFileError(
+            "keys are used with cryptography, which is not installed",
+            do="pip install 'brake-cal[sign]'",
+        ) from cause
+
+
+def ed25519() -> Any:
+    """The module of Ed25519 keys."""
+    return need("cryptography.hazmat.primitives.asymmetric.ed25519")

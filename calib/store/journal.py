@@ -20,7 +20,7 @@ from typing import Any
 
 from calib.errors import DamagedTable
 from calib.files.digest import canonical_json
-from calib.signing.statement import STATES
+from calib.signing.signature import STATES
 from calib.store.state import CHANGES, Evidence, StateDecision, VersionState
 
 JOURNAL, HEAD = "journal.jsonl", "journal.head"

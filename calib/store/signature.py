@@ -17,12 +17,16 @@ from pathlib import Path
 
 from calib.errors import DamagedTable, SignatureRefused
 from calib.files.bounded import TABLE, read_bounded
+from calib.signing.keys import PublicKey, SecretKey
 from calib.signing.lines import read_small
-from calib.signing.public_key import PublicKey
-from calib.signing.secret_key import SecretKey
-from calib.signing.sign import sign, verify
-from calib.signing.signature import Signature, parse_signature
-from calib.signing.statement import Statement, parse_statement
+from calib.signing.signature import (
+    Signature,
+    Statement,
+    parse_signature,
+    parse_statement,
+    sign,
+    verify,
+)
 from calib.store.folders import RECORD, SIGNATURE, folder_of, signature_files
 from calib.store.journal import SIGNED, Entry
 from calib.store.snapshot import Snapshot

@@ -12,7 +12,7 @@ import getpass
 from dataclasses import dataclass
 
 from calib.errors import StoreError
-from calib.signing.statement import STATES
+from calib.signing.signature import STATES
 
 DRAFT, RELEASED, REJECTED, WITHDRAWN = STATES
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from calib.errors import StoreError
 from calib.program import PROGRAM
-from calib.signing.secret_key import SecretKey
+from calib.signing.keys import SecretKey
 from calib.store.commit import (
     commit,
     commit_signature,

@@ -3,8 +3,7 @@
 from dataclasses import dataclass, replace
 
 from calib.errors import DamagedTable, SignatureRefused, StoreError
-from calib.signing.public_key import PublicKey
-from calib.signing.secret_key import SecretKey
+from calib.signing.keys import PublicKey, SecretKey
 from calib.store.folders import NEW, folder_of
 from calib.store.seen import SeenJournals, recall
 from calib.store.signature import Signed, anchored, held, was_signed

@@ -12,10 +12,7 @@ from pathlib import Path
 import pytest
 
 from calib.errors import KeyFileError
-from calib.signing.key_pair import generate
-from calib.signing.password import Cost
-from calib.signing.public_key import read_public_key
-from calib.signing.secret_key import read_secret_key
+from calib.signing.keys import Cost, generate, read_public_key, read_secret_key
 
 ROOT = Path(__file__).parents[2]
 
@@ -29,7 +26,7 @@ def files(tmp_path):
 def cheap(monkeypatch):
     """Keys whose password takes little time."""
     monkeypatch.setattr(
-        "calib.signing.key_pair.generate", lambda *files: generate(*files, Cost(2**15, 2**24))
+        "calib.signing.keys.generate", lambda *files: generate(*files, Cost(2**15, 2**24))
     )
 
 

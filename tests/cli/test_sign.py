@@ -6,8 +6,7 @@ import sys
 
 import pytest
 
-from calib.signing.password import Cost
-from calib.signing.secret_key import locked_file, secret_file
+from calib.signing.keys import Cost, locked_file, secret_file
 from calib.store.state import StateDecision
 from calib.store.store import Store
 from tests.support.signing import ADA, EVE, set_back

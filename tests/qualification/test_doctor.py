@@ -6,7 +6,7 @@ from importlib.metadata import requires, version
 
 import pytest
 
-from calib.qualification import doctor, needs
+from calib.qualification import doctor
 from calib.qualification.doctor import FINE, NOTE, WRONG, examine
 from calib.store.store import Store
 from tests.support.tables import made_table
@@ -18,7 +18,7 @@ def of(store, name):
 
 
 def test_every_package_that_is_declared_is_told(tmp_path):
-    told = {one.package: one for one in needs.needs()}
+    told = {one.package: one for one in doctor.needs()}
     declared = [line for line in requires("brake-cal") if "extra" not in line]
     assert len(declared) >= 10
     for line in declared:
@@ -33,11 +33,11 @@ def test_every_package_that_is_declared_is_told(tmp_path):
     [("2.10", "2.9", True), ("2.9", "2.10", False), ("", "1.0", False), ("1.0", "", True)],
 )
 def test_versions_are_compared_as_numbers(found, lowest, met):
-    assert needs.Need("x", lowest, found).met is met
+    assert doctor.Need("x", lowest, found).met is met
 
 
 def test_a_missing_package_is_wrong_and_a_missing_extra_is_not(tmp_path, monkeypatch):
-    given = (needs.Need("numpy", "2.0", "1.26"), needs.Need("asammdf", "8.8", "", "mdf"))
+    given = (doctor.Need("numpy", "2.0", "1.26"), doctor.Need("asammdf", "8.8", "", "mdf"))
     monkeypatch.setattr(doctor, "needs", lambda: given)
     assert of(tmp_path, "numpy").state == WRONG
     assert "1.26 (needs 2.0 or later)" in of(tmp_path, "numpy").what

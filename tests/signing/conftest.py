@@ -2,8 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.signing.public_key import PublicKey, read_public_key
-from calib.signing.secret_key import SecretKey, read_secret_key
+from calib.signing.keys import PublicKey, SecretKey, read_public_key, read_secret_key
 from tests.signing.golden.make import HERE
 
 

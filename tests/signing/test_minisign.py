@@ -10,12 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from calib.errors import KeyFileError, SignatureRefused
-from calib.signing.key_pair import generate
-from calib.signing.password import SENSITIVE, Cost
-from calib.signing.public_key import read_public_key
-from calib.signing.secret_key import read_secret_key
-from calib.signing.sign import sign, verify
-from calib.signing.signature import parse_signature
+from calib.signing.keys import SENSITIVE, Cost, generate, read_public_key, read_secret_key
+from calib.signing.signature import parse_signature, sign, verify
 from tests.signing.conftest import never
 from tests.signing.golden.make import little_memory
 

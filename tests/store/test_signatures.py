@@ -14,9 +14,9 @@ import pytest
 import calib.store.commit
 import calib.store.store
 from calib.errors import DamagedTable, SignatureRefused, StoreError
-from calib.signing.secret_key import secret_file
-from calib.signing.sign import sign as minisig
-from calib.signing.statement import Statement
+from calib.signing.keys import secret_file
+from calib.signing.signature import Statement
+from calib.signing.signature import sign as minisig
 from calib.store.state import Evidence
 from calib.store.store import Store
 from calib.store.trust import require_signed, sign, verify_signed

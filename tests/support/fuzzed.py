@@ -309,13 +309,13 @@ def read_a_result(path: Path) -> object:
 
 
 def read_a_key(path: Path) -> object:
-    from calib.signing.public_key import read_public_key
+    from calib.signing.keys import read_public_key
 
     return read_public_key(path)
 
 
 def read_a_secret(path: Path) -> object:
-    from calib.signing.secret_key import read_secret_key
+    from calib.signing.keys import read_secret_key
 
     return read_secret_key(path, lambda: "")
 
@@ -337,13 +337,13 @@ def public() -> list[bytes]:
 
 
 def secrets() -> list[bytes]:
-    from calib.signing.secret_key import secret_file
+    from calib.signing.keys import secret_file
 
     return [secret_file(b"adasline", bytes(range(32)))]
 
 
 def signatures() -> list[bytes]:
-    from calib.signing.sign import sign
+    from calib.signing.signature import sign
     from tests.support.signing import ADA
 
     return [sign(ADA, b"content", "table sedan")]

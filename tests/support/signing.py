@@ -8,7 +8,7 @@ from dataclasses import asdict, replace
 import pytest
 
 from calib.errors import StoreError
-from calib.signing.secret_key import SecretKey
+from calib.signing.keys import SecretKey
 from calib.store.commit import write_journal
 from calib.store.journal import Entry, Journal
 from calib.store.state import StateDecision
