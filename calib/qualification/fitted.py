@@ -10,7 +10,7 @@ from calib.qualification.material import RAMPS, Material
 FRONT, REAR = 0.03, 0.08
 """Relative tolerances of pad friction: those of the torque in the default limits of `validate`."""
 D_TOLERANCE = 0.02
-"""Error of D from which a mistake counts in the study of mistakes on the page `warnings`."""
+"""Error of D from which a mistake counts in the study of mistakes, `tests/studies/mistakes.py`."""
 AT, NEAR = 0.3, 0.02
 """Deceleration at which D is compared, and half the range of samples that are averaged [1]."""
 

@@ -11,7 +11,7 @@ from calib.exports.csv import write_csv
 from calib.exports.parquet import TEXTS
 from tests.exports.conftest import bits
 
-PAGE = Path(__file__).parents[2] / "calib" / "manual" / "table.md"
+PAGE = Path(__file__).parents[2] / "calib" / "manual" / "tables.md"
 NUMBERS = ("x", "value", "lower", "upper", "count", "flag")
 
 
