@@ -1,4 +1,4 @@
-"""The documents that commands print or write, as the page `reference` has them, and their JSON Schemas.
+"""The documents that commands print or write, as the page `reference` has them, as JSON Schemas.
 
 ### `brake-cal fit LOG... --json`
 Schema: `fit-json`.
