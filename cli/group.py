@@ -27,6 +27,23 @@ SUBJECTS = {
 }
 """Headings of the help by the name of the group, each with its commands in their order."""
 
+PAGES = {
+    "validation": ("accuracy", "warnings"),
+    "logs": ("bad_input", "formats", "log_format"),
+    "vehicle_file": ("own_effect",),
+    "method": ("glossary",),
+    "tables": ("a2l", "signatures", "store"),
+    "line": ("fleet", "qualify", "settings"),
+    "reference": ("commands", "json", "python"),
+}
+"""Pages of the manual, each with the former ones that are a part of it now."""
+
+GONE = {
+    "brake-cal manual --html": "brake-cal manual PAGE",
+    **{f"brake-cal manual {old}": f"brake-cal manual {new}" for new in PAGES for old in PAGES[new]},
+}
+"""What there was once, as it is typed in a group, and the command to use instead."""
+
 
 class Group(TyperGroup):
     """Commands under their `SUBJECTS`."""
@@ -62,6 +79,9 @@ class Group(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The command that was typed; one that stands in a group below is named with its group."""
         typed = args[0]
+        for words in (typed, *(f"{typed} {word.partition('=')[0]}" for word in args[1:])):
+            if instead := GONE.get(f"{self.name} {words}"):
+                ctx.fail(f"{words!r} is gone. Use '{instead}'.")
         if typed not in self.commands:
             groups = {k: x for k, x in self.commands.items() if isinstance(x, Group)}
             within = [f"'{k} {typed}'" for k, group in groups.items() if typed in group.commands]

@@ -1,7 +1,6 @@
-"""`brake-cal manual`: the list of pages, one page, or all of them as a site."""
+"""`brake-cal manual`: the list of pages, or one page."""
 
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -9,14 +8,13 @@ import typer
 from cli.console import emit, emit_json, say
 from cli.grid import grid
 from cli.options import Json, example
-from cli.outputs import ready_folder, writing
 
 if TYPE_CHECKING:
     from rich.table import Table as Grid
 
     from calib.manual.page import Page
 
-EPILOG = example("brake-cal manual", "brake-cal manual ramp", "brake-cal manual --html manual")
+EPILOG = example("brake-cal manual", "brake-cal manual ramp")
 
 
 def _names() -> list[str]:
@@ -35,22 +33,13 @@ def manual(
             autocompletion=_names,
         ),
     ] = None,
-    html: Annotated[
-        Path | None,
-        typer.Option("--html", metavar="DIR", help="Write all pages as a linked site here."),
-    ] = None,
     json: Json = False,
 ) -> None:
     """Show the manual: the list of its pages, or one page.
 
-    On a terminal a page is laid out; elsewhere it is the Markdown as it was written. --html writes
-    all of them with a search; open index.html of that folder, no server is needed.
+    On a terminal a page is laid out; elsewhere it is the Markdown as it was written.
     """
-    if page is not None and html is not None:
-        raise typer.BadParameter("writes all pages; give no PAGE with it", param_hint="--html")
-    if html is not None:
-        _write(html, json)
-    elif page is not None:
+    if page is not None:
         _show(_found(page), json)
     else:
         _list(json)
@@ -106,20 +95,3 @@ def _show(page: "Page", json: bool) -> None:
         emit(LaidOut(for_terminal(page.text), hyperlinks=False), whole=True)
     else:
         emit(page.text.rstrip("\n"))
-
-
-def _write(out: Path, json: bool) -> None:
-    from calib.files.publish import publish, workshop
-    from calib.files.write import write_whole
-    from calib.manual.site import START, site
-
-    ready_folder(out)
-    files = site()
-    with writing(out), workshop(out) as work:
-        for name, content in files.items():
-            (work / name).parent.mkdir(exist_ok=True)
-            write_whole(work / name, content)
-        publish(work, out, START)
-    say(f"wrote {len(files)} files; open {out / START}")
-    if json:
-        emit_json({"schema": 1, "files": [str(out / name) for name in files]})

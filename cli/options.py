@@ -51,8 +51,8 @@ OwnEffects = Annotated[
     typer.Option(
         "--effect",
         metavar="FILE.py",
-        help="Add an effect of your own (`brake-cal manual own_effect`); may be repeated. The file "
-        "is executed as Python: give only files that you trust.",
+        help="Add an effect of your own (`brake-cal manual vehicle_file`); may be repeated. The "
+        "file is executed as Python: give only files that you trust.",
     ),
 ]
 Mass = Annotated[

@@ -1,4 +1,4 @@
-"""Each kind of file and each channel against each fault, and the page of the manual with it all."""
+"""Each kind of file and each channel against each fault, and the page of results with it all."""
 
 import pytest
 

@@ -13,7 +13,7 @@ import calib
 
 ROOT = Path(__file__).parents[1]
 FACE = ROOT / "calib" / "__init__.py"
-PAGE = (ROOT / "calib" / "manual" / "python.md").read_text()
+PAGE = (ROOT / "calib" / "manual" / "reference.md").read_text()
 
 
 def homes() -> dict[str, str]:

@@ -1,1 +1,1 @@
-"""The manual: its pages beside this file, read as text and written as a linked site."""
+"""The manual: its pages beside this file, read as text."""

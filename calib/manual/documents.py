@@ -1,4 +1,4 @@
-"""The documents that commands print or write, as the page `json` has them, and their JSON Schemas.
+"""The documents that commands print or write, as the page `reference` has them, as JSON Schemas.
 
 ### `brake-cal fit LOG... --json`
 Schema: `fit-json`.
@@ -85,7 +85,7 @@ def documents() -> dict[str, Document]:
 
 
 def _read() -> Iterator[Document]:
-    (page,) = find("json")
+    (page,) = find("reference")
     for title, name, rest in _PART.findall(page.text):
         keys = (DocumentKey(*cells) for cells in _ROW.findall(rest))
         yield Document(name, title.replace("`", ""), tuple(keys))

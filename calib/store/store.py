@@ -1,7 +1,7 @@
 """The store: versions of tables that are written once, and the journal of their states.
 
 `calib.store.folders` says where they lie, `calib.store.commit` how they get there. What the store
-promises is on the page `store` of the manual.
+promises is on the page `tables` of the manual.
 """
 
 from collections.abc import Iterator

@@ -1,6 +1,6 @@
 """An effect of one's own: a flap at the rear that rises while the car brakes.
 
-See calib/manual/own_effect.md. Everything is in SI.
+See calib/manual/vehicle_file.md. Everything is in SI.
 """
 
 import numpy as np

@@ -6,6 +6,7 @@ from io import StringIO
 from rich.console import Console
 
 from calib.manual.page import contents
+from cli.group import GONE, PAGES
 from cli.laid_out import LaidOut
 
 
@@ -50,24 +51,9 @@ def test_a_misspelt_page_is_told_the_right_one(brake_cal):
         assert told in " ".join(ran.err.split())
 
 
-def test_the_site_is_written_whole(brake_cal, tmp_path):
-    out = tmp_path / "made" / "site"
-    ran = brake_cal("manual", "--html", out)
-    assert ran.code == 0
-    assert f"open {out / 'index.html'}" in ran.err
-    assert {"index.html", "ramp.html", "style.css", "search.js"} <= {p.name for p in out.iterdir()}
-    assert (out / "figures" / "table.png").read_bytes()[:4] == b"\x89PNG"
-    assert not [path for path in out.iterdir() if path.name.startswith(".")]
-    files = json.loads(brake_cal("manual", "--html", out, "--json").out)["files"]
-    assert sorted(files) == sorted(str(p) for p in out.rglob("*") if p.is_file())
-
-
-def test_the_site_takes_no_page_and_no_file(brake_cal, tmp_path):
-    ran = brake_cal("manual", "ramp", "--html", tmp_path / "site")
-    assert ran.code == 2
-    assert "give no PAGE with it" in ran.err
-    (tmp_path / "file").write_text("mine")
-    ran = brake_cal("manual", "--html", tmp_path / "file")
-    assert ran.code == 2
-    assert "is a file" in ran.err
-    assert (tmp_path / "file").read_text() == "mine"
+def test_what_is_gone_is_told_with_the_command_to_use(brake_cal):
+    for words, instead in GONE.items():
+        ran = brake_cal(*words.split()[1:])
+        assert (ran.code, instead in " ".join(ran.err.split())) == (2, True), words
+    assert brake_cal("manual", "--html=site").code == 2
+    assert set(PAGES) <= {page.name for page in contents()}

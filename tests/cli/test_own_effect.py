@@ -1,4 +1,4 @@
-"""`--effect`: what the page `own_effect` of the manual says, done as it is printed there."""
+"""`--effect`: what the page `vehicle_file` of the manual says, done as it is printed there."""
 
 import json
 import re
@@ -10,7 +10,8 @@ import pytest
 from calib.demo.samples import sample_logs
 from tests.support.own_effects import EXAMPLE, retarder
 
-PAGE = (Path(__file__).parents[2] / "calib" / "manual" / "own_effect.md").read_text()
+MANUAL = Path(__file__).parents[2] / "calib" / "manual"
+PAGE = (MANUAL / "vehicle_file.md").read_text().partition("## An effect of your own")[2]
 SEDAN = Path("sample_logs/sedan")
 VEHICLE = ("--vehicle", SEDAN / "vehicle.toml")
 FLAP = Path("sample_logs/own_effect/air_brake_flap.py")

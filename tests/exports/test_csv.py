@@ -10,7 +10,7 @@ from calib.exports.build import build
 from calib.exports.plain import TEXTS, write_csv
 from tests.exports.conftest import bits
 
-PAGE = Path(__file__).parents[2] / "calib" / "manual" / "table.md"
+PAGE = Path(__file__).parents[2] / "calib" / "manual" / "tables.md"
 NUMBERS = ("x", "value", "lower", "upper", "count", "flag")
 
 

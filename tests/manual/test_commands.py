@@ -1,4 +1,4 @@
-"""The page of commands names every command that there is."""
+"""The page `reference` names every command that there is."""
 
 import re
 
@@ -7,7 +7,7 @@ import typer.main
 from calib.manual.page import FOLDER
 from cli.main import app
 
-PAGE = (FOLDER / "commands.md").read_text()
+PAGE = (FOLDER / "reference.md").read_text()
 
 
 def rows() -> set[str]:

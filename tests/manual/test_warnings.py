@@ -1,4 +1,4 @@
-"""The page of warnings names every code that the program knows."""
+"""The page `validation` names every code that the program knows."""
 
 import re
 from pathlib import Path
@@ -17,7 +17,7 @@ def codes() -> set[str]:
 
 
 def test_every_code_is_on_the_page():
-    page = (FOLDER / "warnings.md").read_text()
+    page = (FOLDER / "validation.md").read_text()
     known = codes()
     assert len(known) > 30
     assert [code for code in sorted(known) if f"`{code}`" not in page] == []

@@ -1,4 +1,4 @@
-"""Each promise on the page `signatures` of the manual by a test of its name."""
+"""Each promise of a signature on the page `tables` of the manual by a test of its name."""
 
 import hashlib
 import shutil

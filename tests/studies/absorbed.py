@@ -6,8 +6,7 @@
 Those that have no name of their own, a radius that falls under load, another mass, and nothing: of
 each ``--count`` cases of the plant in tests/support/hidden, severities in turn. With ``--top``
 ramps and hard stops reach that deceleration over g. Printed: the answer, the pads over the true
-ones, and how often their 95 % interval holds those. The figures are in the pages `own_effect` and
-`diagnosis` of the manual.
+ones, and how often their 95 % interval holds those. Its figures: `results/absorbed.md`.
 """
 
 import argparse

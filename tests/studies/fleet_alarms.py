@@ -7,7 +7,7 @@ metrics, a quarter as many of 300 cars with 12; drawn with a fixed seed for each
 metric of a fleet has the distribution of its row. A page alarms if it names a car or a drift. A bad
 car is one of the fleet, moved by 5, 7 or 10 standard deviations of the distribution in one metric
 (in `correlated` in four); half as many fleets of each size, for the distributions in `FOUND`.
-Prints the rows of the two tables in the manual.
+Prints the rows of the two tables in `results/fleet_alarms.md`.
 """
 
 import sys

@@ -1,7 +1,7 @@
 """The matrix of bad input: each kind of file and each channel against each fault.
 
 `tests/test_bad_input_page.py` runs every cell, and compares it with the tables of
-the page `bad_input` of the manual, which this writes: `python -m tests.support.bad_input`.
+`tests/studies/results/bad_input.md`, which this writes: `python -m tests.support.bad_input`.
 """
 
 import random
@@ -22,7 +22,7 @@ from calib.store.journal import Journal
 from calib.store.snapshot import Snapshot
 from tests.support.fuzzed import READERS, ROOT, SEDAN, Reader
 
-PAGE = ROOT / "calib" / "manual" / "bad_input.md"
+PAGE = ROOT / "tests" / "studies" / "results" / "bad_input.md"
 BEGIN, END = "<!-- made by tests/support/bad_input.py -->", "<!-- end of what was made -->"
 LARGE = 10_000_000
 

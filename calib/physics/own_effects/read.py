@@ -1,6 +1,6 @@
 """Read an effect of the user's own: a Python file with ``EFFECT``, as each of the catalogue has it.
 
-The file is executed, with all that this process may do. See `brake-cal manual own_effect`.
+The file is executed, with all that this process may do. See `brake-cal manual vehicle_file`.
 """
 
 import ast
@@ -43,7 +43,7 @@ def read_own_effect(path: Path) -> OwnEffect:
             "no EFFECT" if effect is None else f"EFFECT is a {type(effect).__name__}",
             where=path,
             expected="EFFECT = Effect(card=Card(...), ...) at the top level",
-            do="see `brake-cal manual own_effect`",
+            do="see `brake-cal manual vehicle_file`",
         )
     check_card(effect, at(str(path), _line_of_card(source)))
     guarded = checked(effect, str(path))
