@@ -60,7 +60,7 @@ LIKELY, SURE = 0.3, 0.95
 """Chance of a late v from which on it is not taken as it is, and from which on it is corrected."""
 
 STEP = 0.01
-"""Step of the delays that are tried [s]; parabolas go between them."""
+"""Step of the delays that are tried [s]: half of what is sharp."""
 
 SHARP = 0.02
 """One sigma [s] of a delay from which on v is not put in time but left out: at 0.5 g it makes an
@@ -114,7 +114,7 @@ def in_time(time: Array, v: Array, a_x: Array, delay: SpeedDelay) -> Array:
     """A late v [m/s] (n,) at the times at which the car had it; a_x carries it on at the end."""
     gained = integral(time, a_x)
     later = time + delay.value
-    after = np.interp(time, time, gained) - np.interp(time[-1] - delay.value, time, gained)
+    after = gained - np.interp(time[-1] - delay.value, time, gained)
     return np.where(later <= time[-1], np.interp(later, time, v), v[-1] + after)
 
 
