@@ -9,17 +9,17 @@ is noise, half is what the zero walked meanwhile (Simon, Optimal State Estimatio
 lead-in much shorter than tau is averaged as if nothing walked.
 """
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-WALK = 1e-3 / math.sqrt(300.0)
-"""Walk q of the ratio of two rolling radii, and of radius to v [1/s^0.5]: 0.1 % in five minutes. A
-tyre that warms by 30 K has a tenth more pressure, and rolls on a radius 0.1 % larger."""
+WALK = 1.2e-5
+"""Walk q of the ratio of two rolling radii, and of radius to v [1/s^0.5]. A tyre that warms by 30 K
+in five minutes rolls on a radius 0.1 % larger, 3e-6 a second. With usual wheel speeds, r 4e-5, tau
+is 3 s: the zero then lags by 1e-5 and has noise of 2e-5. A walk that makes 0.1 % in five minutes
+would forget a lead-in within half a second; a tyre that warms is steadier over seconds."""
 
 OLDEST = 12.0
 """Age over tau past which all is forgotten: its weight is 6e-6."""

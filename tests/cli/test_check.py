@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 from calib.errors import ChannelMapError
 from calib.logs.write import write_csv
 from cli.check import check
+from cli.command import add
 from tests.support.made_runs import changed, made_run
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
@@ -17,7 +18,7 @@ SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
 
 def run(*arguments):
     app = typer.Typer()
-    app.command()(check)
+    add(app, check)
     return CliRunner().invoke(app, [str(a) for a in arguments])
 
 

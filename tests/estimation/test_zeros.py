@@ -42,6 +42,6 @@ def test_a_ramp_is_zeroed_where_it_bites():
     log = noisy(rolled(ramp(), ROLLING, drift), 4)
     b = blocks(signals(log, CAR))
     run = prepare(CAR, log.name, b, sensor_noise(log, b), Effects())
-    assert np.count_nonzero(run.use) * b.length < 60.0
+    assert np.count_nonzero(run.use) * b.length < 75.0
     found = identify_once(CAR, [run])
     assert found.eta_zero[0] == pytest.approx((1.0 + drift) * RADII - 1.0, abs=1.5e-4)
