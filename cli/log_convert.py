@@ -77,11 +77,11 @@ def convert(
 
 def check_file(out: Path, logs: list[Path], channel_map: Path | None) -> None:
     """Refuse an output of an unknown ending, and one that is an input."""
-    from calib.logs.write import ENDINGS
+    from calib.logs.write import WRITERS
 
-    if out.suffix.lower() not in ENDINGS:
+    if out.suffix.lower() not in WRITERS:
         raise typer.BadParameter(
-            f"must end in {', '.join(ENDINGS)}, or be a folder with --to", param_hint="--out"
+            f"must end in {', '.join(WRITERS)}, or be a folder with --to", param_hint="--out"
         )
     named(logs)
     refuse_folder(out)
@@ -90,10 +90,10 @@ def check_file(out: Path, logs: list[Path], channel_map: Path | None) -> None:
 
 def _checked_names(out: Path, logs: list[Path], to: str) -> list[str]:
     """Names of the files in the folder ``out``; refuses an unknown format, and an input."""
-    from calib.logs.write import ENDINGS
+    from calib.logs.write import WRITERS
 
-    if f".{to.lower()}" not in ENDINGS:
-        known = ", ".join(ending[1:] for ending in ENDINGS)
+    if f".{to.lower()}" not in WRITERS:
+        known = ", ".join(ending[1:] for ending in WRITERS)
         raise typer.BadParameter(f"unknown format {to!r}; known: {known}", param_hint="--to")
     names = [f"{stem}.{to.lower()}" for stem in stems_of(named(logs), "LOG")]
     refuse_overwriting((out / name for name in names), logs)
@@ -111,9 +111,9 @@ def write(log: "WholeLog", out: Path, force: bool) -> None:
 
 
 def _content(log: "WholeLog", out: Path, force: bool) -> bytes:
-    from calib.logs.write import log_content
+    from calib.logs.write import WRITERS
 
-    content = log_content(log, out.suffix.lower())
+    content = WRITERS[out.suffix.lower()](log)
     refuse_foreign(out, lambda data: data == content, "this log", force)
     return content
 

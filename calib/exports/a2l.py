@@ -134,7 +134,6 @@ def write_a2l(data: Dataset, bits: int | None, addresses: Addresses) -> bytes:
 
 
 def _comment(data: Dataset, bits: int | None, addresses: Addresses) -> Iterator[str]:
-    """Facts of the table, and what is assumed of the memory."""
     facts = [*data.facts().items(), ("numbers", numbers_in_words(bits))]
     yield "/*"
     for key, text in [*facts, *(("addresses", remark) for remark in addresses.remarks)]:

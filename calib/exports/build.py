@@ -146,7 +146,6 @@ def _scalars(table: Table, version: int, first: str) -> list[Scalar]:
 
 
 def _wheel(side: str, axle: Axle) -> list[tuple[str, str, str, float]]:
-    """Scalars of one wheel of an axle."""
     return [
         (f"R_{side}", f"R, rolling radius, {side}", "m", axle.rolling_radius),
         (f"J_{side}", f"J_w, inertia of one wheel, {side}", "kg*m^2", axle.wheel_inertia),

@@ -173,7 +173,6 @@ def _opened(path: Path, i: int, line: str) -> _Block:
 
 
 def _take(path: Path, i: int, line: str, block: _Block) -> None:
-    """One line within an object."""
     word, _, rest = line.partition(" ")
     if word in ARRAYS.get(block.kind, ()):
         try:

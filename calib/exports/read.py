@@ -54,7 +54,6 @@ def best_rounding(pairs: Sequence[Pair]) -> tuple[str, list[Pair]]:
 
 
 def _ways(found: Sequence[float]) -> Iterator[tuple[str, Callable[[Pair], bool]]]:
-    """Each way with its rule, the finest first."""
     yield "", lambda pair: pair.found.hex() == pair.true.hex()
     yield "to single precision", _is_single
     written = [Decimal(repr(x)).normalize() for x in found if x]

@@ -8,7 +8,8 @@ from calib.documents.toml import nearest
 from calib.errors import ChannelMapError, LogError
 from calib.logs.channel_map import ChannelMap, Mapping
 from calib.logs.log import Origin
-from calib.logs.source import Array, Column, address_of, called
+from calib.logs.resample import Wanted
+from calib.logs.source import Array, ChannelTrace, Column, address_of, called
 from calib.names import CHANNELS, TRUTH_UNITS
 from calib.units import UnknownUnit, si_of, unit_of
 
@@ -30,6 +31,11 @@ class Assigned:
     def to_si(self, written: Array) -> Array:
         """Values in SI, shape (n,)."""
         return self.mapping.to_si(written, self.unit, self.si)
+
+    def wanted(self, trace: ChannelTrace) -> Wanted:
+        """The channel of a recording, held or interpolated as the map or the file has it."""
+        method = self.mapping.method
+        return Wanted(self.channel, trace, trace.state if method is None else method == "hold")
 
     def origin(self) -> Origin:
         """Source, unit, factor and offset; exact, since every conversion is linear."""
@@ -121,7 +127,6 @@ def _mapped(
 
 
 def _canonical(column: Column, index: int, where: str) -> Assigned | None:
-    """The channel with the name of the column, or None if there is no such channel."""
     if column.name in CHANNELS:
         si = CHANNELS[column.name].si
     elif column.name.startswith(TRUTH):

@@ -79,7 +79,6 @@ class MappingSection(Section):
 
 
 def _mapping_in(si: str) -> type[MappingSection]:
-    """Return the schema of a mapping for a channel with this SI unit."""
 
     def known(unit: str) -> str:
         try:

@@ -168,7 +168,9 @@ def as_source(opened: Recording, where: str) -> ColumnSource:
                 refused[index] = error
     finally:
         opened.close()
-    wanted = [Wanted(_name(opened, i), trace, trace.state) for i, trace in traces.items()]
+    wanted = [
+        Wanted(opened.columns[i].full_name, trace, trace.state) for i, trace in traces.items()
+    ]
     resampled = on_one_clock(wanted, where)
     arrays = {0: resampled.time, **dict(zip(traces, resampled.values, strict=True))}
 
@@ -178,10 +180,9 @@ def as_source(opened: Recording, where: str) -> ColumnSource:
                 raise refused[index]
         return [arrays[index] for index in indices]
 
-    rates = {i: resampled.rates[n] for i in traces if (n := _name(opened, i)) in resampled.rates}
+    rates = {
+        i: resampled.rates[n]
+        for i in traces
+        if (n := opened.columns[i].full_name) in resampled.rates
+    }
     return ColumnSource(opened.columns, read, opened.notes + resampled.notes, rates)
-
-
-def _name(opened: Recording, index: int) -> str:
-    column = opened.columns[index]
-    return column.full or column.name

@@ -16,7 +16,7 @@ from calib.logs.bus.frames import Frames, Known, joined, once
 from calib.logs.bus.recording import described, require_dbc, require_known, trace
 from calib.logs.channel_map import Databases
 from calib.logs.mdf_records import check_mdf
-from calib.logs.source import ChannelTrace, Column, Recording, named, need
+from calib.logs.source import CLOCK, ChannelTrace, Column, Recording, damaged, need
 
 VALUE_TO_TEXT = {"3": (11, 12), "4": (7, 8)}
 """Types of conversion that give text instead of numbers, by version of MDF."""
@@ -30,8 +30,6 @@ TIME_SYNC = 1
 
 @dataclass(frozen=True)
 class _Place:
-    """Position of a channel: its group, and its index in the group."""
-
     group: int
     index: int
 
@@ -85,21 +83,19 @@ def _recording(mdf: Any, dbc: Databases, notes: list[str], where: str) -> Record
             for i in indices
         ]
 
-    return Recording(named([*columns, *more]), read, (*database.notes, *notes), mdf.close)
+    return Recording((CLOCK, *columns, *more), read, (*database.notes, *notes), mdf.close)
 
 
 def _check_layout(mdf: Any, where: str) -> None:
-    """Raise LogError for a channel of MDF 3 outside its record: asammdf would read past it."""
     for number, group in enumerate(mdf.groups):
         size = group.channel_group.samples_byte_nr
         for channel in group.channels:
             extra = getattr(channel, "additional_byte_offset", 0)
             if 8 * extra + channel.start_offset + channel.bit_count > 8 * size:
-                raise LogError(
+                raise damaged(
+                    where,
                     f"channel {channel.name!r} lies outside the records of group {number}",
-                    where=where,
-                    expected=f"bits within {size} bytes",
-                    do="the file is damaged: copy the log again",
+                    f"bits within {size} bytes",
                 )
 
 
@@ -133,7 +129,6 @@ def _channels(mdf: Any, buses: Sequence[int]) -> tuple[list[Column], list[_Place
 
 
 def _group(mdf: Any, number: int) -> str:
-    """Name of a group: its acquisition name, else its number."""
     group = mdf.groups[number].channel_group
     name = getattr(group, "acq_name", "") or ""
     return name or f"group {number}"
@@ -150,7 +145,6 @@ def _unit(channel: Any) -> str | None:
 
 
 def _traces(mdf: Any, places: Sequence[_Place], where: str) -> list[ChannelTrace]:
-    """Read channels, group by group. Raises LogError for too few samples, and for text."""
     signals = _select(mdf, places, True, where)
     result = []
     for place, signal in zip(places, signals, strict=True):
@@ -200,7 +194,6 @@ def _values(mdf: Any, place: _Place, signal: Any, where: str) -> tuple[np.ndarra
 
 
 def _bus_groups(mdf: Any) -> list[int]:
-    """Groups that contain bus frames instead of measured channels."""
     return [
         number
         for number, group in enumerate(mdf.groups)
@@ -234,11 +227,10 @@ def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
         raise _too_few("frames", min(len(data), ids.size), cycles, where)
     fields = [ids, *(field for field in others.values() if field is not None)]
     if data.ndim != 2 or any(f.ndim != 1 or f.dtype.kind not in "biuf" for f in fields):
-        raise LogError(
+        raise damaged(
+            where,
             "the fields of its frames are not numbers",
-            where=where,
-            expected="identifier, bus, length and bytes of each frame",
-            do="the file is damaged: copy the log again",
+            "identifier, bus, length and bytes of each frame",
         )
     ids = ids.astype(np.int64)  # loggers store 11 bits of identifier in 16
     bare = ids & 0x1FFFFFFF
@@ -248,11 +240,10 @@ def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
     if length is None:
         length = np.full(ids.size, data.shape[1])
     if length.max(initial=0) > data.shape[1]:
-        raise LogError(
+        raise damaged(
+            where,
             f"a frame has a length of {length.max()} bytes, its record {data.shape[1]}",
-            where=where,
-            expected="frames within their records",
-            do="the file is damaged: copy the log again",
+            "frames within their records",
         )
     codes = bus.astype(np.int64) << 30 | extended.astype(np.int64) << 29 | bare
     result = []
@@ -266,25 +257,22 @@ def _frames(mdf: Any, number: int, known: Known, where: str) -> list[Frames]:
 
 
 def _field(mdf: Any, number: int, name: str) -> Any:
-    """Samples of one field of the frames, or None if the file does not have it."""
     names = {c.name for c in mdf.groups[number].channels}
     full = f"{FRAME}.{name}"
     return mdf.get(full, group=number).samples if full in names else None
 
 
 def _too_few(what: str, there: int, counted: int, where: str) -> LogError:
-    return LogError(
+    return damaged(
+        where,
         f"{there} of {counted} {what} can be read: {counted - there} are missing",
-        where=where,
-        expected="all that the group counts",
-        do="copy the log again",
+        "all that the group counts",
     )
 
 
 def _unreadable(cause: Exception, where: str, what: str = "file") -> LogError:
-    return LogError(
+    return damaged(
+        where,
         f"asammdf cannot read the {what}: {str(cause) or type(cause).__name__}",
-        where=where,
-        expected="a complete and undamaged MDF file",
-        do="copy the log again",
+        "a complete and undamaged MDF file",
     )

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from calib.errors import LogError
+from calib.logs.source import damaged
 
 COUNTS, LAST_LENGTH, VLSD_SIZES = 1, 4, 32
 """Flags of what a recorder left: counts of groups, length of the last DT, sizes of VLSD groups."""
@@ -40,11 +41,6 @@ class Identification:
     version: str
     flags: int
     little_endian: bool
-
-
-def damaged(path: Path, what: str, expected: str = "an undamaged file") -> LogError:
-    """The error for a file that is not whole."""
-    return LogError(what, where=path, expected=expected, do="copy the log again")
 
 
 def not_finished(path: Path, why: str, expected: str) -> LogError:

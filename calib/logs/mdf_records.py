@@ -26,12 +26,12 @@ from calib.logs.mdf_blocks import (
     chain,
     check_3,
     check_4,
-    damaged,
     identification,
     not_finished,
     refuse_again,
     whole_blocks,
 )
+from calib.logs.source import damaged
 
 _GROUP = struct.Struct("<QQHHLLL")
 _CHANNEL = struct.Struct("<3xBLL")
@@ -209,7 +209,6 @@ def _counted(data: mmap.mmap, flags: int, starts: list[int], version: str, path:
 def _count(
     data: mmap.mmap, groups: list[_Group], span: tuple[int, int], id_size: int, path: Path
 ) -> int:
-    """Count the records of each group. Returns the end of the last whole record."""
     place, end = span
     if not id_size:
         (only,) = groups

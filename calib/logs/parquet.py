@@ -8,7 +8,7 @@ import numpy as np
 
 from calib.errors import LogError
 from calib.files.bounded import LOG
-from calib.logs.source import Array, Column, ColumnSource
+from calib.logs.source import Array, Column, ColumnSource, damaged
 from calib.logs.text.cells import column_from_cell, from_first, over_midnight
 from calib.logs.text.encoding import too_large
 
@@ -43,11 +43,8 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
         schema = file.schema_arrow
         fields = list(schema)  # names that are not UTF-8 are decoded here
     except (pa.ArrowException, OSError, ValueError) as cause:
-        raise LogError(
-            f"not Parquet, or cut off: {cause}",
-            where=where,
-            expected="a complete Parquet file",
-            do="copy the log again",
+        raise damaged(
+            where, f"not Parquet, or cut off: {cause}", "a complete Parquet file"
         ) from cause
     pandas = _pandas(schema.metadata)
     columns = tuple(_column(field, pandas) for field in fields)
@@ -62,7 +59,7 @@ def open_parquet(data: bytes, where: str, text_format: object = None) -> ColumnS
         try:
             table = file.read(use_threads=False)
         except (pa.ArrowException, OSError, ValueError) as cause:
-            raise LogError(f"damaged: {cause}", where=where, do="copy the log again") from cause
+            raise damaged(where, f"damaged: {cause}") from cause
         return [_numbers(table.column(i), f"{where}: {columns[i].name}") for i in indices]
 
     return ColumnSource(columns, read)
@@ -103,7 +100,6 @@ def _column(field: "pyarrow.Field", pandas: dict[str, Any]) -> Column:
 
 
 def _clock_unit(kind: "pyarrow.DataType") -> float | None:
-    """The unit of a time stamp, a time of day or a duration [s]; None for another type."""
     import pyarrow.types as of
 
     if of.is_timestamp(kind) or of.is_time(kind) or of.is_duration(kind):

@@ -2,7 +2,7 @@
 
 import hashlib
 import stat
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from calib.errors import ChannelMapError, LogError
@@ -11,11 +11,11 @@ from calib.logs.assign import TRUTH, Assigned, assign, without_unit
 from calib.logs.channel_map import ChannelMap, Databases
 from calib.logs.clock import is_ascending, on_line
 from calib.logs.formats import RECORDINGS, TABLES, as_source, ending_of, refuse_other_kind, stem_of
-from calib.logs.gaps import ChannelHole, fill_rows
+from calib.logs.gaps import fill_rows
 from calib.logs.impossible import without_impossible
-from calib.logs.log import Array, Log, Origin
-from calib.logs.resample import Wanted, on_one_clock
-from calib.logs.source import ChannelTrace, ColumnSource, Recording
+from calib.logs.log import Log
+from calib.logs.resample import on_one_clock
+from calib.logs.source import ColumnSource, Recording
 from calib.logs.text.dialect import LOOKED
 from calib.logs.verify import check_clock, complete_channels, refuse_absurd, without_open_ends
 from calib.names import CHANNELS
@@ -56,7 +56,11 @@ def opened_recording(
     path: Path, channel_map: ChannelMap | None = None, where: object = None
 ) -> Recording:
     """Open a log with several sample rates; the caller closes it. Else like `open_log`."""
-    _refuse_other_kind(path, path if where is None else where)
+    try:
+        with path.open("rb") as file:
+            refuse_other_kind(file.read(64), ending_of(path), where or path)
+    except OSError as cause:
+        raise _unreadable(where or path, cause) from cause
     dbc = channel_map.databases if channel_map else Databases()
     return RECORDINGS[ending_of(path)](path, dbc)
 
@@ -67,15 +71,6 @@ def open_bytes(data: bytes, path: Path, channel_map: ChannelMap | None = None) -
     text_format = channel_map.text if channel_map else LOOKED
     source = TABLES[ending_of(path)](data, str(path), text_format)
     return Opened(source, hashlib.sha256(data).hexdigest())
-
-
-def _refuse_other_kind(file: Path, where: object) -> None:
-    try:
-        with file.open("rb") as opened:
-            head = opened.read(64)
-    except OSError as cause:
-        raise _unreadable(where, cause) from cause
-    refuse_other_kind(head, ending_of(file), where)
 
 
 def recording_digest(path: Path) -> str:
@@ -131,8 +126,26 @@ def read_opened(
     require: tuple[str, ...] = REQUIRED,
 ) -> Log:
     """Read one run from a table that `open_log` opened; ``path`` names it. Else like `read_log`."""
-    require = _needed(require)
-    return _log(_read_table(opened, path, channel_map, require), path, require)
+    source = opened.source
+    taken, ignored = assign(source.columns, channel_map, _with_time(require), str(path))
+    written = source.read([item.index for item in taken])
+    values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
+    rounded: tuple[str, ...] = ()
+    if is_ascending(values["time"]):
+        values["time"], rounded = on_line(values["time"])
+    measured = {name: x for name, x in values.items() if name in CHANNELS and name != "time"}
+    filled, notes, bridged = fill_rows(measured, values["time"])
+    log = Log(
+        stem_of(path),
+        str(path),
+        opened.digest,
+        values | filled,
+        ignored=ignored,
+        notes=(*source.notes, *without_unit(source.columns, taken), *rounded, *notes),
+        origins=tuple(item.origin() for item in taken),
+        bridged=tuple(bridged),
+    )
+    return _checked(log, require)
 
 
 def log_of(
@@ -156,8 +169,31 @@ def log_of(
 def _recorded(
     file: Path, digest: str, path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]
 ) -> Log:
-    require = _needed(require)
-    return _log(_read_recording(file, digest, str(path), channel_map, require), path, require)
+    where = str(path)
+    opened = opened_recording(file, channel_map, where)
+    try:
+        taken, ignored = assign(opened.columns, channel_map, _with_time(require), where)
+        clock = recorded_clock(taken, channel_map)
+        others = [item for item in taken if item is not clock]
+        if not others:
+            raise _nothing_taken(ignored, opened.notes, where)
+        traces = opened.read([item.index for item in others])
+    finally:
+        opened.close()
+    found = on_one_clock([i.wanted(t) for i, t in zip(others, traces, strict=True)], where)
+    written = zip((clock, *others), (found.time, *found.values), strict=True)
+    log = Log(
+        stem_of(path),
+        where,
+        digest,
+        {item.channel: item.to_si(w) for item, w in written},
+        ignored=ignored,
+        notes=(*opened.notes, *without_unit(opened.columns, taken), *found.notes),
+        origins=tuple(item.origin() for item in taken),
+        bridged=found.bridged,
+        interpolated=found.interpolated,
+    )
+    return _checked(log, require)
 
 
 def _as_map(channel_map: ChannelMap | Path | None) -> ChannelMap | None:
@@ -168,91 +204,26 @@ def _as_map(channel_map: ChannelMap | Path | None) -> ChannelMap | None:
     return read_channel_map(channel_map)
 
 
-def _needed(require: tuple[str, ...]) -> tuple[str, ...]:
+def _with_time(require: tuple[str, ...]) -> tuple[str, ...]:
     return ("time", *(name for name in require if name != "time"))
 
 
-def _log(taken: "_Taken", path: Path, require: tuple[str, ...]) -> Log:
-    """Check the channels from a file, and make the `Log`."""
-    refuse_absurd(taken.values, str(path))
-    possible = without_impossible(taken.values, str(path))
+def _checked(log: Log, require: tuple[str, ...]) -> Log:
+    """The log with the channels that are whole, its truth apart. Raises LogError as `read_log`."""
+    refuse_absurd(log.channels, log.source)
+    possible = without_impossible(log.channels, log.source)
     cut, cut_notes = without_open_ends(possible.channels)
-    values, notes = complete_channels(cut, require, str(path))
-    check_clock(values["time"], str(path))
-    return Log(
-        name=stem_of(path),
-        source=str(path),
-        digest=taken.digest,
-        origins=tuple(o for o in taken.origins if o.channel in values),
+    values, notes = complete_channels(cut, _with_time(require), log.source)
+    check_clock(values["time"], log.source)
+    bridged = (*log.bridged, *possible.bridged)
+    return replace(
+        log,
         channels={name: values[name] for name in CHANNELS if name in values},
         truth={name: v for name, v in values.items() if name.startswith(TRUTH)},
-        ignored=taken.ignored,
-        notes=taken.notes + cut_notes + notes,
-        bridged=tuple(gap for gap in (*taken.bridged, *possible.bridged) if gap.channel in values),
+        notes=log.notes + cut_notes + notes,
+        origins=tuple(o for o in log.origins if o.channel in values),
+        bridged=tuple(gap for gap in bridged if gap.channel in values),
         marked=possible.marked,
-        interpolated=taken.interpolated,
-    )
-
-
-@dataclass(frozen=True)
-class _Taken:
-    """Content of a file: digest, channels [SI], unused columns, notes, bridged gaps; channels that
-    were interpolated.
-    """
-
-    digest: str
-    values: dict[str, Array]
-    origins: tuple[Origin, ...]
-    ignored: tuple[str, ...]
-    notes: tuple[str, ...]
-    bridged: tuple[ChannelHole, ...] = ()
-    interpolated: tuple[str, ...] = ()
-
-
-def _read_table(
-    opened: Opened, path: Path, channel_map: ChannelMap | None, require: tuple[str, ...]
-) -> _Taken:
-    source = opened.source
-    taken, ignored = assign(source.columns, channel_map, require, str(path))
-    written = source.read([item.index for item in taken])
-    values = {item.channel: item.to_si(w) for item, w in zip(taken, written, strict=True)}
-    values["time"], rounded = _clock(values["time"])
-    measured = {name: x for name, x in values.items() if name in CHANNELS and name != "time"}
-    filled, notes, bridged = fill_rows(measured, values["time"])
-    notes = [*source.notes, *without_unit(source.columns, taken), *rounded, *notes]
-    return _Taken(
-        opened.digest, values | filled, _origins(taken), ignored, tuple(notes), tuple(bridged)
-    )
-
-
-def _clock(time: Array) -> tuple[Array, tuple[str, ...]]:
-    """Times of a table [s], (n,), on their line where they are rounded; else as they are."""
-    return on_line(time) if is_ascending(time) else (time, ())
-
-
-def _origins(taken: list[Assigned]) -> tuple[Origin, ...]:
-    return tuple(item.origin() for item in taken)
-
-
-def _read_recording(
-    file: Path, digest: str, where: str, channel_map: ChannelMap | None, require: tuple[str, ...]
-) -> _Taken:
-    opened = opened_recording(file, channel_map, where)
-    try:
-        taken, ignored = assign(opened.columns, channel_map, require, where)
-        clock = recorded_clock(taken, channel_map)
-        others = [item for item in taken if item is not clock]
-        if not others:
-            raise _nothing_taken(ignored, opened.notes, where)
-        traces = opened.read([item.index for item in others])
-    finally:
-        opened.close()
-    resampled = on_one_clock([_wanted(i, t) for i, t in zip(others, traces, strict=True)], where)
-    written = zip((clock, *others), (resampled.time, *resampled.values), strict=True)
-    values = {item.channel: item.to_si(w) for item, w in written}
-    notes = (*opened.notes, *without_unit(opened.columns, taken), *resampled.notes)
-    return _Taken(
-        digest, values, _origins(taken), ignored, notes, resampled.bridged, resampled.interpolated
     )
 
 
@@ -267,11 +238,6 @@ def recorded_clock(taken: list[Assigned], channel_map: ChannelMap | None) -> Ass
         expected="no entry for time",
         do="delete it",
     )
-
-
-def _wanted(item: Assigned, trace: ChannelTrace) -> Wanted:
-    method = item.mapping.method
-    return Wanted(item.channel, trace, trace.state if method is None else method == "hold")
 
 
 def _nothing_taken(ignored: tuple[str, ...], notes: tuple[str, ...], where: str) -> LogError:

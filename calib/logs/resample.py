@@ -208,7 +208,6 @@ def at_times(wanted: Sequence[Wanted], time: Array, where: str) -> list[Array]:
 
 
 def _at(w: Wanted, master: Wanted, inside: NDArray[np.bool_]) -> Filled:
-    """Values of a channel at the times of the clock."""
     if w.trace.time.size > 1 and _same(w, master):
         return Filled(w.trace.values[inside])
     return _on(w, master.trace.time[inside])

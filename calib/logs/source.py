@@ -26,9 +26,14 @@ class Column:
     full: str = ""
 
     @property
+    def full_name(self) -> str:
+        """Its full name, or its name where that is all."""
+        return self.full or self.name
+
+    @property
     def addresses(self) -> tuple[str, ...]:
         """What a channel map may call it: its name, also with the unit, or its full name."""
-        return (self.name, f"{self.name} [{self.unit}]", self.full or self.name)
+        return (self.name, f"{self.name} [{self.unit}]", self.full_name)
 
 
 def called(address: str, columns: Sequence[Column]) -> list[int]:
@@ -78,10 +83,6 @@ class ChannelTrace:
     state: bool = False
 
 
-def _nothing() -> None:
-    """Do nothing: there is no open file to close."""
-
-
 @dataclass(frozen=True)
 class Recording:
     """An opened log with several sample rates.
@@ -93,12 +94,12 @@ class Recording:
     columns: tuple[Column, ...]
     read: Callable[[Sequence[int]], list[ChannelTrace]]
     notes: tuple[str, ...] = ()
-    close: Callable[[], None] = _nothing
+    close: Callable[[], None] = lambda: None
 
 
-def named(columns: list[Column]) -> tuple[Column, ...]:
-    """The columns of a recording, with `CLOCK` before them."""
-    return (CLOCK, *columns)
+def damaged(where: object, what: str, expected: str = "an undamaged file") -> LogError:
+    """The error for a file that is not whole."""
+    return LogError(what, where=where, expected=expected, do="copy the log again")
 
 
 def need(module: str, extra: str, where: str) -> ModuleType:

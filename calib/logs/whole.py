@@ -129,7 +129,6 @@ def _assigned(
 
 
 def _numbers(source: ColumnSource) -> tuple[dict[int, Array], list[str]]:
-    """Values of every column that holds numbers, and a note on the others."""
     every = range(len(source.columns))
     with suppress(LogError):
         return dict(zip(every, source.read(list(every)), strict=True)), []
@@ -139,14 +138,13 @@ def _numbers(source: ColumnSource) -> tuple[dict[int, Array], list[str]]:
 def _readable(
     indices: Iterable[int], columns: Sequence[Column], read: Callable[[int], Read]
 ) -> tuple[dict[int, Read], list[str]]:
-    """What ``read`` gives for each column, and a note on those that it refuses."""
     found: dict[int, Read] = {}
     notes = []
     for index in indices:
         try:
             found[index] = read(index)
         except LogError as error:
-            notes.append(f"{_full(columns[index])} was left out: {error.what}")
+            notes.append(f"{columns[index].full_name} was left out: {error.what}")
     return found, notes
 
 
@@ -155,7 +153,9 @@ def _not_ignored(
 ) -> tuple[dict[int, Array], list[str]]:
     """Without the columns that the map ignores: under their own names they would be channels."""
     ignored = {i for i in values if channel_map and source.columns[i].name in channel_map.ignore}
-    told = [f"{_full(source.columns[i])} was left out: the map ignores it" for i in sorted(ignored)]
+    told = [
+        f"{source.columns[i].full_name} was left out: the map ignores it" for i in sorted(ignored)
+    ]
     return {i: v for i, v in values.items() if i not in ignored}, [*notes, *told]
 
 
@@ -187,11 +187,10 @@ def _recorded(path: Path, channel_map: ChannelMap | None, keep_names: bool) -> W
 def _wanted(
     index: int, trace: ChannelTrace, columns: Sequence[Column], taken: dict[int, Assigned]
 ) -> Wanted:
-    item = taken.get(index)
-    if item is None:
-        return Wanted(_full(columns[index]), trace, trace.state or _counts(columns[index], trace))
-    method = item.mapping.method
-    return Wanted(item.channel, trace, trace.state if method is None else method == "hold")
+    if index in taken:
+        return taken[index].wanted(trace)
+    column = columns[index]
+    return Wanted(column.full_name, trace, trace.state or _counts(column, trace))
 
 
 def _counts(column: Column, trace: ChannelTrace) -> bool:
@@ -228,18 +227,14 @@ def _whole(
     return WholeLog(stem_of(path), str(path), digest, tuple(columns), every)
 
 
-def _full(column: Column) -> str:
-    return column.full or column.name
-
-
 def _unused(column: Column, names: set[str]) -> str:
     """The name of a column; with its group or a number where another one has that name."""
     if column.name not in names:
         return column.name
-    name, number = _full(column), 1
+    name, number = column.full_name, 1
     while name in names:
         number += 1
-        name = f"{_full(column)}#{number}"
+        name = f"{column.full_name}#{number}"
     return name
 
 

@@ -86,7 +86,6 @@ def parquet_bytes(columns: Iterable[tuple[str, str | None, Array]]) -> bytes:
 
 
 def _columns(log: Log) -> Iterator[tuple[str, str, Array]]:
-    """Name, canonical unit and values in that unit, in the order of `CHANNELS`."""
     for name, quantity in CHANNELS.items():
         if name in log.channels:
             yield name, quantity.unit, _written(name, log[name], quantity.unit, quantity.si)
@@ -170,10 +169,3 @@ WRITERS: dict[str, Callable[[WholeLog], bytes]] = {
     ".mf4": to_mdf,
 }
 """What makes the bytes of a file, by its ending."""
-
-ENDINGS = tuple(WRITERS)
-
-
-def log_content(log: WholeLog, ending: str) -> bytes:
-    """The bytes of a file of an ``ending``, one of `ENDINGS`. Raises LogError as `to_mdf`."""
-    return WRITERS[ending](log)

@@ -18,7 +18,7 @@ from typing import BinaryIO
 from calib.errors import LogError
 from calib.logs.bus.recording import gathered, recording, require_dbc
 from calib.logs.channel_map import Databases
-from calib.logs.source import Recording, need
+from calib.logs.source import Recording, damaged, need
 
 _OBJECT = struct.Struct("<4sHHLL")
 _CONTAINER, _DEFLATE = 10, 2
@@ -73,7 +73,6 @@ def _walk(file: BinaryIO, path: Path) -> _Found:
 
 
 def _outer(file: BinaryIO, path: Path) -> Iterator[tuple[int, bytes]]:
-    """Type and content of the top-level objects of the file."""
     while head := file.read(_OBJECT.size):
         if len(head) < _OBJECT.size or head[:4] != b"LOBJ":
             if not head.strip(b"\0"):
@@ -128,18 +127,11 @@ def _inner(data: bytes, path: Path) -> tuple[list[int], bytes]:
 
 
 def _container(path: Path, why: str) -> LogError:
-    return LogError(
-        f"a container cannot be unpacked: {why}",
-        where=path,
-        expected="whole containers",
-        do="copy the log again",
-    )
+    return damaged(path, f"a container cannot be unpacked: {why}", "whole containers")
 
 
 def _damaged(path: Path, place: int) -> LogError:
-    return LogError(
-        f"damaged near byte {place}", where=path, expected="an object", do="copy the log again"
-    )
+    return damaged(path, f"damaged near byte {place}", "an object")
 
 
 _HEADER = struct.Struct("<4sL8xQQL36x")
@@ -177,12 +169,11 @@ def open_blf(path: Path, dbc: Databases) -> Recording:
     with can.BLFReader(path) as reader:
         found = gathered(reader, known, where)
     if len(found.times) != objects.frames:
-        raise LogError(
+        raise damaged(
+            where,
             f"{len(found.times)} of {objects.frames} frames can be read: "
             f"{objects.frames - len(found.times)} are missing",
-            where=where,
-            expected="all of them",
-            do="copy the log again",
+            "all of them",
         )
     return recording(found, known, objects.notes, where)
 
@@ -207,12 +198,11 @@ def check_whole(path: Path) -> Objects:
                 do="open it with the tool that wrote it and save it again",
             )
         if size < promised:
-            raise LogError(
+            raise damaged(
+                path,
                 f"the file has {size} of {promised} bytes: {promised - size} are missing "
                 f"({100 * (1 - size / promised):.0f} % of the file)",
-                where=path,
-                expected=f"the {count} objects that its header counts",
-                do="copy the log again",
+                f"the {count} objects that its header counts",
             )
         file.seek(first)
         found = _walk(file, path)
@@ -229,16 +219,14 @@ def _require_all(found: _Found, unpacked: int, count: int, path: Path) -> None:
     short = unpacked - found.unpacked - found.padding
     if short > 0 or (not unpacked and found.objects < count):
         sizes = f"{found.unpacked} of {unpacked} bytes (unpacked) and " if unpacked else ""
-        raise LogError(
+        raise damaged(
+            path,
             f"the file has {sizes}{found.objects} of {count} objects: some are missing",
-            where=path,
-            expected="as much as the header states",
-            do="copy the log again",
+            "as much as the header states",
         )
     if found.rest.strip(b"\0"):
-        raise LogError(
+        raise damaged(
+            path,
             f"the last object is not complete, after {found.objects} whole ones",
-            where=path,
-            expected="whole objects",
-            do="copy the log again",
+            "whole objects",
         )

@@ -121,7 +121,6 @@ def read_by_message(
 
 
 def _once(messages: "list[Message | Flawed]", where: str) -> "list[Message | Flawed]":
-    """One message for each identifier: flawed, if several have it."""
     found: dict[tuple[int, bool], Message | Flawed] = {}
     for message in messages:
         key = (message.frame_id, message.is_extended_frame)
@@ -203,7 +202,6 @@ def _give(parts: list[_Part], later: list[tuple[int, str | None, str]]) -> list[
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:
-    """Each statement, with the number of its first line."""
     begins = [found.end() for found in _BEGIN.finditer(text)]
     line, last = 1, 0
     for begin, end in zip(begins, [*begins[1:], len(text)], strict=True):

@@ -70,7 +70,6 @@ class Dbc:
 
     @cached_property
     def _groups(self) -> "dict[str, dict[int, Described]]":
-        """Describeds by bus and parameter group."""
         every = {EVERY: self.messages, **self.buses}
         return {bus: _by_group(messages) for bus, messages in every.items()}
 
@@ -164,7 +163,6 @@ def _load(cantools: Any, path: Path) -> "tuple[bytes, list[Described], list[str]
 def _messages(
     cantools: Any, text: str, kind: str, where: str
 ) -> "tuple[list[Described], list[str]]":
-    """The messages, and notes on what is wrong in the file."""
     if kind == "dbc":
         return read_by_message(cantools, text, where)
     return cantools.database.load_string(text, database_format=kind, strict=True).messages, []

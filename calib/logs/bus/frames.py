@@ -95,7 +95,6 @@ class Gathered:
                 self._data[origin].append(bytes(message.data))
 
     def _meet(self, origin: tuple[str, Key]) -> None:
-        """Note a bus and identifier when it comes first."""
         self.seen[origin] = self.known(*origin)
         if self.seen[origin]:
             self._place[origin], self._data[origin] = array("L"), []

@@ -21,7 +21,7 @@ from calib.logs.bus.dbc import Dbc, read_databases
 from calib.logs.bus.frames import Frames, Gathered, joined, once, source_of
 from calib.logs.channel_map import Databases
 from calib.logs.clock import running
-from calib.logs.source import Array, ChannelTrace, Column, Recording, named
+from calib.logs.source import CLOCK, Array, ChannelTrace, Column, Recording, damaged
 
 if TYPE_CHECKING:
     import can
@@ -70,11 +70,10 @@ def gathered(messages: "Iterable[can.Message]", dbc: Dbc, where: str) -> Gathere
     try:
         found.take(messages)
     except Exception as cause:  # a damaged file makes python-can raise almost anything
-        raise LogError(
+        raise damaged(
+            where,
             f"not readable after frame {len(found.times)}: {str(cause) or type(cause).__name__}",
-            where=where,
-            expected="a whole and undamaged log",
-            do="copy the log again",
+            "a whole and undamaged log",
         ) from cause
     if not found.times:
         raise LogError("the log has no frames", where=where, expected="a log of bus frames")
@@ -121,7 +120,7 @@ def of_frames(frames: list[Frames], dbc: Dbc, notes: tuple[str, ...]) -> Recordi
     def read(indices: Sequence[int]) -> list[ChannelTrace]:
         return [trace(*signals[i - 1]) for i in indices]
 
-    return Recording(named(columns), read, (*dbc.notes, *notes))
+    return Recording((CLOCK, *columns), read, (*dbc.notes, *notes))
 
 
 def described(frames: list[Frames], dbc: Dbc) -> "tuple[list[Column], list[Place]]":

@@ -305,7 +305,6 @@ class _TrcLines(Counted):
         return int(message.dlc if message.dlc <= 8 else _FD_LENGTHS[message.dlc - 9])
 
     def _follow(self, line: str) -> None:
-        """Raise LogError if the number of a message is not the next one."""
         found = _NUMBER.match(line)
         number = int(found[1]) if found else 0
         if found is None or (self._number and number != self._number + 1):
@@ -332,7 +331,6 @@ def open_trc(path: Path, dbc: Databases) -> Recording:
 
 
 def _check_version(file: TextIO, path: Path) -> None:
-    """Raise LogError for a version that is not known, or none."""
     first = file.readline()
     while first and not first.strip():
         first = file.readline()

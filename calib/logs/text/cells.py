@@ -204,7 +204,6 @@ def clock_seconds(cells: Sequence[str | None], empty: Sequence[str], where: str)
 
 
 def _seconds(found: re.Match[str]) -> float:
-    """Seconds since midnight, or since the full hour."""
     whole, _, part = found["s"].replace(",", ".").replace(":", ".").partition(".")
     hours = int(found["h"] or 0)
     if found["half"]:

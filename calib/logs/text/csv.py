@@ -269,7 +269,6 @@ def _bad_row(
     where: str,
     cause: str,
 ) -> LogError:
-    """Error with row, counted from 1, and column of the first cell that is not a number."""
     for row, cells in enumerate(dialect.cells(body.decode(errors="replace").splitlines()), start=1):
         if cells and len(cells) != len(columns):
             return LogError(

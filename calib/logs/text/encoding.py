@@ -5,6 +5,7 @@ import zlib
 
 from calib.errors import LogError
 from calib.files.bounded import LOG
+from calib.logs.source import damaged
 
 _GZIP = 31
 """Window bits of zlib for a gzip file."""
@@ -28,11 +29,10 @@ def gunzip(data: bytes, where: str) -> bytes:
         if got > LOG.most:
             raise too_large(where)
         if not stream.eof:
-            raise LogError(
+            raise damaged(
+                where,
                 f"the gzip file is cut off: it ends within the data, {got} bytes of text unpacked",
-                where=where,
-                expected="length and check sum at the end",
-                do="copy the log again",
+                "length and check sum at the end",
             )
         data = stream.unused_data.lstrip(b"\0")
     return b"".join(parts)
@@ -46,7 +46,7 @@ def too_large(where: str) -> LogError:
 def _damaged(data: bytes, later: bool, cause: Exception, where: str) -> LogError:
     if not later and not data.startswith(b"\x1f\x8b"):
         return LogError("not gzip", where=where, expected="a gzip file, as its ending says")
-    return LogError(f"the gzip file is damaged: {cause}", where=where, do="copy the log again")
+    return damaged(where, f"the gzip file is damaged: {cause}")
 
 
 MARKS = (
@@ -83,9 +83,7 @@ def to_utf8(data: bytes, where: str, encoding: str | None = None) -> bytes:
         return data.decode(encoding).encode()
     except UnicodeDecodeError as cause:
         cut = "the last character is cut off" if "truncated" in cause.reason else str(cause)
-        raise LogError(
-            f"not {encoding}: {cut}", where=where, expected="complete text", do="copy the log again"
-        ) from cause
+        raise damaged(where, f"not {encoding}: {cut}", "complete text") from cause
 
 
 def _unmarked_utf16(head: bytes) -> str | None:

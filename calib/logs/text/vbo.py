@@ -69,7 +69,6 @@ def open_vbo(data: bytes, where: str, text_format: TextFormat | None = None) -> 
 
 
 def _sections(data: bytes, where: str) -> tuple[dict[str, list[str]], bytes, list[str]]:
-    """Lines of each section by name, the bytes of [data], and notes."""
     marks = list(_SECTION.finditer(data))
     names = [m[1].decode(errors="replace").strip().lower() for m in marks]
     if "data" not in names:
@@ -150,7 +149,6 @@ def _units(lines: list[str], header: Sequence[str]) -> tuple[dict[int, str], lis
 
 
 def _own_unit(name: str) -> str | None:
-    """The unit after a name: ``yaw deg/s``; None if it has none."""
     stem, _, last = name.rpartition(" ")
     return last if stem and is_unit(last) else None
 

@@ -1,3 +1,5 @@
+"""Labels that are valid in every format."""
+
 import re
 
 import pytest

@@ -1,4 +1,4 @@
-"""A library that is not installed: one line on what to install."""
+"""A format that needs a library says what to install."""
 
 import sys
 
