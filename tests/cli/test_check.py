@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 import typer
+from cli.command import add
 from typer.testing import CliRunner
 
 from calib.errors import ChannelMapError
 from calib.logs.write import write_csv
 from cli.check import check
-from cli.command import add
 from tests.support.made_runs import changed, made_run
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"

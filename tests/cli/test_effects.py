@@ -1,7 +1,6 @@
 """`brake-cal effects`: every card, in words and as a document."""
 
 import json
-import shlex
 
 import pytest
 

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import shlex
 from dataclasses import replace
 
 import pytest

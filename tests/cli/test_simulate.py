@@ -1,17 +1,16 @@
 """`brake-cal simulate` as the shell runs it."""
 
 import json
-import shlex
 from pathlib import Path
 
 import numpy as np
 import pytest
 import typer
+from cli.command import add
 from typer.testing import CliRunner
 
 from calib.errors import BrakeCalError
 from calib.logs.read import read_log
-from cli.command import add
 from cli.simulate import simulate
 
 ROOT = Path(__file__).parents[2]

@@ -1,7 +1,6 @@
 """`brake-cal validate` as the shell runs it."""
 
 import json
-import shlex
 from dataclasses import replace
 
 import pyarrow.parquet as pq

@@ -36,7 +36,7 @@ def test_it_says_what_it_is_and_what_the_table_rests_on(stored):
     assert "clamped" in document["ends"]
 
 
-PAGE = Path(__file__).parents[2] / "calib" / "manual" / "table.md"
+PAGE = Path(__file__).parents[2] / "calib" / "manual" / "tables.md"
 NUMBERS = ("x", "value", "lower", "upper", "count", "flag")
 
 

@@ -440,10 +440,7 @@ def batches(logs: Samples) -> Chain:
             f"batch/{name}: batch {words} --workers 2 --out {{here}}/out --json"
             for name, words in jobs.items()
         ),
-        *(
-            f"fleet/{name}: fleet {results[name]} --out {{here}}/out --json"
-            for name in reported
-        ),
+        *(f"fleet/{name}: fleet {results[name]} --out {{here}}/out --json" for name in reported),
         f"fleet/ordered: fleet {results['check']} {ordered} --json",
         f"fleet/words: fleet {results['check']}",
     ]
