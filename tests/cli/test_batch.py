@@ -66,7 +66,7 @@ def test_a_log_that_fails_its_limits_ends_with_1(batch, brake_cal, tmp_path):
         None,
     ]
     ours = tmp_path / "line.toml"
-    assert brake_cal("limits", "--out", ours).code == 0
+    assert brake_cal("limits", "init", "--out", ours).code == 0
     assert batch("validate", *words, "--limits", ours, out=tmp_path / "ours").code == 0
     other = batch("validate", *words, out=tmp_path / "out")
     assert other.code == 2

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 import typer
-from cli.command import add
 from typer.testing import CliRunner
 
 from calib.errors import ChannelMapError
@@ -18,7 +17,7 @@ SEDAN = Path(__file__).parents[2] / "sample_logs/sedan"
 
 def run(*arguments):
     app = typer.Typer()
-    add(app, check)
+    app.command()(check)
     return CliRunner().invoke(app, [str(a) for a in arguments])
 
 

@@ -1,10 +1,12 @@
 """`brake-cal effects`: every card, in words and as a document."""
 
 import json
+import shlex
 
 import pytest
 
 from calib.physics.effects.catalogue import CATALOGUE
+from cli.effects import EPILOG
 
 
 def test_every_effect_has_its_line_in_the_order_of_the_catalogue(brake_cal):
@@ -38,3 +40,9 @@ def test_a_misspelt_name_is_a_usage_error_with_a_hint(brake_cal):
     assert ran.code == 2
     assert "did you mean 'hydraulic_lag'?" in ran.err
     assert ran.out == ""
+
+
+def test_the_examples_work_as_printed(brake_cal):
+    commands = [line.split() for line in EPILOG.splitlines() if "brake-cal" in line]
+    for _, *words in commands:
+        assert brake_cal(*shlex.split(" ".join(words))).code == 0

@@ -1,4 +1,4 @@
-"""`brake-cal tables sign --new-key`: passwords from a pipe and from a real terminal."""
+"""`brake-cal tables key`: passwords from a pipe and from a real terminal."""
 
 import io
 import json
@@ -36,7 +36,7 @@ def make(brake_cal, files, monkeypatch):
 
     def run(*options, typed=b""):
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(typed), encoding="utf-8"))
-        return brake_cal("tables", "sign", "--key", files[0], "--new-key", files[1], *options)
+        return brake_cal("tables", "key", "--secret", files[0], "--public", files[1], *options)
 
     return run
 
@@ -88,13 +88,6 @@ def test_passwords_that_differ_and_that_are_missing(make, files, typed, says):
     assert not files[1].exists()
 
 
-@pytest.mark.parametrize(
-    "words", [("--key", "x"), ("a@1", "--key", "x", "--new-key", "y"), ("a@1", "--no-password")]
-)
-def test_it_signs_or_makes_keys(brake_cal, words):
-    assert brake_cal("tables", "sign", *words).code == 2
-
-
 def test_an_existing_key_is_kept(make, files):
     assert make("--no-password").code == 0
     before = [path.read_bytes() for path in files]
@@ -130,8 +123,8 @@ def test_nothing_secret_is_printed(make, files, cheap):
 
 def test_a_terminal_does_not_show_what_is_typed(tmp_path):
     """A child on a terminal of its own; what appears there is read until the child ends."""
-    command = [sys.executable, "-m", "cli.main", "tables", "sign"]
-    command += ["--key", str(tmp_path / "line.key"), "--new-key", str(tmp_path / "line.pub")]
+    command = [sys.executable, "-m", "cli.main", "tables", "key"]
+    command += ["--secret", str(tmp_path / "line.key"), "--public", str(tmp_path / "line.pub")]
     child, terminal = pty.fork()
     if child == 0:
         os.chdir(ROOT)

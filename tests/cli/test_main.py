@@ -7,7 +7,6 @@ import typer.main
 from calib import __version__
 from calib.errors import BrakeCalError, InputError, StoreError
 from calib.store.store import Store
-from cli.group import GONE
 from cli.main import app
 
 ROOT = Path(__file__).parents[2]
@@ -43,17 +42,6 @@ def test_help_says_what_it_does_and_ends_with_an_example(brake_cal, path):
 @pytest.mark.parametrize("path", [p for p, c in COMMANDS.items() if not hasattr(c, "commands")])
 def test_every_command_has_json(path):
     assert any("--json" in option.opts for option in COMMANDS[path].params)
-
-
-def test_there_are_few_commands():
-    assert sum(not hasattr(command, "commands") for command in COMMANDS.values()) <= 36
-
-
-@pytest.mark.parametrize("gone", GONE)
-def test_what_is_gone_names_what_to_use(brake_cal, gone):
-    ran = brake_cal(*gone.split(), "x")
-    assert (ran.code, ran.out) == (2, "")
-    assert GONE[gone] in " ".join(ran.err.split())
 
 
 @pytest.mark.parametrize(

@@ -78,6 +78,6 @@ def test_every_look_at_a_table_works_with_a_mean(line, tmp_path, brake_cal, stor
         assert line("export", "golden@1", "--unreleased", "--format", form, "--out", out).code == 0
         assert b"sedan@1, sedan@2, sedan@3" in out.read_bytes()
     for form in ("dcm", "cdfx"):
-        assert line("compare", tmp_path / f"golden.{form}").code == 0
+        assert line("import", tmp_path / f"golden.{form}").code == 0
     drawn = brake_cal("plot", "golden@1", "--store", store, "--out", tmp_path / "golden.svg")
     assert drawn.code == 0, drawn.err

@@ -96,7 +96,7 @@ def test_stored_records_are_accepted(refusals, path):
 
 
 def test_what_the_program_writes_is_accepted(refusals, brake_cal):
-    written = brake_cal("limits").out
+    written = brake_cal("limits", "init").out
     assert refusals("limits", tomllib.loads(written)) == []
 
 

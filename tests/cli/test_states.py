@@ -87,6 +87,7 @@ def test_the_document_of_a_station_is_evidence_for_its_table(drafts, store, tmp_
         (("withdraw", "sedan@1", "--reason", "a", "--evidence", "x"), 2, "No such option"),
         (("log", "sedna"), 2, "did you mean 'sedan'"),
         (("log", "sedan@9"), 2, "there is 1, 2"),
+        (("find", "0815"), 2, "no table of '0815'"),
         (("list", "--state", "relased"), 2, "did you mean 'released'"),
         (("list", "--since", "yesterday"), 2, "is not a date"),
     ],

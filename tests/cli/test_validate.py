@@ -1,6 +1,7 @@
 """`brake-cal validate` as the shell runs it."""
 
 import json
+import shlex
 from dataclasses import replace
 
 import pyarrow.parquet as pq
@@ -10,6 +11,7 @@ from calib.logs.write import write_csv, write_parquet
 from calib.physics.vehicle_file import write_vehicle
 from calib.store.store import Store
 from calib.validation.metrics import METRICS
+from cli.validate import EPILOG
 from tests.support.reference_car import CAR, REAL, SEDAN, WET, cut, noisy, ramp, stop, with_pads
 
 LOGS = ("wet.csv", "harder.parquet", "bad.csv")
@@ -40,6 +42,21 @@ def limits(tmp_path, text):
     path = tmp_path / "limits.toml"
     path.write_text(f"schema = 1\n[limits]\n{text}\n")
     return path
+
+
+def test_the_examples_of_the_help_work_as_printed(brake_cal, bench, tmp_path, monkeypatch):
+    (tmp_path / "sample_logs").symlink_to(SEDAN.parent)
+    (tmp_path / "tables").symlink_to(bench / "tables")
+    limits(tmp_path, "valid_share = { min = 0.5 }")
+    monkeypatch.chdir(tmp_path)
+    commands = [line.split() for line in EPILOG.splitlines() if "brake-cal" in line]
+    assert commands
+    for words in commands:
+        line = " ".join(words[1:])
+        star = sorted(str(p) for p in SEDAN.glob("*stop.csv"))
+        ran = brake_cal(*shlex.split(line.replace("sample_logs/sedan/*stop.csv", " ".join(star))))
+        assert ran.code == 0, ran.err
+    assert (tmp_path / "results/summary.json").is_file()
 
 
 def test_logs_that_pass(run):

@@ -7,7 +7,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from calib.physics.vehicle_file import read_vehicle
-from cli import vehicle as of_vehicles
+from cli import vehicle_init
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
 
@@ -58,8 +58,8 @@ def test_it_asks_again_after_nonsense(brake_cal, tmp_path, monkeypatch):
         answer = next(typed)
         return default if answer is None else answer
 
-    monkeypatch.setattr(of_vehicles, "can_ask", lambda: True)
-    monkeypatch.setattr(of_vehicles.typer, "prompt", prompt)
+    monkeypatch.setattr(vehicle_init, "can_ask", lambda: True)
+    monkeypatch.setattr(vehicle_init.typer, "prompt", prompt)
     file = tmp_path / "asked.toml"
     ran = brake_cal("vehicle", "init", file)
     assert ran.code == 0

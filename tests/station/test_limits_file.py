@@ -1,4 +1,4 @@
-"""The file that `limits` writes says what the program does."""
+"""The file that `limits init` writes says what the program does."""
 
 from calib.station.advice import ADVICE, LIMITS
 from calib.station.limits_file import limits_file

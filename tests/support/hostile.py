@@ -478,7 +478,7 @@ CASES: list[Case] = [
         "controls in a header, suggest",
         "a.csv",
         header(f"{TERMINAL} [bar]"),
-        ["map", "a.csv"],
+        ["map", "suggest", "a.csv"],
         0,
     ),
     Case("controls in a file name", 0, ramp_named(f"{TERMINAL}.csv".replace("/", ""))),
