@@ -130,7 +130,7 @@ def _earlier(out: Path) -> set[str]:
 def _pictures(found: "Summary") -> "dict[str, tuple[bytes, Picture]]":
     """For each metric its PNG file, and its picture in the page."""
     from calib.plots.fleet import sheet
-    from calib.plots.save import render
+    from calib.plots.sheet import render
     from calib.reports.html import drawn
 
     looks = [look for look in found.looks if look.values.size]

@@ -72,7 +72,7 @@ def view(
 def _check_out(out: Path | None, logs: list[Path], channel_map: Path | None, force: bool) -> None:
     if out is None:
         return
-    from calib.plots.save import ENDINGS
+    from calib.plots.sheet import ENDINGS
 
     refuse_ending(out, (*ENDINGS, *PAGES))
     if len(logs) > 1:
@@ -100,8 +100,8 @@ def _draw(
     log: "WholeLog", columns: "tuple[Inventory, ...]", events: "tuple[RunEvent, ...]", out: Path
 ) -> None:
     from calib.files.write import write_whole
-    from calib.plots.channels import MOST, figure, panels_of
-    from calib.plots.save import render
+    from calib.plots.log import MOST, figure, panels_of
+    from calib.plots.sheet import render
     from calib.reports.log import log_html
 
     count = len(panels_of(log))

@@ -64,7 +64,7 @@ def refuse_ending(out: Path, endings: Sequence[str], option: str = OUT) -> None:
 
 def refuse_no_picture(out: Path, force: bool, option: str = OUT) -> None:
     """Refuse what is no place for a picture: another ending, a folder, a foreign file."""
-    from calib.plots.save import ENDINGS, is_picture
+    from calib.plots.sheet import ENDINGS, is_picture
 
     refuse_ending(out, ENDINGS, option)
     refuse_folder(out, option)

@@ -80,7 +80,7 @@ def plot(
         refuse_no_picture(out, force)
     from dataclasses import replace
 
-    from calib.plots.save import save
+    from calib.plots.sheet import save
     from cli.console import emit, emit_json, progress, say
 
     given = _read(what, store, vehicle, channel_map)

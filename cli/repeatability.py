@@ -238,7 +238,7 @@ def _write(found: "GaugeStudy", document: dict[str, object], out: Path) -> None:
     from calib.files.publish import publish, workshop
     from calib.files.write import write_whole
     from calib.plots.repeatability import sheet
-    from calib.plots.save import render
+    from calib.plots.sheet import render
 
     contents = {
         DOCUMENT: json_text(document).encode(),

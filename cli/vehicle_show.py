@@ -61,7 +61,7 @@ def show(
 
 
 def _draw(vehicle: "Vehicle", picture: Path) -> None:
-    from calib.plots.save import save
+    from calib.plots.sheet import save
     from calib.plots.vehicle import sheet
 
     with writing(picture, PLOT):

@@ -125,7 +125,7 @@ def draw(
 ) -> None:
     """One page for the table with its ramps, one for each hold-out, as PNG."""
     from calib.plots.choose import PlotInput, sheets
-    from calib.plots.save import save as save_figures
+    from calib.plots.sheet import save as save_figures
 
     where.mkdir(parents=True, exist_ok=True)
     ramps = tuple(log for log in fitted if "coast" not in log.name)
@@ -242,7 +242,7 @@ def hidden_story(out: Path, say: Say) -> Story:
     from calib.diagnosis.written.folder import write_folder
     from calib.physics.model import with_model
     from calib.plots.diagnosis import sheet
-    from calib.plots.save import save as save_figures
+    from calib.plots.sheet import save as save_figures
     from calib.reports.diagnosis import report_html
 
     source = out / "sample_logs" / HIDDEN

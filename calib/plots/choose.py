@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from calib.logs.log import Log
 from calib.physics.vehicle import Vehicle
 from calib.plots import compare, log, simulation, stop, table
-from calib.plots.measured import measure
+from calib.plots.ramp import measure
 from calib.plots.result import StoredResult
 from calib.plots.sheet import Sheet
 from calib.plots.trace import from_result, from_validation

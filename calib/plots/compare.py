@@ -4,21 +4,15 @@ A colour is a quantity, as on the page of a table; a line style is a table, in t
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.plots.sheet import Panel, Sheet
-from calib.plots.style import BODY, DASHED, FRONT, IDENTIFIED, REAR, Stroke, band
+from calib.plots.style import BODY, DASHED, FRONT, IDENTIFIED, REAR, Array, Axes, Stroke, band, zero
 from calib.plots.table import ETA
 from calib.table.compare import CurveGap, diff
 from calib.table.table import Table
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
 Curve = tuple[Array, Array, Array, Array]
 """Axis, value, and the ends of the 95 % band."""
 Curves = dict[str, tuple[Curve, Curve]]
@@ -48,8 +42,8 @@ def sheet(a: Table, b: Table, name_a: str, name_b: str) -> Sheet:
 
     def sides(name: str, title: str, keys: Keys) -> tuple[Panel, Panel]:
         return (
-            Panel(name, title, lambda ax: curves(ax, both, keys, pair), 2),
-            Panel(f"{name}-gap", change, lambda ax: differences(ax, both, keys, gaps), 1),
+            Panel(name, title, curves, (both, keys, pair), 2),
+            Panel(f"{name}-gap", change, differences, (both, keys, gaps), 1),
         )
 
     rows = (
@@ -83,7 +77,7 @@ def _curves(table: Table) -> dict[str, Curve]:
     }
 
 
-def curves(ax: "Axes", both: Curves, keys: Keys, names: Sequence[str]) -> None:
+def curves(ax: Axes, both: Curves, keys: Keys, names: Sequence[str]) -> None:
     """The curves ``keys`` of both tables."""
     for key in keys:
         for curve, stroke, name in zip(both[key], (FIRST, SECOND), names, strict=True):
@@ -91,13 +85,13 @@ def curves(ax: "Axes", both: Curves, keys: Keys, names: Sequence[str]) -> None:
             line = {"color": COLOURS[key], **stroke}
             band(ax, x, lower, upper, line)
             ax.plot(x, y, label=f"{SYMBOLS[key]} {name}", **line)
-    ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
+    zero(ax)
     ax.set(xlabel=_axis(keys), ylabel=f"{', '.join(SYMBOLS[key] for key in keys)} [1]")
 
 
-def differences(ax: "Axes", both: Curves, keys: Keys, gaps: dict[str, CurveGap]) -> None:
+def differences(ax: Axes, both: Curves, keys: Keys, gaps: dict[str, CurveGap]) -> None:
     """Second less first of the curves ``keys``, each with its largest value in the legend."""
-    ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
+    zero(ax)
     ends = [curve for key in keys for curve in both[key]]
     ax.set_xlim(min(c[0][0] for c in ends), max(c[0][-1] for c in ends))  # as beside it
     for key in keys:

@@ -6,10 +6,8 @@ over 0.1 s; the noise of the sensor is the band around zero.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.diagnosis.diagnose import Diagnosis
 from calib.diagnosis.proof.unexplained import UnexplainedTerm
@@ -19,13 +17,21 @@ from calib.diagnosis.written.words import plain
 from calib.logs.log import Log
 from calib.physics.effects.empirical import DRIVERS
 from calib.plots.sheet import Panel, Sheet
-from calib.plots.style import BODY, DOTTED, FRONT, REAR, SHADE, Stroke, smooth, view
+from calib.plots.style import (
+    BODY,
+    DOTTED,
+    FRONT,
+    REAR,
+    SHADE,
+    Array,
+    Axes,
+    Stroke,
+    beside,
+    smooth,
+    view,
+    zero,
+)
 from calib.statistics.intervals import Z95
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
 
 BEFORE: Stroke = {**REAR, "linewidth": 1.4}
 AFTER: Stroke = {**FRONT, "linewidth": 1.4}
@@ -77,7 +83,7 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
     weights, words = split_of(found)
     same = found.verdict == "no_gap"
     panels = [
-        Panel("speed", "Speed, all hold-outs", lambda ax: speed(ax, logs, same)),
+        Panel("speed", "Speed, all hold-outs", speed, (logs, same)),
         Panel(
             "acceleration",
             f"Acceleration, {worst.measured.name}",
@@ -88,8 +94,8 @@ def sheet(found: Diagnosis, name: str) -> Sheet:
             f"Wheel speeds, {words}, {worst.measured.name}",
             lambda ax: one(ax, worst, weights, "replay less measured [rad/s]", same),
         ),
-        Panel("gap", "Gap on the hold-outs", lambda ax: gap(ax, found)),
-        Panel("evidence", "What explains the calibration logs", lambda ax: evidence(ax, found)),
+        Panel("gap", "Gap on the hold-outs", gap, (found,)),
+        Panel("evidence", "What explains the calibration logs", evidence, (found,)),
     ]
     rows: list[tuple[str, ...]] = [("speed",) * 2, ("acceleration", "split"), ("gap", "evidence")]
     if found.unexplained is not None:
@@ -141,7 +147,7 @@ def split_of(found: Diagnosis) -> tuple[dict[str, float], str]:
     return AXLES, "front less rear"
 
 
-def speed(ax: "Axes", logs: list[Replay], same: bool) -> None:
+def speed(ax: Axes, logs: list[Replay], same: bool) -> None:
     """Error of v of every hold-out, one after another."""
     weights, start, shown = {"v": 1.0}, 0.0, []
     across = ax.get_xaxis_transform()
@@ -154,30 +160,30 @@ def speed(ax: "Axes", logs: list[Replay], same: bool) -> None:
         if i:
             ax.axvline(start - 0.5 * PAUSE, color="#AAAAAA", linewidth=0.7, linestyle=DOTTED)
         start = end + PAUSE
-    ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
+    zero(ax)
     view(ax, *shown, zero=True, margin=0.15)
     low, high = ax.get_ylim()
     ax.set_ylim(low - 0.12 * (high - low), high)  # room for the names of the logs
     ax.set(xlabel="time, one log after another [s]", ylabel="replay less measured $v$ [m/s]")
 
 
-def one(ax: "Axes", log: Replay, weights: dict[str, float], label: str, same: bool) -> None:
+def one(ax: Axes, log: Replay, weights: dict[str, float], label: str, same: bool) -> None:
     """Error of one channel or difference of channels in one log."""
     half = log.band(weights)
     _band(ax, (0.0, float(log.measured.time[-1] - log.measured.time[0])), half)
     shown = _draw(ax, log, weights, same)
-    ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
+    zero(ax)
     view(ax, *shown, np.array([-half, half]))
     ax.set(xlabel="time [s]", ylabel=label)
 
 
-def _band(ax: "Axes", ends: tuple[float, float], half: float, first: bool = True) -> None:
+def _band(ax: Axes, ends: tuple[float, float], half: float, first: bool = True) -> None:
     label = "noise, 95 %" if first else None
     ax.fill_between(ends, -half, half, color=SHADE, linewidth=0.0, zorder=0, label=label)
 
 
 def _draw(
-    ax: "Axes",
+    ax: Axes,
     log: Replay,
     weights: dict[str, float],
     same: bool,
@@ -196,7 +202,7 @@ def _draw(
     return drawn
 
 
-def gap(ax: "Axes", found: Diagnosis) -> None:
+def gap(ax: Axes, found: Diagnosis) -> None:
     """Rms of replay less measurement by channel, over the noise of its sensor."""
     channels = found.gap.by_channel
     place = np.arange(len(channels), dtype=float)
@@ -207,17 +213,10 @@ def gap(ax: "Axes", found: Diagnosis) -> None:
             continue
         # a gap of zero is still drawn, as a line at the foot
         height = [max(getattr(c, when) / c.noise, 1.15 * least) for c in channels.values()]
-        ax.bar(
-            place + (0.0 if same else shift),
-            height,
-            width=0.38,
-            bottom=0.0,
-            color=stroke["color"],
-            hatch="////" if when == "before" else None,
-            edgecolor="white",
-            linewidth=0.0,
-            label="replay" if same else when,
-        )
+        look = {"color": stroke["color"], "edgecolor": "white", "linewidth": 0.0}
+        look["hatch"] = "////" if when == "before" else None
+        at = place + (0.0 if same else shift)
+        ax.bar(at, height, width=0.38, label="replay" if same else when, **look)
     ax.axhline(1.0, color=BODY["color"], linewidth=1.0, linestyle=DOTTED, label="noise")
     ax.set_yscale("log")
     highest = max(max(c.before, c.after) / c.noise for c in channels.values())
@@ -238,7 +237,7 @@ def _symbol(channel: str) -> str:
     return f"${head}_{tail}$" if tail else f"${head}$"
 
 
-def evidence(ax: "Axes", found: Diagnosis) -> None:
+def evidence(ax: Axes, found: Diagnosis) -> None:
     """The unexplained error that each explanation leaves; noise alone is 1."""
     rows = explanations(found)
     place = -np.arange(len(rows), dtype=float)
@@ -246,13 +245,7 @@ def evidence(ax: "Axes", found: Diagnosis) -> None:
         ax.plot([1.0, left], [y, y], color=stroke["color"], linewidth=1.2)
         marker = {"s": 28.0, "color": stroke["color"], "zorder": 3}
         ax.scatter([left], [y], marker="o" if stroke is AFTER else "D", **marker)
-        ax.annotate(
-            f"{label}: {left:.2f}",
-            (1.0, y),
-            xytext=(5.0, 5.0),
-            textcoords="offset points",
-            fontsize=7.0,
-        )
+        beside(ax, f"{label}: {left:.2f}", (1.0, y), (5.0, 5.0))
     ax.axvline(1.0, color=BODY["color"], linewidth=1.0, linestyle=DOTTED, label="noise alone")
     worst = max(left for _, left, _ in rows)
     if worst > 3.0:
@@ -294,16 +287,16 @@ def explanations(found: Diagnosis) -> list[tuple[str, float, Stroke]]:
 def _term_panel(found: UnexplainedTerm) -> Panel:
     term = found.term
     title = f"Empirical term on the {plain(term.place)} over {term.driver}"
-    return Panel("term", title, lambda ax: empirical(ax, found))
+    return Panel("term", title, empirical, (found,))
 
 
-def empirical(ax: "Axes", found: UnexplainedTerm) -> None:
+def empirical(ax: Axes, found: UnexplainedTerm) -> None:
     """The term that was added for an unknown cause, over its driver."""
     term = found.term
     unit = DRIVERS[term.driver]
     x = np.array([in_shown(knot, unit) for knot in term.knots])
     ax.plot(x, 100.0 * np.array(term.values), marker="o", markersize=4.0, **AFTER)
-    ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
+    zero(ax)
     on = "brake torque" if term.on_brakes else "force over weight"
     driver = {"time": "time since the bite", "temperature": "disc temperature"}
     word = driver.get(term.driver, term.driver)

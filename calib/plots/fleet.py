@@ -10,7 +10,6 @@ import re
 import textwrap
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +28,9 @@ from calib.plots.style import (
     NOMINAL,
     REAR,
     SHADE,
+    Axes,
     Stroke,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 EDGE: Stroke = {"color": REAR["color"], "linestyle": DOTTED, "linewidth": 1.4}
 
@@ -59,15 +56,15 @@ def sheet(found: Summary, look: Look) -> Sheet:
         title="",
         note="",
         panels=(
-            Panel("distribution", "Distribution", lambda ax: distribution(ax, look), 2),
-            Panel("order", "In the order of the line", lambda ax: in_order(ax, found, look), 2),
+            Panel("distribution", "Distribution", distribution, (look,), 2),
+            Panel("order", "In the order of the line", in_order, (found, look), 2),
         ),
         rows=(("distribution", "order", "order"),),
         heights=(1.05,),
     )
 
 
-def distribution(ax: "Axes", look: Look) -> None:
+def distribution(ax: Axes, look: Look) -> None:
     """Draw bars of the bulk, median and quantiles, and outliers as marks on the axis."""
     low, high = window(look)
     inside = look.values[(look.values >= low) & (look.values <= high)]
@@ -89,7 +86,7 @@ def distribution(ax: "Axes", look: Look) -> None:
     ax.set(xlabel=textwrap.fill(_axis(look), 2 * LINE), ylabel="logs")
 
 
-def in_order(ax: "Axes", found: Summary, look: Look) -> None:
+def in_order(ax: Axes, found: Summary, look: Look) -> None:
     """Draw the individuals chart along the line."""
     low, high = window(look)
     x, y = look.rows + 1, np.clip(look.values, low, high)

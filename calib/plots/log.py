@@ -1,40 +1,62 @@
-"""A log without table or vehicle: speeds, pressure, deceleration, raw eta.
+"""A log without table or vehicle.
+
+sheet    speeds, pressure, deceleration, raw eta
+figure   all columns over one time axis, with the events marked
 
 The lead-in and the braking are shaded as `calib.signals.driving_record` finds them. The reference
 speed is drawn over the rolling radius of the lead-in, so that a wheel below it slips.
+Columns of one kind and unit share a panel; a long log is drawn by the lowest and the highest value
+of each of `BINS` parts, so that no peak is lost.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-from numpy.typing import NDArray
 
+from calib.checks.events import BITE, BRAKING, LEAD_IN, STANDSTILL, RunEvent
 from calib.logs.log import Log
-from calib.names import WHEELS, G
+from calib.logs.whole import TIME, WholeColumn, WholeLog
+from calib.names import CHANNELS, WHEELS, G
 from calib.physics.braking import MOVING
 from calib.plots.sheet import Panel, Sheet
-from calib.plots.stop import WHEEL_STROKES
-from calib.plots.style import BODY, IDENTIFIED, noisy, smooth, view
-from calib.signals.driving_record import (
-    NOMINAL_RADIUS,
-    DrivingRecord,
-    brake_events,
-    driving_record,
+from calib.plots.style import (
+    BAR,
+    BODY,
+    FRONT,
+    IDENTIFIED,
+    REAR,
+    WHEEL_STROKES,
+    WIDTH,
+    Array,
+    Axes,
+    Figure,
+    Stroke,
+    lines,
+    noisy,
+    smooth,
+    styled,
+    view,
 )
+from calib.signals.driving_record import NOMINAL_RADIUS, DrivingRecord, brake_events, driving_record
 from calib.signals.rolling_radius import rolling_radius
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
-
-BAR = 1e5
 DRIVEN = 0.05
 """Acceleration above which the wheels count as driven [g]."""
 WHEEL_PRESSURES = tuple(f"p_{wheel}" for wheel in WHEELS)
 SPINS = tuple(f"omega_{wheel}" for wheel in WHEELS)
-LEAD_IN, BRAKING = "#EBF6F1", "#EFEFEF"
-"""Colours of the lead-in and of the braking, pale behind lines of all colours."""
+SPANS: dict[str, Stroke] = {
+    LEAD_IN: {"facecolor": "#EBF6F1"},
+    BRAKING: {"facecolor": "#EFEFEF"},
+    STANDSTILL: {"facecolor": "#F8E6D8"},
+}
+"""Colours of the spans, pale behind lines of all colours."""
+MARK: Stroke = {"color": "#B3471B", "linewidth": 0.9, "linestyle": (0, (3, 2))}
+"""The bite."""
+
+BINS = 2000
+"""Parts of a long log; a page has some 1000 pixels."""
+PANEL = 1.05
+"""Height of a panel of all columns [in]."""
+MOST = 40
+"""Panels of one picture; more are not readable."""
 
 
 def sheet(log: Log) -> Sheet:
@@ -60,13 +82,10 @@ def log_panels(log: Log) -> tuple[Panel, ...]:
     wheels = any(name in log for name in SPINS)
     pressures = any(name in log for name in ("p_mc", *WHEEL_PRESSURES))
     found = (
-        (wheels or "v" in log, Panel("speeds", "Speeds", lambda ax: speeds(ax, log), 7)),
-        (pressures, Panel("pressure", "Brake pressure", lambda ax: pressure(ax, log), 5)),
-        ("a_x" in log, Panel("deceleration", "Deceleration", lambda ax: deceleration(ax, log))),
-        (
-            all(name in log for name in SPINS),
-            Panel("eta", "Speed ratio, raw", lambda ax: eta(ax, log)),
-        ),
+        (wheels or "v" in log, Panel("speeds", "Speeds", speeds, (log,), 7)),
+        (pressures, Panel("pressure", "Brake pressure", pressure, (log,), 5)),
+        ("a_x" in log, Panel("deceleration", "Deceleration", deceleration, (log,))),
+        (all(name in log for name in SPINS), Panel("eta", "Speed ratio, raw", eta, (log,))),
     )
     return tuple(panel for there, panel in found if there)
 
@@ -90,12 +109,11 @@ def radius_of(log: Log) -> tuple[float, str]:
     """The radius [m] over which V is drawn, and where it is from."""
     motion = motion_of(log)
     found = None if motion is None else rolling_radius(log, motion)
-    if found is None:
-        return NOMINAL_RADIUS, "of a usual wheel"
-    return found, "from the unbraked part"
+    usual = NOMINAL_RADIUS, "of a usual wheel"
+    return usual if found is None else (found, "from the unbraked part")
 
 
-def speeds(ax: "Axes", log: Log) -> None:
+def speeds(ax: Axes, log: Log) -> None:
     """Wheel speeds on the left, the reference speed on the right where there is one."""
     radius, source = radius_of(log)
     if "v" in log:  # first, so that it is drawn below the wheels
@@ -110,30 +128,25 @@ def speeds(ax: "Axes", log: Log) -> None:
         ax.secondary_yaxis("right", functions=both).set_ylabel("$V$ [km/h]")
 
 
-def pressure(ax: "Axes", log: Log) -> None:
+def pressure(ax: Axes, log: Log) -> None:
     """Master-cylinder pressure, and the wheel pressures where logged."""
-    labels = {"p_mc": ("master cylinder", BODY)}
-    labels |= {
-        f"p_{wheel}": (wheel, {**WHEEL_STROKES[wheel], "linewidth": 1.0}) for wheel in WHEELS
-    }
-    shown = []
-    for name, (label, stroke) in labels.items():
-        if name in log:
-            noisy(ax, log.time, log[name] / BAR, stroke, label)
-            shown.append(smooth(log.time, log[name] / BAR))
-    view(ax, *shown, np.array([0.0, 1.0]))  # 1 bar at least: noise stays small
+    shown = [np.array([0.0, 1.0])]  # 1 bar at least: noise stays small
+    for name, stroke in {"mc": {**BODY, "linewidth": 1.3}, **WHEEL_STROKES}.items():
+        if f"p_{name}" in log:
+            bar, word = log[f"p_{name}"] / BAR, "master cylinder" if name == "mc" else name
+            noisy(ax, log.time, bar, {"linewidth": 1.0, **stroke}, word)
+            shown.append(smooth(log.time, bar))
+    view(ax, *shown)
     _frame(ax, log, "pressure [bar]")
 
 
-def deceleration(ax: "Axes", log: Log) -> None:
+def deceleration(ax: Axes, log: Log) -> None:
     """z = -a_x/g."""
-    z = -log["a_x"] / G
-    noisy(ax, log.time, z, BODY, "$-a_x/g$")
-    view(ax, smooth(log.time, z), zero=True)
+    lines(ax, log.time, [(-log["a_x"] / G, BODY, "$-a_x/g$")])
     _frame(ax, log, "deceleration [g]")
 
 
-def eta(ax: "Axes", log: Log) -> None:
+def eta(ax: Axes, log: Log) -> None:
     """Eta of the axle means (22), not zeroed, where the wheel speeds are high enough."""
     percent = raw_eta(log)
     noisy(ax, log.time, percent, IDENTIFIED, r"$\omega_r/\omega_f - 1$")
@@ -152,7 +165,7 @@ def raw_eta(log: Log) -> Array:
     return np.where(turning, 100.0 * (rear / np.where(turning, front, 1.0) - 1.0), np.nan)
 
 
-def _frame(ax: "Axes", log: Log, ylabel: str, named: bool = False) -> None:
+def _frame(ax: Axes, log: Log, ylabel: str, named: bool = False) -> None:
     """Label an axis over time, and shade lead-in and braking, ``named`` in its legend."""
     ax.set(xlabel="time [s]", ylabel=ylabel)
     ax.set_xlim(log.time[0], log.time[-1])
@@ -161,11 +174,95 @@ def _frame(ax: "Axes", log: Log, ylabel: str, named: bool = False) -> None:
         return
     first = log.time[motion.lead_in]
     if first.size:
-        _span(ax, (first[0], first[-1]), LEAD_IN, "lead-in" if named else "")
+        label = "lead-in" if named else None
+        ax.axvspan(first[0], first[-1], lw=0.0, zorder=0, label=label, **SPANS[LEAD_IN])
     for i, event in enumerate(brake_events(motion)):
-        label = "braking" if named and not i else ""
-        _span(ax, (event.start, event.end), BRAKING, label)
+        label = "braking" if named and not i else None
+        ax.axvspan(event.start, event.end, lw=0.0, zorder=0, label=label, **SPANS[BRAKING])
 
 
-def _span(ax: "Axes", ends: tuple[float, float], colour: str, label: str) -> None:
-    ax.axvspan(*ends, color=colour, linewidth=0.0, zorder=0, label=label or None)
+def panels_of(whole: WholeLog) -> dict[str, tuple[WholeColumn, ...]]:
+    """The columns by panel, in the order of the log; the clock has none."""
+    found: dict[str, tuple[WholeColumn, ...]] = {}
+    for column in whole.columns:
+        if column.name != TIME:
+            key = f"{_kind(column.name)} [{column.unit or '?'}]"
+            found[key] = (*found.get(key, ()), column)
+    return found
+
+
+def _kind(name: str) -> str:
+    """``omega`` of omega_fl, ``T_disc`` of T_disc_f; a foreign name is its own kind."""
+    stem, _, last = name.rpartition("_")
+    shared = last in (*WHEELS, "f", "r") and (name in CHANNELS or name.startswith("true_"))
+    return stem if shared else name
+
+
+def figure(whole: WholeLog, events: tuple[RunEvent, ...] = ()) -> Figure:
+    """Draw a log. Raises ValueError for one without columns or with more than `MOST` panels."""
+    from matplotlib.figure import Figure
+
+    panels = panels_of(whole)
+    if not 0 < len(panels) <= MOST:
+        raise ValueError(f"{len(panels)} panels, at most {MOST} can be drawn")
+    time = whole.time
+    with styled():
+        made = Figure(figsize=(WIDTH, PANEL * len(panels) + 1.1), layout="constrained")
+        axes = made.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
+        for ax, (title, columns) in zip(axes, panels.items(), strict=True):
+            _draw(ax, time, title, columns)
+            _mark(ax, events)
+        axes[-1].set_xlabel("time [s]")
+        axes[-1].set_xlim(time[0], time[-1])
+        made.suptitle(f"Log {whole.name}", x=0.012, ha="left")
+        _legend(made, events)
+    return made
+
+
+def _draw(ax: Axes, time: Array, title: str, columns: tuple[WholeColumn, ...]) -> None:
+    for column in columns:
+        ax.plot(*envelope(time, column.values), label=column.name, **_stroke(column.name, columns))
+    ax.set_title(title, fontsize=8.0, pad=3.0)
+    if len(columns) > 1:
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(columns))
+    if not any(np.isfinite(column.values).any() for column in columns):
+        ax.text(0.5, 0.5, "no value", transform=ax.transAxes, ha="center", va="center")
+
+
+def _stroke(name: str, columns: tuple[WholeColumn, ...]) -> Stroke:
+    known = {**WHEEL_STROKES, "f": FRONT, "r": REAR} if len(columns) > 1 else {}
+    return {**known.get(name.rpartition("_")[2], BODY), "linewidth": 0.8}
+
+
+def envelope(time: Array, values: Array) -> tuple[Array, Array]:
+    """Times and values to draw: all, or lowest and highest of each of `BINS` parts."""
+    if values.size <= 4 * BINS:
+        return time, values
+    edges = np.linspace(0, values.size, BINS + 1).astype(np.intp)
+    at = np.repeat(time[edges[:-1]], 2)
+    none = np.isnan(values)
+    low, high = np.where(none, np.inf, values), np.where(none, -np.inf, values)
+    ends = [np.minimum.reduceat(low, edges[:-1]), np.maximum.reduceat(high, edges[:-1])]
+    drawn = np.ravel(ends, order="F")
+    return at, np.where(np.isfinite(drawn), drawn, np.nan)
+
+
+def _mark(ax: Axes, events: tuple[RunEvent, ...]) -> None:
+    for event in events:
+        if event.kind == BITE:
+            ax.axvline(event.start, **MARK)
+        else:
+            ax.axvspan(event.start, event.end, zorder=0, lw=0.0, **SPANS[event.kind])
+
+
+def _legend(made: Figure, events: tuple[RunEvent, ...]) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    kinds = dict.fromkeys(event.kind for event in events)
+    marks = [
+        Line2D([], [], label=kind, **MARK) if kind == BITE else Patch(label=kind, **SPANS[kind])
+        for kind in kinds
+    ]
+    if marks:
+        made.legend(handles=marks, loc="upper right", ncols=len(marks), borderaxespad=0.9)

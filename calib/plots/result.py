@@ -86,8 +86,5 @@ def read_result(path: Path) -> StoredResult:
     except (ArrowException, TypeError, ValueError) as cause:
         raise InputError(f"holds more than numbers ({cause})", where=path) from cause
     return StoredResult(
-        name=path.stem,
-        digest=hashlib.sha256(data).hexdigest(),
-        values=values,
-        valid=valid,
+        name=path.stem, digest=hashlib.sha256(data).hexdigest(), values=values, valid=valid
     )

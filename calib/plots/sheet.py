@@ -6,16 +6,15 @@
 The legend of a panel is between its title and its axes, where it covers no data.
 """
 
+import io
 import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 
-from calib.plots.style import WIDTH, styled
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from calib.files.write import write_whole
+from calib.plots.style import WIDTH, Axes, Figure, styled
 
 POINTS = 72.0
 """Points to the inch."""
@@ -25,16 +24,17 @@ LETTER = 0.086
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes: ``draw`` fills it, labels and all; ``columns`` entries per legend row."""
+    """One pair of axes: ``draw(ax, *data)`` fills it; ``columns`` entries per row of the legend."""
 
     name: str
     title: str
-    draw: "Callable[[Axes], None]"
+    draw: Callable[..., None]
+    data: tuple[object, ...] = ()
     columns: int = 3
 
-    def fill(self, ax: "Axes") -> float:
+    def fill(self, ax: Axes) -> float:
         """Draw the panel and its legend; returns the height of the legend [pt]."""
-        self.draw(ax)
+        self.draw(ax, *self.data)
         if not ax.get_legend_handles_labels()[1]:
             return 0.0
         legend = ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=self.columns)
@@ -70,7 +70,7 @@ class Sheet:
         """Names of the panels."""
         return tuple(panel.name for panel in self.panels)
 
-    def overview(self) -> "Figure":
+    def overview(self) -> Figure:
         """The page: A4 wide, about 2.5 in per row."""
         from matplotlib.figure import Figure
 
@@ -88,7 +88,7 @@ class Sheet:
             _frame(figure, self, 150)
         return figure
 
-    def figure(self, name: str) -> "Figure":
+    def figure(self, name: str) -> Figure:
         """One panel on its own. Raises KeyError for a name that the sheet does not have."""
         from matplotlib.figure import Figure
 
@@ -101,7 +101,7 @@ class Sheet:
         return figure
 
 
-def _frame(figure: "Figure", sheet: Sheet, width: int) -> None:
+def _frame(figure: Figure, sheet: Sheet, width: int) -> None:
     """Title above and note below, both from the left edge."""
     lines = (sheet.title, *textwrap.wrap(sheet.result, int(figure.get_figwidth() / LETTER)))
     figure.suptitle("\n".join(lines), x=0.012, ha="left")
@@ -109,3 +109,65 @@ def _frame(figure: "Figure", sheet: Sheet, width: int) -> None:
         whole = sheet.note.replace(" %", "\u00a0%")  # no line break between a number and its unit
         text = "\n".join(textwrap.wrap(whole, width))
         figure.supxlabel(text, x=0.012, ha="left", fontsize=7.0, color="#444444")
+
+
+# No time and no version of matplotlib in a file: they would change the bytes.
+METADATA: dict[str, dict[str, Any]] = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None, "Creator": "brake-cal"},
+    ".pdf": {"CreationDate": None, "Producer": "brake-cal", "Creator": "brake-cal"},
+}
+"""Metadata of a file by ending; the keys are the endings that are known."""
+
+ENDINGS = tuple(METADATA)
+
+
+BEGINS = (b"\x89PNG", b"<?xml", b"%PDF")
+"""First bytes of a file by each ending."""
+
+
+def is_picture(data: bytes) -> bool:
+    """Whether the bytes of a file are those of a picture as it is written here."""
+    return data.startswith(BEGINS)
+
+
+def render(figure: Figure, ending: str) -> bytes:
+    """Bytes of one figure as ``.png``, ``.svg`` or ``.pdf``. Raises KeyError for another ending."""
+    with styled():
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format=ending[1:], metadata=METADATA[ending])
+        return buffer.getvalue()
+
+
+def render_pages(figures: list[Figure], done: Callable[[], None] = lambda: None) -> bytes:
+    """Bytes of one PDF with a page for each figure; ``done`` is called after each."""
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    buffer = io.BytesIO()
+    with styled(), PdfPages(buffer, metadata=METADATA[".pdf"]) as pages:
+        for figure in figures:
+            figure.savefig(pages, format="pdf")
+            done()
+    return buffer.getvalue()
+
+
+def save(pages: dict[Path, list[Figure]], done: Callable[[], None] = lambda: None) -> None:
+    """Write each file with its pages; all are drawn before the first is written.
+
+    ``done`` is called after each page is drawn. A file other than a PDF takes one page. Raises
+    KeyError for an unknown ending, ValueError for too many pages, OSError if a file cannot be
+    written.
+    """
+    ready = {path: _content(path, figures, done) for path, figures in pages.items()}
+    for path, content in ready.items():
+        write_whole(path, content)
+
+
+def _content(path: Path, figures: list[Figure], done: Callable[[], None]) -> bytes:
+    ending = path.suffix.lower()
+    if ending == ".pdf":
+        return render_pages(figures, done)
+    (figure,) = figures
+    content = render(figure, ending)
+    done()
+    return content

@@ -1,19 +1,24 @@
 """A simulation, where the truth is known: Figs. 9 to 11, and the error of each torque."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.plots.sheet import Panel, Sheet
 from calib.plots.stop import frame, held, note, pad_estimate, result_of, stop_panels
-from calib.plots.style import BODY, FRONT, LAW, NOMINAL, REAR, TRUTH, Stroke, noisy, smooth, view
+from calib.plots.style import (
+    FRONT,
+    LAW,
+    NOMINAL,
+    REAR,
+    TRUTH,
+    Array,
+    Axes,
+    Stroke,
+    noisy,
+    smooth,
+    view,
+    zero,
+)
 from calib.plots.trace import AxleTrace, StopTrace
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
 
 BASELINE = "gradient_difference"
 """The paper's law with D(eta) for its look-up."""
@@ -41,43 +46,28 @@ def _panels(
     trace: StopTrace, axle: AxleTrace, stroke: Stroke, word: str, number: str
 ) -> tuple[Panel, ...]:
     """The three panels of one axle; ``number`` is that of its torque figure in the paper."""
-    name = word.capitalize()
+    name, of = word.capitalize(), (trace, axle, stroke)
+    left = f"{name} left brake torque"
     return (
-        Panel(
-            f"compensation-{word}",
-            f"{name} pad friction (Fig. 9)",
-            lambda ax: compensation(ax, trace, axle, stroke),
-            columns=2,
-        ),
-        Panel(
-            f"torque-{word}-left",
-            f"{name} left brake torque (Fig. {number})",
-            lambda ax: torque(ax, trace, axle, stroke),
-        ),
-        Panel(
-            f"error-{word}-left",
-            f"{name} left brake torque, error",
-            lambda ax: error(ax, trace, axle, stroke),
-        ),
+        Panel(f"compensation-{word}", f"{name} pad friction (Fig. 9)", compensation, of, 2),
+        Panel(f"torque-{word}-left", f"{left} (Fig. {number})", torque, of),
+        Panel(f"error-{word}-left", f"{left}, error", error, of),
     )
 
 
-def compensation(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
+def compensation(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Fig. 9, one axle: truth, nominal, the estimate with its interval, and the gradient law."""
-    curves = [axle.lower, axle.upper]
-    if BASELINE in axle.baselines:
-        law = held(trace, axle.baselines[BASELINE])
-        ax.plot(trace.time, law, label=r"gradient law on $D(\eta)$", **LAW)
-        curves.append(axle.baselines[BASELINE])
+    law = axle.baselines.get(BASELINE)
+    if law is not None:
+        ax.plot(trace.time, held(trace, law), label=r"gradient law on $D(\eta)$", **LAW)
     pad_estimate(ax, trace, axle, stroke)
-    if axle.true_pad is not None:
-        curves.append(axle.true_pad)
+    curves = [c for c in (axle.lower, axle.upper, law, axle.true_pad) if c is not None]
     nominal = [] if axle.nominal is None else [np.array([axle.nominal])]
     view(ax, *(values[trace.valid] for values in curves), *nominal)
     frame(ax, trace, "pad friction [1]")
 
 
-def torque(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
+def torque(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Figs. 10 and 11: the left wheel's torque, true, with nominal pads and compensated."""
     if axle.nominal_torque is not None:
         noisy(ax, trace.time, 0.5 * axle.nominal_torque, NOMINAL, "uncompensated")
@@ -87,22 +77,23 @@ def torque(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> Non
     frame(ax, trace, "wheel torque [N m]")
 
 
-def error(ax: "Axes", trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
+def error(ax: Axes, trace: StopTrace, axle: AxleTrace, stroke: Stroke) -> None:
     """Error of the torques of the left wheel, at valid samples."""
-    true = axle.true_wheel_torque
+    true, law = axle.true_wheel_torque, axle.baselines.get(BASELINE)
     if true is None:
         return
-    shown = [("compensated", axle.wheel_torque, {**stroke, "linewidth": 1.7})]
-    if BASELINE in axle.baselines:
-        shown.insert(
-            0, ("gradient law", axle.baselines[BASELINE] / axle.pad * axle.wheel_torque, LAW)
-        )
-    if axle.nominal_torque is not None:
-        shown.insert(0, ("uncompensated", 0.5 * axle.nominal_torque, NOMINAL))
-    ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
-    curves = [smooth(trace.time, relative(found, true, trace)) for _, found, _ in shown]
-    for curve, (label, _, line) in zip(curves, shown, strict=True):
-        ax.plot(trace.time, curve, label=label, **line)
+    nominal = None if axle.nominal_torque is None else 0.5 * axle.nominal_torque
+    by_law = None if law is None else law / axle.pad * axle.wheel_torque
+    zero(ax)
+    curves = []
+    for found, line, label in (
+        (nominal, NOMINAL, "uncompensated"),
+        (by_law, LAW, "gradient law"),
+        (axle.wheel_torque, {**stroke, "linewidth": 1.7}, "compensated"),
+    ):
+        if found is not None:
+            curves.append(smooth(trace.time, relative(found, true, trace)))
+            ax.plot(trace.time, curves[-1], label=label, **line)
     view(ax, *curves, zero=True)
     frame(ax, trace, "torque error [%]")
 

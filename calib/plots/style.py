@@ -5,7 +5,7 @@ differs as well, for prints in grey. Measured values are drawn twice: thin witho
 as their mean over 0.1 s.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,10 @@ from calib.logs.clock import step_of
 from calib.signals.filters import centred_mean
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from matplotlib.axes import Axes as Axes
+    from matplotlib.figure import Figure as Figure
+else:
+    Axes = Figure = "of matplotlib, which is imported when something is drawn"
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -24,6 +27,9 @@ Stroke = dict[str, Any]
 
 WIDTH = 8.27
 """Width of a page [in]: A4."""
+
+BAR = 1e5
+"""Pressures are drawn in bar [Pa]."""
 
 DASHED, DOTTED, DASH_DOT, LONG = (0, (4, 1.6)), (0, (1, 1.4)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2))
 
@@ -35,6 +41,12 @@ NOMINAL: Stroke = {"color": "#7A7A7A", "linestyle": DASH_DOT}
 LAW: Stroke = {"color": "#CC79A7", "linestyle": LONG}
 LEVEL: Stroke = {"color": "#009E73", "linestyle": DASHED}
 IDENTIFIED: Stroke = {"color": "#009E73", "linestyle": "-"}
+WHEEL_STROKES: dict[str, Stroke] = {
+    "fl": FRONT,
+    "fr": {"color": "#56B4E9", "linestyle": DASH_DOT},
+    "rl": REAR,
+    "rr": {"color": "#E69F00", "linestyle": DOTTED},
+}
 
 SHADE = "#E9E9E9"
 STRIPE = "#B0B0B0"
@@ -92,7 +104,7 @@ def styled() -> Iterator[None]:
 
 
 def noisy(
-    ax: "Axes", time: Array, values: Array, stroke: Stroke, label: str, window: float = MEAN
+    ax: Axes, time: Array, values: Array, stroke: Stroke, label: str, window: float = MEAN
 ) -> None:
     """Draw a measured line: thin without smoothing, thick as centred mean over ``window`` [s]."""
     ax.plot(time, values, color=stroke["color"], linewidth=0.5, alpha=RAW)
@@ -108,23 +120,56 @@ def smooth(time: Array, values: Array, window: float = MEAN) -> Array:
     return np.where(known, total / np.where(known, weight, 1.0), np.nan)
 
 
-def band(ax: "Axes", x: Array, lower: Array, upper: Array, stroke: Stroke) -> None:
+def lines(
+    ax: Axes,
+    time: Array,
+    rows: Sequence[tuple[Array | None, Stroke, str]],
+    window: float = MEAN,
+    where: Mask | None = None,
+) -> None:
+    """Draw measured lines, and set the y range to their means and zero, ``where`` it is true.
+
+    A row is values, stroke and label; one without values is not drawn.
+    """
+    shown = []
+    for values, stroke, label in rows:
+        if values is not None:
+            noisy(ax, time, values, stroke, label, window)
+            mean = smooth(time, values, window)
+            shown.append(mean if where is None else mean[where])
+    view(ax, *shown, zero=True)
+
+
+def band(ax: Axes, x: Array, lower: Array, upper: Array, stroke: Stroke) -> None:
     """Draw a 95 % band behind its line."""
     ax.fill_between(x, lower, upper, color=stroke["color"], alpha=BAND, linewidth=0.0, zorder=1)
 
 
-def shade(ax: "Axes", x: Array, where: Mask) -> None:
+def shade(ax: Axes, x: Array, where: Mask) -> None:
     """Shade the whole height of ``ax`` where the mask is true."""
     across = ax.get_xaxis_transform()
     ax.fill_between(x, 0.0, 1.0, where=where, transform=across, color=SHADE, lw=0.0, zorder=0)
 
 
-def stripe(ax: "Axes", start: float, end: float) -> None:
+def stripe(ax: Axes, start: float, end: float) -> None:
     """Hatch the whole height of ``ax`` between two places."""
     ax.axvspan(start, end, facecolor="none", edgecolor=STRIPE, hatch="////", lw=0.0)
 
 
-def view(ax: "Axes", *values: Array, zero: bool = False, margin: float = 0.12) -> None:
+def beside(
+    ax: Axes, text: str, at: tuple[float, float], off: tuple[float, float], **look: Any
+) -> None:
+    """Write ``text`` beside the point ``at``, ``off`` by so many points."""
+    look = {"fontsize": 7.0, **look}
+    ax.annotate(text, at, xytext=off, textcoords="offset points", **look)
+
+
+def zero(ax: Axes) -> None:
+    """Draw the line of zero."""
+    ax.axhline(0.0, color=BODY["color"], linewidth=0.6)
+
+
+def view(ax: Axes, *values: Array, zero: bool = False, margin: float = 0.12) -> None:
     """Set the y range to all finite ``values``; other lines of the axis do not change it.
 
     ``zero`` includes zero. Without a finite value the axis stays unchanged.

@@ -3,29 +3,26 @@
 Values that the source does not have are None or empty, and are not drawn.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calib.estimation.axle_estimate import AxleEstimate
 from calib.estimation.estimator import Estimate
 from calib.estimation.plan import calibrated, known_resistance
 from calib.logs.log import Log
 from calib.messages.plain import plus_minus
-from calib.names import WHEELS
+from calib.names import AXLE_NAMES, WHEELS
 from calib.physics import forces
 from calib.physics.balance import force_balance
 from calib.physics.braking import BITE
 from calib.physics.vehicle import Axle, Vehicle
 from calib.plots.result import StoredResult
-from calib.plots.verdict import verdict_of, warned
+from calib.plots.style import Array, Mask
 from calib.table.budget import AxleBudget
 from calib.table.table import Table
-from calib.validation.validate import Validation
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from calib.validation.limits import Judgement
+from calib.validation.validate import CALIBRATION, Validation
 
 
 @dataclass(frozen=True)
@@ -52,17 +49,6 @@ class AxleTrace:
     true_wheel_torque: Array | None = None
 
 
-@dataclass(frozen=True)
-class AxlePads:
-    """Mean pad friction of the valid samples, half width of their median 95 % interval [1]."""
-
-    mean: float
-    half: float
-
-    def __str__(self) -> str:
-        return plus_minus(self.mean, self.half)
-
-
 OF_TABLE, OF_VEHICLE = "of the table", "of the vehicle file"
 """Whose pads the nominal ones are."""
 
@@ -76,8 +62,8 @@ class StopTrace:
     ``force_sum`` force of tyres and air with the compensated pads, ``force_sum_nominal`` with the
     nominal ones, ``inertia`` M z g, all [N]; ``changes`` of surface and begin and end of
     ``bumps`` [s]; ``notes`` in words.
-    ``refused`` where the estimate cannot be used, by reason, (n,) each; ``pads`` what is said of
-    both axles, with the half width of the 95 % interval, [1], None where nothing is valid;
+    ``refused`` where the estimate cannot be used, by reason, (n,) each; ``pads`` of both axles in
+    words, mean and half width of the 95 % interval [1], None where nothing is valid;
     ``verdict`` in words, empty where none was given; ``nominal_of`` says whose the nominal
     pads are: of the table, as found on its ramp, unless a vehicle file was given.
     """
@@ -99,7 +85,7 @@ class StopTrace:
     notes: tuple[str, ...] = ()
     budget: tuple[AxleBudget, AxleBudget] | None = None
     refused: dict[str, Mask] = field(default_factory=dict)
-    pads: tuple[AxlePads | None, AxlePads | None] = (None, None)
+    pads: tuple[str | None, str | None] = (None, None)
     verdict: str = ""
     nominal_of: str = OF_VEHICLE
 
@@ -152,38 +138,37 @@ NOT_BRAKED = "the brakes are released"
 """The reason beside those of the estimator."""
 
 
-def _pads_of(figures: dict[str, float | None], side: str) -> AxlePads | None:
+def _pads_of(figures: dict[str, float | None], side: str) -> str | None:
     mean, width = figures[f"pad_friction_{side}"], figures[f"interval_{side}"]
-    return None if mean is None or width is None else AxlePads(mean, mean * width)
+    return None if mean is None or width is None else plus_minus(mean, mean * width)
 
 
 def from_result(result: StoredResult, vehicle: Vehicle | None = None) -> StopTrace:
     """Trace of a stored result; ``vehicle`` adds the sum of forces and the nominal pads."""
-    front = _stored_axle(result, "f", vehicle.front if vehicle else None)
-    rear = _stored_axle(result, "r", vehicle.rear if vehicle else None)
-    total = _force_sum(vehicle, result["z"], front, rear) if vehicle else None
-    return StopTrace(
+    trace = StopTrace(
         name=result.name,
         time=result["time"],
         z=result["z"],
         eta=result["eta"],
-        front=front,
-        rear=rear,
+        front=_stored_axle(result, "f", vehicle),
+        rear=_stored_axle(result, "r", vehicle),
         valid=result.valid,
-        force_sum=total,
-        force_sum_nominal=None
-        if total is None or vehicle is None
-        else total + _nominal_excess(vehicle, front, rear),
-        inertia=None if vehicle is None else vehicle.weight * result["z"],
-        notes=(
-            f"Result {result.name}, digest {result.digest[:16]}.",
-            *(("The sum of forces is without air drag.",) if vehicle else ()),
-        ),
+        notes=(f"Result {result.name}, digest {result.digest[:16]}.",),
         pads=(_mean_pads(result, "f"), _mean_pads(result, "r")),
+    )
+    if vehicle is None:
+        return trace
+    total = _force_sum(vehicle, trace.z, trace.front, trace.rear)
+    return replace(
+        trace,
+        force_sum=total,
+        force_sum_nominal=total + _nominal_excess(vehicle, trace.front, trace.rear),
+        inertia=vehicle.weight * trace.z,
+        notes=(*trace.notes, "The sum of forces is without air drag."),
     )
 
 
-def _mean_pads(result: StoredResult, side: str) -> AxlePads | None:
+def _mean_pads(result: StoredResult, side: str) -> str | None:
     """As the validation counts them; None without a valid sample."""
     held = result.valid
     if not held.any():
@@ -191,7 +176,7 @@ def _mean_pads(result: StoredResult, side: str) -> AxlePads | None:
     mu = result[f"pad_friction_{side}"][held]
     lower, upper = (result[f"pad_friction_{side}_{end}"][held] for end in ("lower", "upper"))
     mean = float(np.mean(mu))
-    return AxlePads(mean, mean * float(np.median(0.5 * (upper - lower) / mu)))
+    return plus_minus(mean, mean * float(np.median(0.5 * (upper - lower) / mu)))
 
 
 def _axle(axle: Axle, found: AxleEstimate, estimate: Estimate, i: int, log: Log) -> AxleTrace:
@@ -232,7 +217,8 @@ def _true_pad(axle: Axle, log: Log, side: str, estimate: Estimate) -> Array | No
     return np.where(biting, pad, np.nan)
 
 
-def _stored_axle(result: StoredResult, side: str, axle: Axle | None) -> AxleTrace:
+def _stored_axle(result: StoredResult, side: str, vehicle: Vehicle | None) -> AxleTrace:
+    axle = vehicle and (vehicle.front if side == "f" else vehicle.rear)
     left, right = (result[f"brake_torque_{side}{hand}"] for hand in "lr")
     pad = result[f"pad_friction_{side}"]
     return AxleTrace(
@@ -261,3 +247,35 @@ def _nominal_excess(vehicle: Vehicle, front: AxleTrace, rear: AxleTrace) -> Arra
         if side.nominal_torque is not None:
             excess = excess + (side.nominal_torque - side.torque) / axle.rolling_radius
     return excess
+
+
+def verdict_of(result: Validation) -> str:
+    """The verdict in words, with what failed: `failed: interval front 0.15, at most 0.14`."""
+    if result.role == CALIBRATION:
+        return "no verdict: the table was fitted on this log"
+    count = len(result.all_warnings)
+    more = f", {count} warning{'s' * (count > 1)}" if count else ""
+    broken = [j for j in result.judgements if j.passed is False]
+    why = "; ".join(f"{_spoken(j.figure)} {_against(j)}" for j in broken)
+    return result.verdict + (f": {why}" if why else "") + more
+
+
+def warned(result: Validation) -> tuple[str, ...]:
+    """The warnings in a sentence, for the note."""
+    names = ", ".join(_spoken(warning.code) for warning in result.all_warnings)
+    return (f"Warnings, which `brake-cal validate` explains: {names}.",) if names else ()
+
+
+def _spoken(figure: str) -> str:
+    """The name of a metric in words."""
+    stem, _, side = figure.rpartition("_")
+    axle = AXLE_NAMES.get(side)
+    return (f"{stem}_{axle}" if axle else figure).replace("_", " ")
+
+
+def _against(judgement: Judgement) -> str:
+    value, low, high = judgement.value, judgement.low, judgement.high
+    if value is None:
+        return "is not known"
+    below = low is not None and value < low
+    return f"{value:.3g}, at least {low:g}" if below else f"{value:.3g}, at most {high:g}"

@@ -3,19 +3,22 @@
 from collections.abc import Sequence
 
 from calib.logs.log import Log
-from calib.messages.plain import plus_minus
+from calib.messages.plain import counted, plus_minus
 from calib.physics.mass import MassUsed
-from calib.plots.measured import measure
+from calib.plots.ramp import measure
 from calib.plots.table import sheet
-from calib.reports.html import drawn, page
+from calib.reports.html import Report, drawn
 from calib.reports.judged import warned
-from calib.reports.origin import PageOrigin, origin_view
+from calib.reports.origin import PageOrigin, where_from
 from calib.store.answer import answer, verdict
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
 from calib.table.effect_figures import effect_figures
 from calib.table.pads_budget import pads_budget
 from calib.table.table import Value
+
+MADE_OF = "What the interval of the pads is made of, as standard deviations; their squares add up."
+CURVES = "The curves that the estimator looks up, with their 95 % bands"
 
 
 def report_html(stored: Stored, ramps: Sequence[Log], mass: MassUsed, origin: PageOrigin) -> str:
@@ -28,48 +31,48 @@ def report_html(stored: Stored, ramps: Sequence[Log], mass: MassUsed, origin: Pa
     budgets = pads_budget(table)
     panels = sheet(table, stored.id, tuple(measure(table, log) for log in ramps))
     of_ramps = [n for n in panels.names if n.startswith(("ramp", "pressure", "forces"))]
-    return page(
-        "fit",
-        title=f"Table {stored.id}",
-        name=stored.id,
-        kind="warning" if table.warnings else "passed",
-        heading=_heading(len(table.warnings)),
-        headline=f"{stored.id} is {verdict(stored)}.",
-        key_figures=[
-            ("front pads", _pads(cal.pad_friction_f)),
-            ("rear pads", _pads(cal.pad_friction_r)),
-            ("of the vehicle file's", f"{100.0 * cal.pad_scale.value:.1f} %"),
-            ("usable up to", f"{found.decelerations[1]:.2f} g"),
-        ],
-        limits=[
-            ("State", stored.state.words),
-            ("Range", found.limit),
-            ("Front pads", budgets[0].words),
-            ("Rear pads", budgets[1].words),
-            ("Next", found.next.replace("`", "")),
-        ],
-        advice=advice_lines(budgets),
-        warnings=[warned(warning) for warning in table.warnings],
-        figures=_figures(stored),
-        curves=drawn(panels, "f1-f2", "difference"),
-        tyre=drawn(panels, "tyre", "torque-distribution"),
-        budget=drawn(panels, "budget"),
-        measured=drawn(panels, *of_ramps) if of_ramps else None,
-        remarks=table.remarks,
-        settings=[(name, f"{value:g}") for name, value in table.provenance.settings.items()],
-        **origin_view(
-            origin,
-            table.vehicle,
-            [(log.role, log.name, log.digest) for log in table.provenance.logs],
-            str(mass),
-        ),
+    count = len(table.warnings)
+    page = Report(
+        f"Table {stored.id}",
+        f"Table {stored.id}",
+        "warning" if count else "passed",
+        f"Fitted, with {counted(count, 'warning')}" if count else "Fitted",
     )
-
-
-def _heading(warnings: int) -> str:
-    if not warnings:
-        return "Fitted"
-    return f"Fitted, with {warnings} warning{'s' * (warnings > 1)}"
+    page.text(f"{stored.id} is {verdict(stored)}.")
+    key_numbers = {
+        "front pads": _pads(cal.pad_friction_f),
+        "rear pads": _pads(cal.pad_friction_r),
+        "of the vehicle file's": f"{100.0 * cal.pad_scale.value:.1f} %",
+        "usable up to": f"{found.decelerations[1]:.2f} g",
+    }
+    page.add("key_numbers", list(key_numbers.items()))
+    page.section("What limits it")
+    page.terms(
+        {
+            "State": stored.state.words,
+            "Range": found.limit,
+            "Front pads": budgets[0].words,
+            "Rear pads": budgets[1].words,
+            "Next": found.next.replace("`", ""),
+        }
+    )
+    page.listing(advice_lines(budgets))
+    page.figure(drawn(panels, "budget"), MADE_OF)
+    page.warnings(map(warned, table.warnings))
+    page.section("Key figures")
+    heads = ("figure", "value", "95 % interval", "unit")
+    page.table("What was estimated, with 95 % intervals.", heads, _figures(stored))
+    page.section("The curves")
+    page.figure(drawn(panels, "f1-f2", "difference"), f"{CURVES}, and the measured points.")
+    tyre = drawn(panels, "tyre", "torque-distribution")
+    page.figure(tyre, "The tyre curve, and the brake torques front against rear.")
+    if of_ramps:
+        page.figure(drawn(panels, *of_ramps), "The ramps of the fit.")
+    page.section("Remarks")
+    page.listing(table.remarks)
+    logs = [(log.role, log.name, log.digest) for log in table.provenance.logs]
+    where_from(page, origin, table, logs, str(mass))
+    return page.html()
 
 
 def _pads(value: Value) -> str:

@@ -11,10 +11,13 @@ from calib.fleet.edges import in_words
 from calib.fleet.outliers import MetricSpread
 from calib.fleet.summary import DRIFT, Look, Outlier, Summary
 from calib.messages.plain import METRICS, NBSP, plain
-from calib.reports.html import Picture, page
+from calib.reports.html import Picture, Report
 
 NAMES = 50
 """Number of logs that stand apart in the page; fleet.json has all."""
+HEADS = (
+    *("metric", "logs", "median", "90 % of the logs", "one more is named", "stand apart", "drift"),
+)
 
 
 def headline(found: Summary) -> str:
@@ -56,45 +59,65 @@ def _drift_tested(found: Summary) -> bool:
 
 def report_html(found: Summary, title: str, pictures: Mapping[str, Picture]) -> str:
     """Return the page; ``pictures`` by name of metric."""
-    told: list[tuple[object, ...]] = []
-    calm: list[tuple[object, ...]] = []
-    for look in _first(found):
-        one = plain(look.metric.name, look.metric.unit)
-        entry = (one.name, look.metric.name, pictures[look.metric.name], described(found, look))
-        (told if look.drifts or look.outlying.any() else calm).append(entry)
-    return page(
-        "fleet",
-        title=f"{title}: fleet",
-        name=title,
-        kind=_kind(found),
-        headline=headline(found),
-        status=[("logs", len(found.logs)), *found.status.items()],
-        errors=[(f.message, f.count, ", ".join(f.logs)) for f in found.failures],
-        copies=[", ".join(group) for group in found.copies],
-        too_few=_too_few(found),
-        apart=len(found.apart),
-        farthest=[
-            (car.log, [reason(found, o) for o in car.reasons]) for car in found.apart[:NAMES]
-        ],
-        overview=[_row(look) for look in found.looks if look.spread.count],
-        told=told,
-        calm=calm,
-        classes=[
-            (
-                plain(s.metric.name).name,
-                ", ".join(f"{_class(text)}: {count}" for text, count in s.counts),
-            )
-            for s in found.shares
-        ],
-        ordered_by=_ordered_by(found),
-        reach=reach(found),
-        share=outliers.SHARE,
-        fewest=outliers.FEWEST,
-        fewest_by_chance=FEWEST_BY_CHANCE,
-        together=round(found.together),
-        drift=DRIFT,
-        rules=RULES,
+    page = Report(f"{title}: fleet", title, _kind(found), "Fleet")
+    page.text(headline(found))
+    page.add("key_numbers", [("logs", len(found.logs)), *found.status.items()])
+    page.section("Errors")
+    errors = [(f.message, f.count, ", ".join(f.logs)) for f in found.failures]
+    page.table("Logs without a result.", ("error", "logs", "such as"), errors, "steps")
+    page.section("Copies: one recording under several names, which counts more than once")
+    page.listing(", ".join(group) for group in found.copies)
+    page.section("Logs that stand apart")
+    apart = found.apart[:NAMES]
+    if apart:
+        more = len(found.apart) - len(apart)
+        rest = f" and {more} more in fleet.json" if more else ""
+        page.text(f"{_count(len(apart), 'log', 'logs')}, the farthest first{rest}.")
+    else:
+        page.text("Too few logs to judge." if _too_few(found) else "None.")
+    page.terms((car.log, "; ".join(reason(found, o) for o in car.reasons)) for car in apart)
+    page.text(reach(found))
+    told = [x for x in _first(found) if x.drifts or x.outlying.any()]
+    calm = [x for x in _first(found) if not (x.drifts or x.outlying.any())]
+    page.section("Metrics to look at")
+    _metrics(page, found, told, pictures)
+    page.section("All metrics")
+    overview = [_row(look) for look in found.looks if look.spread.count]
+    page.table("Every metric that has values.", HEADS, overview)
+    page.text("" if overview else "None.")
+    with page.inside("fold", f"Metrics where nothing stands apart and nothing drifts: {len(calm)}"):
+        _metrics(page, found, calm, pictures)
+    page.section("Other columns")
+    classes = [
+        (plain(s.metric.name).name, ", ".join(f"{_class(text)}: {n}" for text, n in s.counts))
+        for s in found.shares
+    ]
+    page.table("How often.", ("column", "logs"), classes, "steps")
+    page.section("How it was judged")
+    page.text(
+        f"The line is in the order of {_ordered_by(found)}. A log is named by all its metrics at a "
+        f"share of false names of {100 * outliers.SHARE:.0f} %, and none below {outliers.FEWEST} "
+        f"logs; {round(found.together)} of the metrics say new things. Of pages with good cars "
+        "only, at most 8 % are expected to name one, or a drift. At most "
+        f"{100 * DRIFT:.0f} % of the metrics drift by chance."
     )
+    rules = "; ".join(f"{number}: {text}" for number, text in RULES.items())
+    page.text(
+        "In the pictures, dotted: one more log beyond it is named for this metric. Where a metric "
+        "drifts, dashed: three sigma from log to log, and logs that break a Western Electric rule "
+        f"({rules}) are marked: they show where to look and prove nothing."
+    )
+    return page.html()
+
+
+def _metrics(
+    page: Report, found: Summary, looks: list[Look], pictures: Mapping[str, Picture]
+) -> None:
+    for look in looks:
+        name = plain(look.metric.name, look.metric.unit).name
+        page.add("heading", name, look.metric.name)
+        page.figure(pictures[look.metric.name], f"Distribution of {name}, and the logs in order.")
+        page.text(described(found, look))
 
 
 def reach(found: Summary) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from calib.checks.events import BITE, RunEvent
 from calib.logs.whole import Inventory, WholeLog
-from calib.reports.html import page, picture
+from calib.reports.html import Report, picture
 
 HEADS = ("column", "unit", "lowest", "highest", "rate [Hz]", "values", "gaps")
 
@@ -14,20 +14,23 @@ def log_html(
 ) -> str:
     """Return the page; ``drawn`` the picture as PNG."""
     time = log.time
-    return page(
-        "log",
-        title=f"Log {log.name}",
-        facts=[
-            ("file", log.source),
-            ("SHA-256", log.digest),
-            ("time", f"{time[0]:g} to {time[-1]:g} s, {time.size} rows"),
-        ],
-        picture=picture(drawn, "png", "zoom-channels"),
-        events=[event_cells(event) for event in events],
-        heads=HEADS,
-        columns=[cells(column) for column in columns],
-        notes=log.notes,
-    )
+    page = Report(f"Log {log.name}", f"Log {log.name}")
+    span = f"{time[0]:g} to {time[-1]:g} s, {time.size} rows"
+    page.terms({"file": log.source, "SHA-256": log.digest, "time": span})
+    page.section("Columns over time")
+    raw = "Every column of the log, with its events. Nothing is filtered, zeroed or corrected."
+    page.figure(picture(drawn, "png", "zoom-channels"), raw)
+    page.section("Events")
+    times = [event_cells(event) for event in events]
+    page.table("Events in order of time.", ("event", "time", "length"), times)
+    if not times:
+        page.text("None: they need a_x and the four wheel speeds, with a value in every row.")
+    page.section("Columns")
+    page.table("What is in each column.", HEADS, map(cells, columns))
+    if log.notes:
+        page.add("heading", "What was changed or left out")
+    page.listing(log.notes)
+    return page.html()
 
 
 def cells(column: Inventory) -> tuple[str, ...]:

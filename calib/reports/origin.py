@@ -9,6 +9,8 @@ from pathlib import Path
 from calib.files.digest import file_digest
 from calib.physics.vehicle import Axle, Vehicle
 from calib.program import PROGRAM
+from calib.reports.html import Report
+from calib.table.table import Table
 
 PACKAGES = ("numpy", "scipy", "matplotlib")
 """Packages that compute and draw."""
@@ -28,19 +30,26 @@ def origin_of(date: str, files: Mapping[str, Path | None]) -> PageOrigin:
     return PageOrigin(date, tuple(given))
 
 
-def origin_view(
-    origin: PageOrigin, vehicle: Vehicle, logs: Iterable[tuple[str, str, str]], mass: str
-) -> dict[str, object]:
-    """What the template `origin.html.j2` shows; ``logs`` (role, name, SHA-256)."""
-    return {
-        "made": [
-            ("Date", origin.date),
-            ("Program", PROGRAM),
-            ("Runs on", f"Python {platform.python_version()}, " + ", ".join(_packages())),
-        ],
-        "inputs": [(name, role, digest) for role, name, digest in (*logs, *origin.files)],
-        "vehicle": [("Name", vehicle.name), ("Mass", mass), *_vehicle(vehicle)],
-    }
+def where_from(
+    page: Report, origin: PageOrigin, table: Table, logs: Iterable[tuple[str, str, str]], mass: str
+) -> None:
+    """The last section of a page; ``logs`` (role, name, SHA-256)."""
+    runs_on = f"Python {platform.python_version()}, " + ", ".join(_packages())
+    inputs = [(name, role, digest) for role, name, digest in (*logs, *origin.files)]
+    page.section("Where it comes from")
+    page.terms({"Date": origin.date, "Program": PROGRAM, "Runs on": runs_on})
+    heads = ("file", "role", "SHA-256")
+    page.table("Inputs, with the SHA-256 of their bytes.", heads, inputs, "digests stack")
+    with page.inside("fold", "The vehicle"):
+        page.terms([("Name", table.vehicle.name), ("Mass", mass), *_vehicle(table.vehicle)])
+    settings_of(page, table)
+
+
+def settings_of(page: Report, table: Table) -> None:
+    """The settings of the fit of ``table``, shown on demand."""
+    settings = [(name, f"{value:g}") for name, value in table.provenance.settings.items()]
+    with page.inside("fold", "Settings"):
+        page.table("Settings, in SI.", ("setting", "value"), settings)
 
 
 def _packages() -> list[str]:

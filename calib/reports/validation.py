@@ -1,20 +1,20 @@
 """The report of a validation: the verdict, what limits it, and a section for each stop."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from calib.messages.plain import plain, plus_minus, signed_percent
 from calib.plots.sheet import Panel, Sheet
-from calib.plots.station import pads_over_time
+from calib.plots.stop import pads_over_time
 from calib.plots.stop import sheet as stop_sheet
 from calib.plots.trace import StopTrace
-from calib.reports.html import drawn, page
-from calib.reports.judged import row, sorted_rows, warned
-from calib.reports.origin import PageOrigin, origin_view
+from calib.reports.html import Report, drawn
+from calib.reports.judged import judged_rows, row, sorted_rows, warned
+from calib.reports.origin import PageOrigin, where_from
 from calib.store.version import Stored
 from calib.table.budget import advice_lines
 from calib.table.table import Table
 from calib.validation import words
-from calib.validation.limits import NOT_KNOWN
 from calib.validation.validate import (
     CALIBRATION,
     NO_HOLDOUT,
@@ -22,6 +22,7 @@ from calib.validation.validate import (
     all_warnings,
 )
 
+BY_STOP = "Stop by stop: pads with 95 % intervals, their change since the ramp, and the verdict."
 PANELS = ("deceleration", "axle-torques")
 """Panels of a stop that are shown beside its pads, where the stop has them."""
 
@@ -37,35 +38,35 @@ def report_html(
     warnings = all_warnings(table.warnings, found)
     truth = any(result.figures["torque_error_f"] is not None for result in found)
     failed = not all(result.passed for result in found)
-    return page(
-        "validation",
-        title=f"Validation of {stored.id}",
-        name=stored.id,
-        kind="failed" if failed else "warning" if warnings else "passed",
-        heading="Failed" if failed else "Passed with warnings" if warnings else "Passed",
-        headline=_sentence(words.outcome(stored, found)),
-        identity=[
-            ("Table", f"{stored.id}, {stored.state.why}"),
-            ("SHA-256", stored.digest),
-            ("Vehicle", table.vehicle.name),
-            ("Mass", str(found[0].mass)),
-            ("Date", origin.date),
-        ],
-        limits=_limits(found),
-        advice=advice_lines(of for result in found for of in result.limiting or ()),
-        warnings=[warned(warning) for warning in warnings],
-        figure_heads=["stop", *HEADS, *(TRUTH if truth else ()), "verdict"],
-        figures=[_figures(result, table, truth) for result in found],
-        figure_kinds=[_kind(result) for result in found],
-        stops=[_stop(i, *pair) for i, pair in enumerate(zip(found, traces, strict=True), 1)],
-        settings=[(name, f"{value:g}") for name, value in table.provenance.settings.items()],
-        **origin_view(
-            origin,
-            table.vehicle,
-            [(r.role, r.log, r.digest) for r in found],
-            str(found[0].mass),
-        ),
+    page = Report(
+        f"Validation of {stored.id}",
+        f"Validation of {stored.id}",
+        "failed" if failed else "warning" if warnings else "passed",
+        "Failed" if failed else "Passed with warnings" if warnings else "Passed",
     )
+    page.text(_sentence(words.outcome(stored, found)))
+    page.terms(
+        {
+            "Table": f"{stored.id}, {stored.state.why}",
+            "SHA-256": stored.digest,
+            "Vehicle": table.vehicle.name,
+            "Mass": str(found[0].mass),
+            "Date": origin.date,
+        }
+    )
+    page.section("What limits it")
+    page.terms(_limits(found))
+    page.listing(advice_lines(of for result in found for of in result.limiting or ()))
+    page.warnings(map(warned, warnings))
+    page.section("Key figures")
+    heads = ("stop", *HEADS, *(TRUTH if truth else ()), "verdict")
+    rows = [_figures(result, table, truth) for result in found]
+    page.table(BY_STOP, heads, rows, "checks", [_kind(result) for result in found])
+    for i, pair in enumerate(zip(found, traces, strict=True), 1):
+        _stop(page, i, *pair)
+    logs = [(r.role, r.log, r.digest) for r in found]
+    where_from(page, origin, table, logs, str(found[0].mass))
+    return page.html()
 
 
 def _sentence(text: str) -> str:
@@ -114,39 +115,31 @@ def _pads(mu: float | None, width: float | None) -> str:
     return plus_minus(mu, mu * width)
 
 
-def _stop(number: int, result: Validation, trace: StopTrace) -> dict[str, object]:
-    """One stop: judged metrics, the others, its picture, and what is to be said."""
+def _stop(page: Report, number: int, result: Validation, trace: StopTrace) -> None:
+    """The section of one stop: judged metrics, the others, its picture, what is to be said."""
     rows = sorted_rows([row([j]) for j in result.judgements])
-    judged, f = {j.figure for j in result.judgements}, result.figures
+    given, name = {j.figure for j in result.judgements}, result.log
+    page.section(f"{name}: {words.word(result)}", kind=_kind(result))
+    for sentence in [] if result.role == CALIBRATION else words.sentences(result):
+        page.text(_sentence(sentence))
+    judged_rows(page, f"Limits of {name}, the worst first.", rows)
     panels = _sheet(number, result, trace)
-    notes = list(result.estimate.notes)
-    notes += [f"the surface changed at {t:.2f} s" for t in result.estimate.split.changes]
-    return {
-        "name": result.log,
-        "kind": _kind(result),
-        "word": words.word(result),
-        "said": [] if result.role == CALIBRATION else map(_sentence, words.sentences(result)),
-        "judged": [one for one in rows if one.verdict != NOT_KNOWN],
-        "unknown": [one.name for one in rows if one.verdict == NOT_KNOWN],
-        "others": [
-            (plain(name).name, plain(name).with_unit(value), name)
-            for name, value in result.figures.items()
-            if name not in judged and value is not None
-        ],
-        "picture": drawn(panels, *panels.names),
-        "alt": f"Pads over time, deceleration and torques of {result.log}. Mean pad friction: "
-        + ", ".join(_pads(f[f"pad_friction_{x}"], f[f"interval_{x}"]) for x in "fr"),
-        "notes": notes,
-    }
+    caption = f"{name}: pad friction with its 95 % band, deceleration, torques; grey: not valid."
+    page.figure(drawn(panels, *panels.names), caption)
+    changes = [f"the surface changed at {t:.2f} s" for t in result.estimate.split.changes]
+    page.listing([*result.estimate.notes, *changes])
+    others = [
+        (plain(key).name, plain(key).with_unit(value), key)
+        for key, value in result.figures.items()
+        if key not in given and value is not None
+    ]
+    with page.inside("fold", "Metrics that are not judged"):
+        page.table(f"Metrics of {name} without a limit.", ("metric", "value", "key"), others)
 
 
 def _sheet(number: int, result: Validation, trace: StopTrace) -> Sheet:
     """Pads over time, and the panels of the stop; names are unique in the page."""
-    pads = Panel(f"pads-{number}", "Pad friction", lambda ax: pads_over_time(ax, result), 2)
-    others = [
-        Panel(f"{p.name}-{number}", p.title, p.draw, p.columns)
-        for p in stop_sheet(trace).panels
-        if p.name in PANELS
-    ]
-    panels = (pads, *others)
+    pads = Panel(f"pads-{number}", "Pad friction", pads_over_time, (result,), 2)
+    taken = [p for p in stop_sheet(trace).panels if p.name in PANELS]
+    panels = (pads, *(replace(p, name=f"{p.name}-{number}") for p in taken))
     return Sheet("stop", result.log, "", "", panels, tuple((p.name,) for p in panels))

@@ -7,7 +7,7 @@ from calib.logs.log import Log
 from calib.logs.read import read_log
 from calib.physics.vehicle_file import read_vehicle
 from calib.plots import compare, log, simulation, stop, table
-from calib.plots.measured import measure
+from calib.plots.ramp import measure
 from calib.plots.trace import StopTrace, from_validation
 from calib.table.table import Table
 from calib.validation.limits import DEFAULTS

@@ -6,7 +6,7 @@ import pytest
 from calib.fleet.results import open_fleet
 from calib.fleet.summary import summarise
 from calib.plots.fleet import distribution, in_order, picture_name, sheet, window
-from calib.plots.save import render
+from calib.plots.sheet import render
 from tests.support.fleet_results import results
 from tests.support.plot_lines import axes, labels, line
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from calib.plots import stop
+from calib.plots.stop import validity
 from calib.plots.style import FRONT
 from calib.plots.trace import from_validation
 from calib.validation.limits import DEFAULTS
@@ -151,9 +152,22 @@ def test_other_methods_are_drawn_only_where_they_are_asked_for(sedan, transition
 def test_the_title_has_verdict_and_pads(trace):
     front, rear = trace.pads
     mean = float(np.mean(trace.front.pad[trace.valid]))
-    assert front.mean == pytest.approx(mean, rel=1e-3)
+    assert float(front.partition("\u00a0")[0]) == pytest.approx(mean, abs=0.002)
     assert stop.sheet(trace).result == (
         f"{trace.verdict.capitalize()}; pad friction front {front}, rear {rear} (95 %)"
     )
     unknown = stop.sheet(replace(trace, pads=(None, None), verdict=""))
     assert unknown.result == "Pad friction front none, rear none (95 %)"
+
+
+def test_each_reason_has_its_spans(trace):
+    ax = axes()
+    time = np.arange(0.0, 10.0, 0.01)
+    late, slow = time > 8.0, time > 9.0
+    validity(ax, replace(trace, time=time, valid=~late, refused={"a": late, "slow": slow}))
+    assert [text.get_text() for text in ax.texts] == [" valid: 8.0 s", " a: 2.0 s", " slow: 1.0 s"]
+    ends = [
+        (bar.get_paths()[0].vertices[:, 0].min(), bar.get_paths()[0].vertices[:, 0].max())
+        for bar in ax.collections
+    ]
+    assert np.allclose(ends, [(0.0, 8.0), (8.0, 10.0), (9.0, 10.0)], atol=0.011)

@@ -49,7 +49,7 @@ def test_a_named_cause_has_its_card_its_numbers_and_its_rivals(named):
 def test_warnings_of_the_logs_are_on_the_page_and_in_the_document(named):
     warning = PlausibilityWarning("pressure_zero", MARKUP, 0.8, (-0.5, 0.5), ("the zero",), "zero")
     warned = replace(named, warnings=(warning,))
-    (row,) = rows(read(warned), "What speaks against the logs")
+    (row,) = rows(read(warned), "What speaks against the result")
     assert row == [f"{MARKUP}: pressure zero", "0.8 bar; expected -0.5 to 0.5", "the zero", "zero"]
     assert "Warnings" not in texts(read(named), "//h2")
     (said,) = to_dict(warned)["warnings"]

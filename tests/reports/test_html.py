@@ -87,7 +87,7 @@ def test_a_page_names_its_language_and_fetches_nothing():
 
 def test_a_value_that_is_not_given_is_an_error_and_no_hole_in_the_page():
     with pytest.raises(UndefinedError, match="title"):
-        page("station")
+        page("report")
 
 
 def test_a_page_is_known_as_one_and_no_other():

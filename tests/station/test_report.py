@@ -5,12 +5,13 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
-from calib.station.report import report_html
+from calib.station.report import report_html, sheet
 from calib.station.words import in_full
 from tests.support.browser import BROWSER, Browser
-from tests.support.station_run import MARKUP
+from tests.support.station_run import MARKUP, failed_car
 
 needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium here; apt install chromium")
 
@@ -167,3 +168,41 @@ CONTRAST = """
 def test_contrast_is_4_5_to_1_or_better(browser, page, dark):
     browser.open(page, dark=dark)
     assert browser.ask(CONTRAST) >= 4.5
+
+
+@pytest.fixture(scope="module")
+def failed():
+    return failed_car()
+
+
+def axes_of(sheet, name):
+    return sheet.figure(name).axes[0]
+
+
+def test_the_points_are_the_pads_of_the_stops(failed):
+    ax = axes_of(sheet(failed.table, failed.results), "pads")
+    points = {c.get_label(): c[0].get_xydata()[:, 1] for c in ax.containers}
+    assert np.allclose(points["front, stop"], [r.figures["pad_friction_f"] for r in failed.results])
+    assert np.allclose(points["rear, stop"], [r.figures["pad_friction_r"] for r in failed.results])
+
+
+def test_a_name_with_a_dollar_is_drawn_as_text(failed):
+    ax = axes_of(sheet(failed.table, failed.results), "stop-1")
+    assert ax.get_title(loc="left").count(r"\$") == 1
+
+
+def test_a_line_ends_where_the_estimate_is_not_valid(failed):
+    drawn = sheet(failed.table, failed.results)
+    line = axes_of(drawn, "stop-2").get_lines()[0].get_ydata()
+    valid = failed.results[1].estimate.valid[::5]
+    assert np.array_equal(np.isfinite(line), valid)
+
+
+def test_no_band_is_drawn_where_the_estimate_is_not_valid(failed):
+    ax = axes_of(sheet(failed.table, failed.results), "stop-2")
+    result = failed.results[1].estimate
+    first = result.time[np.argmax(result.valid)]
+    bands = [one for one in ax.collections if one.get_facecolor()[0][3] < 1.0]
+    assert len(bands) == 2
+    for band in bands:
+        assert band.get_paths()[0].vertices[:, 0].min() >= first

@@ -2,7 +2,7 @@
 
 import pytest
 
-from calib.reports.bar import bar
+from calib.reports.judged import bar
 
 
 def test_a_range_with_a_warning_inside():
