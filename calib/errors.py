@@ -72,7 +72,7 @@ class BrakeCalError(Exception):
         return "_".join(words).lower()
 
     def to_dict(self) -> dict[str, object]:
-        """The error as plain data, see `calib.documents.error_file`."""
+        """The error as plain data, see `calib.documents.schema`."""
         return {
             "kind": self.kind,
             "message": str(self),

@@ -1,4 +1,4 @@
-"""Errors as JSON, see `calib.documents.error_file`."""
+"""Errors as JSON, see `calib.documents.schema`."""
 
 from typing import Any
 

@@ -28,8 +28,7 @@ def ready_folder(out: Path | None, names: Iterable[str] = ()) -> None:
 
     ``names`` of files that will be written there: a folder in the place of one is refused, too.
     """
-    from calib.files.intent import refuse_obstacles
-    from calib.files.publish import settle
+    from calib.files.publish import refuse_obstacles, settle
 
     if out is None:
         return

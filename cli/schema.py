@@ -114,7 +114,7 @@ def _vehicle_facts() -> "type[Section]":
 
 
 def _error() -> "type[Section]":
-    from calib.documents.error_file import ErrorFile
+    from calib.documents.schema import ErrorFile
 
     return ErrorFile
 

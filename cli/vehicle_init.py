@@ -98,7 +98,7 @@ def _asked() -> Mapping[str, str]:
 def _one(key: "VehicleKey", before: Mapping[str, str]) -> str:
     """One answer; what cannot be used is asked again."""
     from calib.errors import VehicleError
-    from calib.vehicles.answer import answered, default_of
+    from calib.vehicles.template import answered, default_of
 
     label = f"{key.name} in {key.unit}" if key.unit not in ("", "1") else key.name
     while True:

@@ -69,6 +69,27 @@ class FileSchema(Section):
     schema_version: Annotated[Literal[1], BeforeValidator(_number)] = Field(alias="schema")
 
 
+class ErrorSection(Section):
+    """The error."""
+
+    kind: Annotated[
+        str, Field(description="usage, log, vehicle, limits, store, table_not_found and so on")
+    ]
+    message: Annotated[str, Field(description="the whole message, as on stderr")]
+    exit_code: Annotated[int, Field(ge=1, le=255)]
+    what: Annotated[str, Field(description="what was wrong, and what was given")]
+    where: Annotated[str, Field(description="file, channel, key or option; empty if there is none")]
+    expected: Annotated[str, Field(description="what is valid; may be empty")]
+    do: Annotated[str, Field(description="the next step; may be empty")]
+    lines: Annotated[list[str], Field(description="each mistake, where a file has several")]
+
+
+class ErrorFile(FileSchema):
+    """The document that a command with --json prints where it ends with an error."""
+
+    error: ErrorSection
+
+
 class ByName(Section):
     """A table whose keys are all optional; `entries` are in the order of the file."""
 

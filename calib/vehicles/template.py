@@ -1,4 +1,4 @@
-"""A vehicle file with a comment on every key, ready to be edited.
+"""A vehicle file with a comment on every key, ready to be edited, from answers to questions.
 
 # mass M_v of the car as driven ...
 # measure: weigh it ready to drive ...
@@ -6,12 +6,15 @@
 mass = "1744 kg"
 """
 
+import re
 import textwrap
 from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from calib.vehicles.keys import KEYS, VehicleKey
+from calib.documents.toml import NUMBER
+from calib.errors import InputError, VehicleError
+from calib.vehicles.keys import FRONT, KEYS, REAR, VehicleKey
 
 if TYPE_CHECKING:
     from tomlkit import TOMLDocument
@@ -78,3 +81,31 @@ def _written(key: VehicleKey, value: str) -> str | int | float:
     except ValueError:  # a percentage
         return value
     return int(number) if number == int(number) else number
+
+
+def answered(key: VehicleKey, typed: str) -> str:
+    """The value as it stands in the file; a number without a unit gets that of the key.
+
+    Raises VehicleError for what a vehicle file could not hold, with what was expected.
+    """
+    from calib.physics.vehicle_file import refuse_value
+
+    text = typed.strip()
+    if key.unit and "," in text:
+        raise VehicleError(f"{text!r} has a comma", expected=f"a decimal point: {key.example}")
+    bare = re.fullmatch(NUMBER, text) is not None
+    value = f"{text} {key.unit}" if bare and key.unit not in ("", "1") else text
+    try:
+        refuse_value(key.section, key.name, value)
+    except InputError as error:
+        expected = error.expected or f"a value such as {key.example}"
+        do = f"usual: {key.usual}" if key.unit else ""
+        raise VehicleError(error.what, expected=expected, do=do) from error
+    return value
+
+
+def default_of(key: VehicleKey, before: Mapping[str, str]) -> str:
+    """The value that Enter takes: for the rear wheel that of the front one, else the example."""
+    same = f"{FRONT}.{key.name}"
+    alike = key.section == REAR and key.name in ("rolling_radius", "friction_faces", "pad_friction")
+    return before[same] if alike else key.example

@@ -5,8 +5,7 @@ import json
 import jsonschema
 import pytest
 
-from calib.documents.error_file import ErrorFile
-from calib.documents.schema import json_schema
+from calib.documents.schema import ErrorFile, json_schema
 from calib.errors import BrakeCalError, InputError, StoreError
 from calib.store.store import Store
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from calib.files.intent import INTENT
-from calib.files.publish import publish, settle, workshop
+from calib.files.publish import INTENT, publish, settle, workshop
 from calib.files.write import write_whole
 
 VERDICT = "verdict.json"
@@ -108,8 +107,8 @@ def test_a_kill_while_the_next_start_settles_is_settled_by_the_one_after(tmp_pat
         out = tmp_path / str(step)
         run(out, "old", "1")
         with monkeypatch.context() as dying, suppress(Killed):
-            dying.setattr("calib.files.publish.perform", lambda *_: (_ for _ in ()).throw(Killed))
-            dying.setattr("calib.files.publish.undo", lambda *_: None)
+            dying.setattr("calib.files.publish._perform", lambda *_: (_ for _ in ()).throw(Killed))
+            dying.setattr("calib.files.publish._undo", lambda *_: None)
             dying.setattr("calib.files.publish._delete", lambda *_: None)
             run(out, "new", "2")
         assert (out / INTENT).exists()
@@ -274,7 +273,7 @@ def test_a_disk_that_is_full_at_the_intent(out, monkeypatch):
         raise OSError(28, "No space left on device", str(path))
 
     before = files(out)
-    monkeypatch.setattr("calib.files.intent.write_whole", full)
+    monkeypatch.setattr("calib.files.publish.write_whole", full)
     with pytest.raises(OSError, match="No space"):
         run(out, "new", "2")
     assert files(out) == before

@@ -10,10 +10,9 @@ from calib.errors import VehicleError
 from calib.physics.vehicle import Vehicle
 from calib.physics.vehicle_file import AxleSection, ChassisSection, read_vehicle
 from calib.units import to_si
-from calib.vehicles.answer import answered, default_of
 from calib.vehicles.keys import KEYS, REFERENCE
 from calib.vehicles.plausible import si_unit
-from calib.vehicles.template import vehicle_text
+from calib.vehicles.template import answered, default_of, vehicle_text
 
 SEDAN = Path(__file__).parents[2] / "sample_logs/sedan/vehicle.toml"
 BY_PATH = {key.path: key for key in KEYS}
