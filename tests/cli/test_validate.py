@@ -347,5 +347,5 @@ def test_a_report_has_a_section_for_each_stop(brake_cal, bench):
     assert len(said) == 2
     for line in (*said, ran.out.splitlines()[-1].removeprefix("passed: ").replace("`", "")):
         assert f"{line[0].upper()}{line[1:]}." in text
-    assert [text.count(f"{path.stem}: <span") for path in stops] == [1, 1]
-    assert text.index("What limits it") < text.index("wet: <span") < text.index("Where it comes")
+    assert [text.count(f">{path.stem}: passed") for path in stops] == [1, 1]
+    assert text.index("What limits it") < text.index(">wet: passed") < text.index("Where it comes")
