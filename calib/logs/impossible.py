@@ -22,7 +22,7 @@ from calib.logs.gaps import BRIDGE, ChannelHole, fill_rows
 from calib.logs.source import Array
 from calib.logs.verify import ENDS
 from calib.names import CHANNELS, WHEELS
-from calib.statistics.intervals import QUARTILE
+from calib.statistics.moving_average import noise_of
 from calib.units import from_si
 
 Mask = NDArray[np.bool_]
@@ -159,7 +159,7 @@ def _apart(time: Array, x: Array, possible: Possible) -> Mask:
     A part is impossible above the level of before, and where it is exactly 0; below that level a
     wheel slips, as ABS lets it, and messages that come slowly make it do so in one step.
     """
-    slack = max(LEAST, NOISE * _noise(x)) if np.isfinite(possible.up) else 0.0
+    slack = max(LEAST, NOISE * noise_of(x)) if np.isfinite(possible.up) else 0.0
     change, zero = np.abs(np.diff(x)), x == 0.0
     up, to_zero = _fastest(np.diff(time), slack, possible)
     cuts = np.flatnonzero((change > up) | ((zero[1:] | zero[:-1]) & (change > to_zero))) + 1
@@ -197,11 +197,6 @@ def _dropouts(time: Array, edges: NDArray[np.intp]) -> Mask:
     for begin, end in pairwise(edges[1:-1]):
         mask[begin:end] = time[end] - time[begin - 1] <= BRIDGE
     return mask
-
-
-def _noise(x: Array) -> float:
-    """Standard deviation of a sample, from the median of the second differences."""
-    return float(np.median(np.abs(np.diff(x, 2))) / QUARTILE / np.sqrt(6.0))
 
 
 def _refuse_many(one: Marked, mask: Mask, time: Array, values: Array, where: str) -> None:

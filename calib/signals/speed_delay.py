@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from calib.names import G
 from calib.physics.lag import integral
 from calib.signals.filters import block_mean
-from calib.statistics.intervals import QUARTILE
-from calib.statistics.moving_average import second_differences
+from calib.statistics.moving_average import noise_of, second_differences
 
 Array = NDArray[np.float64]
 
@@ -146,7 +145,7 @@ class _Seen:
         if means.size < 20 or np.min(slowing) > -BRAKES:
             return None
         h = size * step
-        white, walk = (max(_noise(x) ** 2, 1e-12) for x in (means, h * slowing))
+        white, walk = (max(noise_of(x) ** 2, 1e-12) for x in (means, h * slowing))
         usable = (means > 2.0) & (np.abs(slowing) < 1.5 * G)
         usable &= h * np.arange(means.size) >= LATEST
         usable = usable[2:] & usable[1:-1] & usable[:-2]
@@ -194,8 +193,3 @@ class _Seen:
         white = lfilter([1.0], self.average, np.where(self.usable, np.diff(x, 2), 0.0))
         white -= self.begins @ (self.begins.T @ white)
         return np.asarray(white / self.sigma)
-
-
-def _noise(x: Array) -> float:
-    """Standard deviation of a block, from the median of the second differences."""
-    return float(np.median(np.abs(np.diff(x, 2))) / QUARTILE / np.sqrt(6.0))

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from calib.statistics.intervals import QUARTILE
+
 Array = NDArray[np.float64]
 
 
@@ -27,3 +29,8 @@ def moving_average(covariance: Array) -> tuple[Array, float]:
     inside = sorted(roots, key=abs)[: covariance.size - 1]
     average = np.real(np.poly(inside))
     return average, float(np.sqrt(covariance[-1] / average[-1]))
+
+
+def noise_of(x: Array) -> float:
+    """Standard deviation of white noise on a smooth x (n,), by the median second difference."""
+    return float(np.median(np.abs(np.diff(x, 2))) / QUARTILE / np.sqrt(6.0))
